@@ -1,0 +1,1 @@
+"""What to do: the mission and the pushing policy."""

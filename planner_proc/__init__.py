@@ -1,0 +1,1 @@
+"""Where to go: paths for the trunk, planned with OMPL."""

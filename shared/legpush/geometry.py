@@ -1,0 +1,76 @@
+"""Planar poses and rotations: radians, metres, x forward, y left, yaw counter-clockwise."""
+
+from math import atan2, cos, pi, sin
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A pose in the plane of the floor, in the world frame unless its name says otherwise."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+
+    def __matmul__(self, other: "Pose2") -> "Pose2":
+        """Compose: `world_from_a @ a_from_b` is `world_from_b`."""
+        c, s = cos(self.yaw_rad), sin(self.yaw_rad)
+        return Pose2(
+            x_m=self.x_m + c * other.x_m - s * other.y_m,
+            y_m=self.y_m + s * other.x_m + c * other.y_m,
+            yaw_rad=wrap_angle(self.yaw_rad + other.yaw_rad),
+        )
+
+    def inverse(self) -> "Pose2":
+        """`b_from_a` of `a_from_b`."""
+        c, s = cos(self.yaw_rad), sin(self.yaw_rad)
+        return Pose2(
+            x_m=-c * self.x_m - s * self.y_m,
+            y_m=s * self.x_m - c * self.y_m,
+            yaw_rad=wrap_angle(-self.yaw_rad),
+        )
+
+    def xy(self) -> NDArray[np.float64]:
+        """Position, (2,)."""
+        return np.array([self.x_m, self.y_m])
+
+    def apply(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Points given in this pose's frame, (n, 2), in the frame that the pose is given in."""
+        c, s = cos(self.yaw_rad), sin(self.yaw_rad)
+        rotation = np.array([[c, -s], [s, c]])
+        return np.asarray(points, dtype=np.float64) @ rotation.T + self.xy()
+
+
+def wrap_angle(angle_rad: float) -> float:
+    """The same angle in (-pi, pi]."""
+    wrapped = atan2(sin(angle_rad), cos(angle_rad))
+    return pi if wrapped == -pi else wrapped
+
+
+def rectangle_corners(length_m: float, width_m: float) -> NDArray[np.float64]:
+    """Corners of a rectangle about the origin, counter-clockwise from front left, (4, 2)."""
+    x, y = length_m / 2, width_m / 2
+    return np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
+
+
+def rotation_from_rpy(roll_rad: float, pitch_rad: float, yaw_rad: float) -> NDArray[np.float64]:
+    """World-from-body rotation `Rz(yaw) Ry(pitch) Rx(roll)` (Eq. 1), (3, 3)."""
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll_rad, pitch_rad, yaw_rad) for f in (cos, sin))
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def rpy_from_quaternion(quaternion_wxyz: ArrayLike) -> NDArray[np.float64]:
+    """Roll, pitch and yaw of unit quaternions, (..., 4) to (..., 3)."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion_wxyz, dtype=np.float64), -1, 0)
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return np.stack([roll, pitch, yaw], axis=-1)

@@ -1,0 +1,38 @@
+"""The key space: `legpush/v1/<run>/...`, one key per message type and peer."""
+
+from legpush.messages import PROTOCOL_VERSION, Role
+
+
+def prefix(run: str) -> str:
+    """What every key of a run begins with."""
+    return f"legpush/v{PROTOCOL_VERSION}/{run}"
+
+
+def plan_request(run: str, client: str) -> str:
+    """Where `client` asks for plans; `*` for all clients."""
+    return f"{prefix(run)}/plan/{client}/request"
+
+
+def plan_result(run: str, client: str) -> str:
+    """Where the planner answers `client`."""
+    return f"{prefix(run)}/plan/{client}/result"
+
+
+def action(run: str, sim: str) -> str:
+    """Where the simulator named `sim` gets its actions."""
+    return f"{prefix(run)}/sim/{sim}/action"
+
+
+def observation(run: str, sim: str) -> str:
+    """Where the simulator named `sim` answers with observations and refusals."""
+    return f"{prefix(run)}/sim/{sim}/observation"
+
+
+def status(run: str, role: Role | str, name: str) -> str:
+    """Where a process tells people what it is doing."""
+    return f"{prefix(run)}/tap/{role}/{name}/status"
+
+
+def liveliness(run: str, role: Role | str, name: str, incarnation: str) -> str:
+    """Liveliness token of one incarnation of a process; `*` for any."""
+    return f"{prefix(run)}/live/{role}/{name}/{incarnation}"

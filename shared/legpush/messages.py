@@ -1,0 +1,277 @@
+"""Every message of the protocol: one frozen record each, SI units, world frame unless a name says otherwise.
+
+Each travels as a MessagePack map with exactly these fields. A name without a default is required, an unknown one is
+refused, and every number must be finite.
+"""
+
+from typing import Annotated, Final, Literal
+
+from msgspec import Meta, Struct
+
+from legpush.geometry import Pose2
+from legpush.robot import FrontLeg
+from legpush.scenario import PlannerName, Scenario
+
+PROTOCOL_VERSION: Final = 1
+
+Role = Literal["planner", "sim", "agent", "launcher"]
+Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+Count = Annotated[int, Meta(ge=0)]
+Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+MAX_CELLS: Final = 4096 * 4096
+MAX_WAYPOINTS: Final = 100_000
+
+
+class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Who says it, in which run; the first field of every message."""
+
+    protocol: int
+    run: Name
+    role: Role
+    name: Name
+    incarnation: Name
+    """Drawn anew each time the process starts: a restarted peer is another one."""
+    sequence: Count
+    """Counts what this incarnation published under this key, from 0; a gap or a repeat shows loss or duplication."""
+
+
+# -- plan/<client>/request, plan/<client>/result ---------------------------------------------------------------------
+
+
+class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Square cells; row 0 lies at the lowest y, column 0 at the lowest x; outside is occupied."""
+
+    n_columns: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
+    n_rows: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
+    resolution_m: Annotated[float, Meta(gt=0.0)]
+    origin_m: Point2
+    """World position of the lower left corner of cell (0, 0)."""
+    cells: Annotated[bytes, Meta(min_length=1, max_length=MAX_CELLS)]
+    """One byte per cell, row after row: 0 free, 1 occupied."""
+
+
+class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Ask for a path of the trunk that keeps `clearance_m` from every occupied cell."""
+
+    header: Header
+    request_id: Count
+    """Equal ids of one client incarnation are the same request, sent again."""
+    grid: OccupancyGrid
+    start: Pose2
+    goal: Pose2
+    clearance_m: Annotated[float, Meta(gt=0.0)]
+    """Least distance from the trunk centre to anything occupied: the footprint's radius plus the margin."""
+    planner: PlannerName
+    seed: Annotated[int, Meta(ge=0, lt=2**32)]
+    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
+    """Budget; with the seed it makes the answer reproducible, which a wall-clock budget would not."""
+    goal_bias: Unit
+    step_m: Annotated[float, Meta(gt=0.0)]
+    goal_region_m: Annotated[float, Meta(gt=0.0)]
+
+
+PlanStatus = Literal["exact", "approximate", "failed", "invalid"]
+
+
+class Tree(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The search tree, for plots: node i hangs on node `parents[i]`, a root on itself."""
+
+    points_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)]
+    parents: Annotated[tuple[Count, ...], Meta(max_length=MAX_WAYPOINTS)]
+
+
+class PlanResult(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The answer to the `PlanRequest` of `client_incarnation` with this `request_id`."""
+
+    header: Header
+    client_incarnation: Name
+    request_id: Count
+    status: PlanStatus
+    """`exact`: start to goal, collision-free. `approximate`: collision-free, ends short of the goal. `failed`: nothing
+    within the budget. `invalid`: the request itself cannot be met; `reason` says why."""
+    reason: str
+    waypoints: Annotated[tuple[Pose2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
+    """The smoothed path, dense, heading along it; turns on the spot where consecutive positions coincide."""
+    raw_path_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
+    tree: Tree | None = None
+    length_m: float = 0.0
+    min_clearance_m: float = 0.0
+    """Least distance of the smoothed path to anything occupied, measured on the grid's exact cells."""
+    n_iterations: Count = 0
+
+
+# -- sim/<name>/action -----------------------------------------------------------------------------------------------
+
+
+class Reset(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="reset"):
+    """Build the world of a scenario, with the offsets that the seed draws, and stand the robot at its start."""
+
+    scenario: Scenario
+    seed: Annotated[int, Meta(ge=0, lt=2**32)]
+
+
+class Follow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="follow"):
+    """Take this path for the coming `Walk` actions; nothing moves yet."""
+
+    waypoints: Annotated[tuple[Pose2, ...], Meta(min_length=1, max_length=MAX_WAYPOINTS)]
+
+
+class Walk(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="walk"):
+    """One gait cycle along the path: each foot one step."""
+
+
+class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="push"):
+    """One push cycle: a front foot along a Bezier curve into the box and back, then all feet to their markers."""
+
+    w1: Unit
+    w2: Unit
+    """Places of the inner control points on their locus (Eq. 14)."""
+    leg: FrontLeg
+    depth_m: Annotated[float, Meta(ge=0.0, le=0.25)]
+    """How far beyond the face of the box the curve ends (the paper's entry value)."""
+    locus: Literal["swing", "published"] = "swing"
+    """Which half circle `w` runs along: the swing side, theta in [-pi/2, pi/2], or the paper's, [0, pi]."""
+
+
+Motion = Reset | Follow | Walk | Push
+
+
+class Action(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One step of an episode. Step 0 is its `Reset`; steps follow without gaps."""
+
+    header: Header
+    episode: Count
+    step: Count
+    motion: Motion
+    with_trace: bool = False
+    """Return the `Trace` of every tick as well."""
+
+
+# -- sim/<name>/observation ------------------------------------------------------------------------------------------
+
+
+class TrunkState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Pose and velocity of the trunk, world frame."""
+
+    position_m: Point3
+    orientation_wxyz: Quaternion
+    linear_velocity_m_s: Point3
+    angular_velocity_rad_s: Point3
+
+
+class Imu(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the inertial measurement unit in the trunk reads, trunk frame but the orientation."""
+
+    orientation_wxyz: Quaternion
+    angular_velocity_rad_s: Point3
+    linear_acceleration_m_s2: Point3
+
+
+class BoxState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Pose of the box's centre, world frame."""
+
+    position_m: Point3
+    orientation_wxyz: Quaternion
+
+
+class PathProgress(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How far along the path of the last `Follow` the footsteps are."""
+
+    travelled_m: float
+    length_m: float
+    done: bool
+
+
+class PushOutcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the last `Push` did."""
+
+    leg: FrontLeg
+    touched: bool
+    """Whether the pushing foot met the box."""
+    peak_force_n: float
+    """Largest contact force between foot and box."""
+
+
+class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The state of the world at the end of a step."""
+
+    tick: Count
+    """Control periods of 0.02 s since the reset."""
+    trunk: TrunkState
+    joint_positions_rad: Annotated[tuple[float, ...], Meta(min_length=12, max_length=12)]
+    """FL, FR, RL, RR; hip-x, hip-y, knee each."""
+    joint_velocities_rad_s: Annotated[tuple[float, ...], Meta(min_length=12, max_length=12)]
+    tips_m: tuple[Point3, Point3, Point3, Point3]
+    """Centres of the foot spheres: FL, FR, RL, RR."""
+    foot_forces_n: tuple[float, float, float, float]
+    """Normal forces that the foot sensors read."""
+    imu: Imu
+    box: BoxState
+    n_footsteps: Count
+    fallen: bool
+    path: PathProgress | None
+    push: PushOutcome | None
+
+
+class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What was recorded at every tick of the step: one row per tick in each field."""
+
+    tick: tuple[Count, ...]
+    qpos: tuple[tuple[float, ...], ...]
+    """MuJoCo's generalized positions: trunk free joint (7), legs (12), box free joint (7)."""
+    roll_pitch_rad: tuple[Point2, ...]
+    tips_m: tuple[tuple[Point3, Point3, Point3, Point3], ...]
+    foot_forces_n: tuple[tuple[float, float, float, float], ...]
+    com_m: tuple[Point3, ...]
+    zmp_m: tuple[Point2, ...]
+    """Zero-moment point on the floor: the centre of pressure of the feet."""
+    support_margin_m: tuple[float, ...]
+    """Signed distance from the CoM's ground projection to the border of the support polygon, inside positive."""
+
+
+class Observation(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="observation"):
+    """The answer to the action of this episode and step."""
+
+    header: Header
+    agent_incarnation: Name
+    episode: Count
+    step: Count
+    world: WorldState
+    state_crc: Annotated[int, Meta(ge=0, lt=2**32)]
+    """CRC-32 of MuJoCo's integration state: equal CRCs, equal physics, bit for bit."""
+    trace: Trace | None = None
+
+
+class Refusal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="refusal"):
+    """The action of this episode and step was not carried out."""
+
+    header: Header
+    agent_incarnation: Name
+    episode: Count
+    step: Count
+    cause: Literal["out_of_step", "conflict", "invalid"]
+    """`out_of_step`: not the step that comes next, see `next_*`. `conflict`: another action was carried out as this
+    step. `invalid`: the action cannot be carried out in this state."""
+    reason: str
+    next_episode: Count
+    next_step: Count
+    """The step that this simulator can do next; (0, 0) of a fresh one."""
+
+
+# -- tap/<role>/<name>/status ----------------------------------------------------------------------------------------
+
+
+class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a process is doing, for people to watch; the protocol never depends on it."""
+
+    header: Header
+    phase: str
+    fraction: Unit | None = None
+    """Share of the phase that is done, where it is known."""
+    detail: str = ""
+    waiting_for: str = ""
+    """Whom the process waits for, if it does."""

@@ -1,0 +1,56 @@
+"""The robot's names and dimensions, kept once: planner, simulator and agent read them here.
+
+Legs are ordered FL, FR, RL, RR and joints hip-x, hip-y, knee everywhere. Dimensions are Spot's public ones; the foot
+rectangle and the joint limits (Table 1) are the paper's.
+"""
+
+from math import hypot, radians
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Leg = Literal["FL", "FR", "RL", "RR"]
+FrontLeg = Literal["FL", "FR"]
+
+LEGS: Final[tuple[Leg, ...]] = ("FL", "FR", "RL", "RR")
+FRONT_LEGS: Final[tuple[FrontLeg, ...]] = ("FL", "FR")
+JOINTS: Final = ("hip_x", "hip_y", "knee")
+
+CONTROL_PERIOD_S: Final = 0.02
+"""One tick: the simulator commands the joints, and records, this often."""
+
+FOOT_RECTANGLE_LENGTH_M: Final = 0.5963
+FOOT_RECTANGLE_WIDTH_M: Final = 0.3346
+"""Nominal stance: the four feet at the corners of this rectangle about the trunk's ground projection."""
+FOOT_RECTANGLE_RADIUS_M: Final = hypot(FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M) / 2
+
+HIP_X_M: Final = 0.298
+HIP_Y_M: Final = 0.055
+L1_M: Final = 0.111
+"""Hip offset: from the hip-x axis to the leg plane."""
+L2_M: Final = 0.3205
+"""Upper leg."""
+L3_M: Final = 0.37
+"""Lower leg, to the centre of the foot sphere."""
+FOOT_RADIUS_M: Final = 0.02
+
+JOINT_LIMITS_RAD: Final[dict[str, tuple[float, float]]] = {
+    "hip_x": (radians(-45.0), radians(45.0)),
+    "hip_y": (radians(-80.0), radians(100.0)),
+    "knee": (radians(15.0), radians(130.0)),
+}
+"""Table 1; the knee is flexion, 0 is the straight leg."""
+
+
+def foot_rectangle_b() -> NDArray[np.float64]:
+    """Corners of the foot rectangle in the ground-projected body frame, (4, 2), in the order of `LEGS`."""
+    half_length, half_width = FOOT_RECTANGLE_LENGTH_M / 2, FOOT_RECTANGLE_WIDTH_M / 2
+    return np.array(
+        [
+            [half_length, half_width],
+            [half_length, -half_width],
+            [-half_length, half_width],
+            [-half_length, -half_width],
+        ]
+    )

@@ -1,0 +1,110 @@
+"""A scenario: the room, the robot's start, the box and its goal pose, as one record that travels in `Reset`."""
+
+from math import radians
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from legpush.geometry import Pose2
+
+Positive = Annotated[float, Meta(gt=0.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
+
+
+class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """An axis-aligned wall or block that stands on the floor, world frame."""
+
+    x_min_m: float
+    x_max_m: float
+    y_min_m: float
+    y_max_m: float
+
+
+class PoseDeg(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A planar pose as people write it in a file: metres and degrees, world frame."""
+
+    x_m: float
+    y_m: float
+    yaw_deg: float
+
+    def pose(self) -> Pose2:
+        """The same pose in radians."""
+        return Pose2(x_m=self.x_m, y_m=self.y_m, yaw_rad=radians(self.yaw_deg))
+
+
+class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The floor from (0, 0) to `size_m`, with everything that stands on it; outside is not free."""
+
+    size_m: tuple[Positive, Positive]
+    """Extent along x and y."""
+    obstacles: tuple[Rectangle, ...] = ()
+    resolution_m: Positive = 0.05
+    """Cell size of the occupancy map that the planner gets."""
+    wall_height_m: Positive = 0.6
+
+
+class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The box to be pushed."""
+
+    pose: PoseDeg
+    """Nominal pose; x points in the direction in which the box is pushed."""
+    size_m: tuple[Positive, Positive, Positive] = (0.4, 0.5, 0.4)
+    """Full length (x), width (y) and height."""
+    mass_kg: Positive = 0.1
+    friction: Positive = 0.5
+    """Sliding friction coefficient, both with the floor and with the foot."""
+
+
+class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the box has to be, and how exactly, for the mission to succeed."""
+
+    pose: PoseDeg
+    position_tolerance_m: Positive = 0.03
+    angle_tolerance_deg: Positive = 3.0
+
+
+class Planning(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the planner is asked."""
+
+    planner: PlannerName = "rrt_connect"
+    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)] = 20_000
+    goal_bias: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
+    step_m: Positive = 0.5
+    """Longest edge of the tree."""
+    goal_region_m: Positive = 0.25
+    """Radius of the goal region of Algorithm 1."""
+    margin_m: NonNegative = 0.1
+    """Clearance to keep beyond the footprint's circumscribed circle."""
+
+
+class Mission(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the agent runs the mission (Fig. 5)."""
+
+    handover_distance_m: Positive = 3.0
+    """Trunk-to-box distance at which walking hands over to pushing."""
+    max_push_cycles: Annotated[int, Meta(ge=1, le=10_000)] = 200
+
+
+class Randomization(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Half-widths of the uniform offsets that the seed draws for each episode."""
+
+    start_xy_m: NonNegative = 0.0
+    start_yaw_deg: NonNegative = 0.0
+    box_xy_m: NonNegative = 0.0
+    box_yaw_deg: NonNegative = 0.0
+
+
+class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything that an episode starts from, but the seed."""
+
+    name: str
+    room: Room
+    start: PoseDeg
+    """Nominal pose of the robot's trunk, projected to the floor."""
+    box: Box
+    goal: Goal
+    description: str = ""
+    planning: Planning = Planning()
+    mission: Mission = Mission()
+    randomization: Randomization = Randomization()

@@ -1,0 +1,1 @@
+"""What happens: the robot, the box and the room, simulated with MuJoCo."""
