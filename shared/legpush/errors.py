@@ -19,3 +19,7 @@ class PeerError(LegpushError):
 
 class JournalError(LegpushError):
     """An episode journal that does not belong to this run or contradicts it; names the entry."""
+
+
+class MotionError(LegpushError):
+    """A motion that the simulator cannot carry out in its present state, such as walking before a path was given."""

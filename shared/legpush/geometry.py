@@ -40,7 +40,8 @@ class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         """Points given in this pose's frame, (n, 2), in the frame that the pose is given in."""
         c, s = cos(self.yaw_rad), sin(self.yaw_rad)
         rotation = np.array([[c, -s], [s, c]])
-        return np.asarray(points, dtype=np.float64) @ rotation.T + self.xy()
+        turned: NDArray[np.float64] = np.asarray(points, dtype=np.float64) @ rotation.T
+        return turned + self.xy()
 
 
 def wrap_angle(angle_rad: float) -> float:

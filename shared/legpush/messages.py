@@ -54,12 +54,9 @@ class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """One byte per cell, row after row: 0 free, 1 occupied."""
 
 
-class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PlanQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Ask for a path of the trunk that keeps `clearance_m` from every occupied cell."""
 
-    header: Header
-    request_id: Count
-    """Equal ids of one client incarnation are the same request, sent again."""
     grid: OccupancyGrid
     start: Pose2
     goal: Pose2
@@ -71,7 +68,17 @@ class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """Budget; with the seed it makes the answer reproducible, which a wall-clock budget would not."""
     goal_bias: Unit
     step_m: Annotated[float, Meta(gt=0.0)]
+    """Longest edge of the tree."""
     goal_region_m: Annotated[float, Meta(gt=0.0)]
+    """Radius of the goal region of Algorithm 1."""
+
+
+class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A query, addressed: equal ids of one client incarnation are the same request, sent again."""
+
+    header: Header
+    request_id: Count
+    query: PlanQuery
 
 
 PlanStatus = Literal["exact", "approximate", "failed", "invalid"]
@@ -84,12 +91,9 @@ class Tree(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     parents: Annotated[tuple[Count, ...], Meta(max_length=MAX_WAYPOINTS)]
 
 
-class PlanResult(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The answer to the `PlanRequest` of `client_incarnation` with this `request_id`."""
+class Plan(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a planner found for a `PlanQuery`."""
 
-    header: Header
-    client_incarnation: Name
-    request_id: Count
     status: PlanStatus
     """`exact`: start to goal, collision-free. `approximate`: collision-free, ends short of the goal. `failed`: nothing
     within the budget. `invalid`: the request itself cannot be met; `reason` says why."""
@@ -102,6 +106,15 @@ class PlanResult(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     min_clearance_m: float = 0.0
     """Least distance of the smoothed path to anything occupied, measured on the grid's exact cells."""
     n_iterations: Count = 0
+
+
+class PlanResult(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The answer to the `PlanRequest` of `client_incarnation` with this `request_id`."""
+
+    header: Header
+    client_incarnation: Name
+    request_id: Count
+    plan: Plan
 
 
 # -- sim/<name>/action -----------------------------------------------------------------------------------------------
@@ -186,7 +199,7 @@ class PathProgress(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     done: bool
 
 
-class PushOutcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PushReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What the last `Push` did."""
 
     leg: FrontLeg
@@ -214,7 +227,7 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     n_footsteps: Count
     fallen: bool
     path: PathProgress | None
-    push: PushOutcome | None
+    push: PushReport | None
 
 
 class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -233,6 +246,15 @@ class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Signed distance from the CoM's ground projection to the border of the support polygon, inside positive."""
 
 
+class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a motion led to."""
+
+    world: WorldState
+    state_crc: Annotated[int, Meta(ge=0, lt=2**32)]
+    """CRC-32 of MuJoCo's integration state: equal CRCs, equal physics, bit for bit."""
+    trace: Trace | None = None
+
+
 class Observation(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="observation"):
     """The answer to the action of this episode and step."""
 
@@ -240,10 +262,7 @@ class Observation(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
     agent_incarnation: Name
     episode: Count
     step: Count
-    world: WorldState
-    state_crc: Annotated[int, Meta(ge=0, lt=2**32)]
-    """CRC-32 of MuJoCo's integration state: equal CRCs, equal physics, bit for bit."""
-    trace: Trace | None = None
+    outcome: Outcome
 
 
 class Refusal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="refusal"):
