@@ -6,7 +6,7 @@ ARGS ?=
 
 BIN := $(VENV)/bin
 TORCH := $(shell sed -n 's/^torch==//p' constraints.txt)
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check -c constraints.txt
 
 # The pins hold for what builds the package, too: older pips read the first variable there, newer ones the second.
 export PIP_CONSTRAINT := constraints.txt
