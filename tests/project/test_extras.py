@@ -1,0 +1,106 @@
+"""Each process runs with what its own extra installs: a planner host needs neither PyTorch nor MuJoCo."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+from packaging.utils import canonicalize_name
+
+from .conftest import Declarations
+
+OWN = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
+PARTS = [("shared/legpush", ()), ("planner_proc", ("planner",)), ("sim_proc", ("sim",)), ("agent_proc", ("agent",))]
+"""Source folder, and the extras that its hosts install."""
+
+IMPORT_ALL = """
+import importlib, pkgutil, sys
+
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in absent:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+package, *absent = sys.argv[1:]
+sys.meta_path.insert(0, Absent())
+top = importlib.import_module(package)
+names = [module.name for module in pkgutil.walk_packages(top.__path__, package + ".")]
+for name in names:
+    importlib.import_module(name)
+print(len(names))
+"""
+"""Imports every module of a package on a host where some top-level modules are absent, and prints how many it did."""
+
+
+@cache
+def providers() -> Mapping[str, set[str]]:
+    """Canonical names of the installed distributions that provide each top-level module."""
+    return {module: {canonicalize_name(name) for name in names} for module, names in packages_distributions().items()}
+
+
+def foreign_imports(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Every import in a folder, also inside functions, of a top-level module that is neither ours nor Python's."""
+    for path in sorted(folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            match node:
+                case ast.Import():
+                    names = [alias.name for alias in node.names]
+                case ast.ImportFrom(module=str(module), level=0):
+                    names = [module]
+                case _:
+                    continue
+            for top in {name.partition(".")[0] for name in names}:
+                if top not in OWN and top not in sys.stdlib_module_names:
+                    yield path, top
+
+
+@pytest.mark.parametrize(("folder", "extras"), PARTS)
+def test_a_process_imports_only_what_its_extra_declares(
+    root: Path, declarations: Declarations, folder: str, extras: tuple[str, ...]
+) -> None:
+    declared = {canonicalize_name(requirement.name) for requirement in declarations.direct(*extras)}
+    undeclared = [
+        f"{path.relative_to(root)} imports {module}"
+        for path, module in foreign_imports(root / folder)
+        if not providers().get(module, set()) & declared
+    ]
+    assert undeclared == []
+
+
+def test_everything_that_is_declared_is_imported(root: Path, declarations: Declarations) -> None:
+    imported = {
+        name for folder, _ in PARTS for _, module in foreign_imports(root / folder) for name in providers()[module]
+    }
+    assert {canonicalize_name(requirement.name) for requirement in declarations.direct("all")} - imported == set()
+
+
+@pytest.mark.parametrize(("folder", "extras"), PARTS)
+def test_every_module_of_a_process_is_imported_where_only_its_extra_is_installed(
+    declarations: Declarations, folder: str, extras: tuple[str, ...]
+) -> None:
+    present = declarations.needed(*extras) | {"legpush"}
+    absent = [
+        module for module, names in providers().items() if not names & present and module not in sys.stdlib_module_names
+    ]
+    assert "pytest" in absent
+    done = subprocess.run(
+        [sys.executable, "-c", IMPORT_ALL, Path(folder).name, *absent], check=False, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 0
+
+
+@pytest.mark.parametrize("extra", ["planner", "sim"])
+def test_no_extra_but_that_of_the_agent_installs_pytorch(declarations: Declarations, extra: str) -> None:
+    assert {"torch", "stable-baselines3"} <= declarations.needed("agent")
+    assert not {"torch", "stable-baselines3"} & declarations.needed(extra)
+
+
+@pytest.mark.parametrize("extra", ["planner", "agent"])
+def test_no_extra_but_that_of_the_simulator_installs_mujoco(declarations: Declarations, extra: str) -> None:
+    assert "mujoco" in declarations.needed("sim")
+    assert "mujoco" not in declarations.needed(extra)
