@@ -1,15 +1,22 @@
 """A scenario: the room, the robot's start, the box and its goal pose, as one record that travels in `Reset`."""
 
 from math import radians
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from msgspec import Meta, Struct
 
 from legpush.geometry import Pose2
+from legpush.robot import HIP_X_M
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
+STATION_M: Final = HIP_X_M + 0.12
+"""From the box's rear face back to the trunk centre when the robot stands ready to push: feet 0.12 m off the face."""
+STAND_OFF_M: Final = 0.75
+"""The same distance where walking ends: far enough for the box to count as an obstacle until then."""
+
+ScenarioName = Annotated[str, Meta(pattern=r"\A[A-Za-z0-9_-]{1,64}\Z")]
 
 
 class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -19,6 +26,12 @@ class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     x_max_m: float
     y_min_m: float
     y_max_m: float
+
+    def __post_init__(self) -> None:
+        """Refuse a rectangle without area (`ValueError`)."""
+        for low, high in (("x_min_m", "x_max_m"), ("y_min_m", "y_max_m")):
+            if not getattr(self, low) < getattr(self, high):
+                raise ValueError(f"Expected {low} < {high}, got {getattr(self, low)} and {getattr(self, high)}")
 
 
 class PoseDeg(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -38,7 +51,7 @@ class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     size_m: tuple[Positive, Positive]
     """Extent along x and y."""
-    obstacles: tuple[Rectangle, ...] = ()
+    obstacles: Annotated[tuple[Rectangle, ...], Meta(max_length=10_000)] = ()
     resolution_m: Positive = 0.05
     """Cell size of the occupancy map that the planner gets."""
     wall_height_m: Positive = 0.6
@@ -98,7 +111,8 @@ class Randomization(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything that an episode starts from, but the seed."""
 
-    name: str
+    name: ScenarioName
+    """Names the run's folder and shows up in its report."""
     room: Room
     start: PoseDeg
     """Nominal pose of the robot's trunk, projected to the floor."""

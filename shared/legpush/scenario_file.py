@@ -1,0 +1,121 @@
+"""Scenario files: TOML to a checked `Scenario` and back."""
+
+import tomllib
+from difflib import get_close_matches
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import tomli_w
+
+from legpush.codec import convert
+from legpush.errors import MessageError, ScenarioError
+from legpush.scenario import Scenario
+from legpush.scenario_file_checks import check_scenario
+from legpush.scenario_file_errors import explain
+from legpush.scenario_file_grid import GRID_FIELDS, GridSource, read_grid
+
+SUFFIX: Final = ".toml"
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """A built-in scenario by its name, or the one in a file: a `Path`, or a text with `/` or `.toml` in it.
+
+    A grid file that it names is read as well, so that the record is complete in itself. `ScenarioError` names the
+    file, the field, and what was expected there.
+    """
+    source = scenario_source(name_or_path)
+    plain = _read_toml(source)
+    _inline_grid(plain, source, _folder(source))
+    try:
+        scenario = convert(plain, Scenario)
+    except MessageError as error:
+        raise ScenarioError(f"{source}: {explain(str(error), plain, Scenario, also={'room': GRID_FIELDS})}") from error
+    check_scenario(scenario, str(source))
+    return scenario
+
+
+def dump_scenario(scenario: Scenario) -> str:
+    """The scenario as TOML with every field in it; loading it gives an equal record."""
+    return tomli_w.dumps(msgspec.to_builtins(scenario))
+
+
+def scenario_names() -> tuple[str, ...]:
+    """The built-in scenarios, sorted."""
+    return tuple(sorted(Path(e.name).stem for e in _builtin_folder().iterdir() if e.name.endswith(SUFFIX)))
+
+
+def scenario_source(name_or_path: str | Path) -> Traversable:
+    """The file behind a name or path; an unknown name is a `ScenarioError` that lists the valid ones."""
+    text = str(name_or_path)
+    if isinstance(name_or_path, Path) or "/" in text or text.endswith(SUFFIX):
+        return Path(name_or_path)
+    names = scenario_names()
+    if text not in names:
+        nearest = get_close_matches(text, names, n=1)
+        hint = f" (did you mean `{nearest[0]}`?)" if nearest else ""
+        raise ScenarioError(
+            f"Expected the name of a scenario ({', '.join(names)}) or the path of a {SUFFIX} file, got `{text}`{hint}"
+        )
+    return _builtin_folder() / f"{text}{SUFFIX}"
+
+
+def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
+    """Write a built-in scenario, comments and all, to `target`, and its grid file beside it; returns what it wrote.
+
+    `ScenarioError` where one of the files exists or cannot be written.
+    """
+    source = scenario_source(name)
+    copies = {target: source.read_bytes()}
+    grid_file = _read_toml(source).get("room", {}).get("grid_file")
+    if grid_file is not None:
+        copies[target.parent / grid_file] = (_folder(source) / grid_file).read_bytes()
+    for path, content in copies.items():
+        try:
+            with path.open("xb") as file:
+                file.write(content)
+        except OSError as error:
+            raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
+    return tuple(copies)
+
+
+def _read_toml(source: Traversable) -> dict[str, Any]:
+    """The tables of a TOML file."""
+    try:
+        return tomllib.loads(source.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{source}: expected a readable scenario file ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{source}: expected UTF-8 text, got byte {error.start} that is not ({error})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{source}: expected TOML ({error})") from error
+
+
+def _inline_grid(plain: dict[str, Any], source: Traversable, folder: Traversable) -> None:
+    """Replace the fields of a `GridSource` in the `room` table by the size and the obstacles that its file says."""
+    room = plain.get("room")
+    if not isinstance(room, dict) or not room.keys() & set(GRID_FIELDS):
+        return
+    fields = {key: room.pop(key) for key in GRID_FIELDS if key in room}
+    try:
+        grid = convert(fields, GridSource)
+    except MessageError as error:
+        raise ScenarioError(f"{source}: {explain(str(error), fields, GridSource, at='room')}") from error
+    if "size_m" in room:
+        raise ScenarioError(f"{source}: at `room.size_m`: expected nothing, since `room.grid_file` says the size")
+    size_m, walls = read_grid(grid, folder)
+    room["size_m"] = list(size_m)
+    listed = room.get("obstacles", [])
+    room["obstacles"] = [*listed, *map(msgspec.to_builtins, walls)] if isinstance(listed, list) else listed
+
+
+def _folder(source: Traversable) -> Traversable:
+    """The folder that relative paths in a scenario file start from."""
+    return source.parent if isinstance(source, Path) else _builtin_folder()
+
+
+def _builtin_folder() -> Traversable:
+    """The packaged scenario files."""
+    return files("legpush") / "scenarios"

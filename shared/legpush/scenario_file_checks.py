@@ -1,0 +1,134 @@
+"""Whether a scenario can be carried out at all: everything inside the room, with space where it is needed.
+
+What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed.
+"""
+
+from math import hypot, radians, sin
+
+import numpy as np
+
+from legpush.errors import ScenarioError
+from legpush.geometry import Pose2
+from legpush.messages import MAX_CELLS
+from legpush.robot import FOOT_RADIUS_M, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_RADIUS_M, FOOT_RECTANGLE_WIDTH_M
+from legpush.room import clearance_m, grid_shape
+from legpush.room_shapes import (
+    Footprint,
+    box_footprint,
+    distance_m,
+    distance_to_border_m,
+    distance_to_point_m,
+    obstacle_footprint,
+)
+from legpush.scenario import STAND_OFF_M, STATION_M, Room, Scenario
+
+
+def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
+    """Raise a `ScenarioError` that begins with `where`, names the field and says how far it is off."""
+    try:
+        _check(scenario)
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
+
+
+def _check(scenario: Scenario) -> None:
+    """The checks, from the room to the goal."""
+    room, box, offsets = scenario.room, scenario.box, scenario.randomization
+    _check_room(room)
+
+    start, box_pose, goal_pose = scenario.start.pose(), box.pose.pose(), scenario.goal.pose.pose()
+    clear = clearance_m(scenario.planning)
+    start_reach = hypot(offsets.start_xy_m, offsets.start_xy_m)
+    foot_reach = start_reach + _turn_reach(FOOT_RECTANGLE_RADIUS_M, offsets.start_yaw_deg)
+    box_reach = hypot(offsets.box_xy_m, offsets.box_xy_m) + _turn_reach(hypot(*box.size_m[:2]) / 2, offsets.box_yaw_deg)
+
+    _check_circle(room, start, clear, start_reach, "start", "the robot's trunk")
+    _check_box(room, box_footprint(box, box_pose), box_reach, "box.pose", "the box")
+    _check_box(room, box_footprint(box, goal_pose), 0.0, "goal.pose", "the box at its goal")
+
+    feet = Footprint(
+        pose=start,
+        length_m=FOOT_RECTANGLE_LENGTH_M + 2 * FOOT_RADIUS_M,
+        width_m=FOOT_RECTANGLE_WIDTH_M + 2 * FOOT_RADIUS_M,
+    )
+    gap = distance_m(feet, box_footprint(box, box_pose))
+    _require(
+        gap,
+        foot_reach + box_reach,
+        "start",
+        "between the robot's feet and the box",
+        _because(0.0, foot_reach + box_reach),
+    )
+
+    for back_m, what in (
+        (STAND_OFF_M, "the robot's place where walking ends"),
+        (STATION_M, "the robot's place to push"),
+    ):
+        behind = box_pose @ Pose2(x_m=-box.size_m[0] / 2 - back_m, y_m=0.0, yaw_rad=0.0)
+        swing = _turn_reach(box.size_m[0] / 2 + back_m, offsets.box_yaw_deg) + hypot(offsets.box_xy_m, offsets.box_xy_m)
+        _check_circle(room, behind, clear, swing, "box.pose", f"{what}, {back_m:.2f} m behind the box,")
+    behind = goal_pose @ Pose2(x_m=-box.size_m[0] / 2 - STATION_M, y_m=0.0, yaw_rad=0.0)
+    _check_circle(
+        room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", "the robot's place behind the box at its goal"
+    )
+
+
+def _check_room(room: Room) -> None:
+    """A map that fits into a message, and no obstacle outside it."""
+    n_columns, n_rows = grid_shape(room)
+    if n_columns * n_rows > MAX_CELLS:
+        raise ScenarioError(
+            f"at `room.resolution_m`: expected at most {MAX_CELLS} cells of {room.resolution_m} m in "
+            f"{room.size_m[0]} x {room.size_m[1]} m, got {n_columns * n_rows}"
+        )
+    width_m, height_m = room.size_m
+    for index, wall in enumerate(room.obstacles):
+        if wall.x_max_m <= 0.0 or wall.y_max_m <= 0.0 or wall.x_min_m >= width_m or wall.y_min_m >= height_m:
+            raise ScenarioError(
+                f"at `room.obstacles[{index}]`: expected a rectangle in the room, x 0 to {width_m}, y 0 to {height_m}, "
+                f"got x {wall.x_min_m} to {wall.x_max_m}, y {wall.y_min_m} to {wall.y_max_m}"
+            )
+
+
+def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, field: str, what: str) -> None:
+    """A circle about a pose is free wherever the seed may move it."""
+    because = _because(radius_m, reach_m)
+    point = centre.xy()
+    border = distance_to_border_m(point[np.newaxis], room)
+    _require(border, radius_m + reach_m, field, f"from {what} to the border of the room", because)
+    for index, wall in enumerate(room.obstacles):
+        distance = distance_to_point_m(obstacle_footprint(wall), point)
+        _require(distance, radius_m + reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
+
+
+def _check_box(room: Room, footprint: Footprint, reach_m: float, field: str, what: str) -> None:
+    """A box is free wherever the seed may move it."""
+    because = _because(0.0, reach_m)
+    border = distance_to_border_m(footprint.corners(), room)
+    _require(border, reach_m, field, f"from {what} to the border of the room", because)
+    for index, wall in enumerate(room.obstacles):
+        distance = distance_m(obstacle_footprint(wall), footprint)
+        _require(distance, reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
+
+
+def _require(distance: float, least_m: float, field: str, between: str, because: str) -> None:
+    """At least `least_m` of distance; negative is how deep it is inside."""
+    if distance < least_m:
+        got = f"{distance:.3f} m" if distance > 0.0 else f"{-distance:.3f} m inside"
+        raise ScenarioError(
+            f"at `{field}`: expected at least {least_m:.3f} m {between}{because}, got {got}: "
+            f"{least_m - distance:.3f} m too little"
+        )
+
+
+def _because(radius_m: float, reach_m: float) -> str:
+    """What a least distance is made of, where it is made of more than one thing."""
+    parts = [f"{radius_m:.3f} m for the robot"] * (radius_m > 0.0) + [f"{reach_m:.3f} m for `randomization`"] * (
+        reach_m > 0.0
+    )
+    return f" ({' and '.join(parts)})" if parts else ""
+
+
+def _turn_reach(arm_m: float, half_width_deg: float) -> float:
+    """How far the end of an arm moves when it turns by up to `half_width_deg`."""
+    return 2 * arm_m * sin(radians(min(half_width_deg, 180.0)) / 2)

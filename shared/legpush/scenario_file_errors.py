@@ -1,0 +1,76 @@
+"""What a schema error in a file means to the person who wrote the file: field, expectation, value, valid choices."""
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any, Final
+
+import msgspec
+from msgspec import inspect
+
+_LOCATED: Final = re.compile(r"\A(?P<what>.*) - at `\$\.?(?P<path>.*)`\Z", re.DOTALL)
+_WORDS: Final = {
+    "`object`": "a table",
+    "`array`": "an array",
+    "`float`": "a number",
+    "`int`": "a whole number",
+    "`str`": "a text",
+    "`bool`": "a truth value",
+}
+"""The types of a schema, as they are called in a file."""
+_FIELD_NAME: Final = re.compile(r"field `(?P<name>.*)`\Z", re.DOTALL)
+
+
+def explain(
+    error: str, plain: Any, kind: type[msgspec.Struct], *, at: str = "", also: Mapping[str, Sequence[str]] | None = None
+) -> str:
+    """A message of `codec.convert(plain, kind)` with the value that was found and the choices that are valid.
+
+    `at` is where `plain` stands in its file. `also` lists fields that a table takes besides those of its record.
+    """
+    located = _LOCATED.match(error)
+    what, path = (located["what"], located["path"]) if located else (error, "")
+    steps = re.findall(r"[^.\[\]]+", path)
+    place = ".".join(filter(None, (at, path)))
+    node, value = _node(kind, steps), _value(plain, steps)
+    if named := _FIELD_NAME.search(what):
+        name = named["name"]
+        valid = [*_field_names(node), *(also or {}).get(path, ())]
+        place = ".".join(filter(None, (place, name)))
+        if "unknown" not in what:
+            return f"at `{place}`: expected a value, got nothing"
+        nearest = get_close_matches(name, valid, n=1)
+        hint = f" (did you mean `{nearest[0]}`?)" if nearest else ""
+        return f"at `{place}`: unknown field{hint}; valid here: {', '.join(valid)}"
+    if isinstance(node, inspect.LiteralType):
+        what = f"Expected one of {', '.join(map(str, node.values))}"
+    if isinstance(value, str | int | float) and not what.endswith(f"got {value}"):
+        what += f" {value!r}" if ", got " in what else f", got {value!r}"
+    for of_messages, of_files in _WORDS.items():
+        what = what.replace(of_messages, of_files)
+    return f"at `{place or 'the top'}`: {what[:1].lower()}{what[1:]}"
+
+
+def _value(plain: Any, steps: Sequence[str]) -> Any:
+    """What stands at a path of keys and indices."""
+    for step in steps:
+        plain = plain[int(step)] if isinstance(plain, list) else plain[step]
+    return plain
+
+
+def _node(kind: type[msgspec.Struct], steps: Sequence[str]) -> inspect.Type:
+    """The type that belongs at a path of keys and indices of a record."""
+    node = inspect.type_info(kind)
+    for step in steps:
+        if isinstance(node, inspect.StructType):
+            node = next(field.type for field in node.fields if field.name == step)
+        elif isinstance(node, inspect.TupleType):
+            node = node.item_types[int(step)]
+        elif isinstance(node, inspect.VarTupleType):
+            node = node.item_type
+    return node
+
+
+def _field_names(node: inspect.Type) -> tuple[str, ...]:
+    """Fields of a record, none of anything else."""
+    return tuple(field.name for field in node.fields) if isinstance(node, inspect.StructType) else ()
