@@ -24,6 +24,8 @@ FOOT_RECTANGLE_LENGTH_M: Final = 0.5963
 FOOT_RECTANGLE_WIDTH_M: Final = 0.3346
 """Nominal stance: the four feet at the corners of this rectangle about the trunk's ground projection."""
 FOOT_RECTANGLE_RADIUS_M: Final = hypot(FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M) / 2
+PUSH_GAP_M: Final = 0.12
+"""From the front feet to the rear face of the box when the robot stands ready to push."""
 
 HIP_X_M: Final = 0.298
 HIP_Y_M: Final = 0.055
