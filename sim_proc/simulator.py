@@ -1,0 +1,101 @@
+"""The simulator as a function: (state, motion) to (state, outcome). Nothing moves unless a motion asks for it."""
+
+from math import radians
+
+import numpy as np
+from legpush.errors import MotionError
+from legpush.geometry import Pose2
+from legpush.messages import Follow, Motion, Outcome, Push, PushReport, Reset, Walk
+from legpush.scenario import Scenario
+
+from sim_proc.gait import PathWalk
+from sim_proc.physics import Physics, Recording
+from sim_proc.posture import Posture
+from sim_proc.pusher import Pusher
+from sim_proc.steps import Steps
+from sim_proc.world_state import trace, world_state
+
+
+class Simulator:
+    """A world that a `Reset` builds and the other motions move."""
+
+    def __init__(self) -> None:
+        """Empty until the first `Reset`."""
+        self._episode: Episode | None = None
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """Carry out one motion; `MotionError` where the present state does not allow it."""
+        if isinstance(motion, Reset):
+            self._episode = Episode(motion)
+            return self._episode.outcome([], with_trace=with_trace)
+        if self._episode is None:
+            raise MotionError(
+                f"Expected `reset` as the first motion of an episode, got `{motion.__struct_config__.tag}`"
+            )
+        return self._episode.perform(motion, with_trace=with_trace)
+
+
+class Episode:
+    """One episode, from its reset on."""
+
+    def __init__(self, reset: Reset) -> None:
+        """Build the world and stand the robot in it."""
+        trunk, box = drawn_poses(reset.scenario, reset.seed)
+        self.physics = Physics(reset.scenario, trunk, box)
+        self._steps = Steps(Posture(self.physics))
+        self._pusher = Pusher(self._steps, reset.scenario.box)
+        self._walk: PathWalk | None = None
+        self._push: PushReport | None = None
+
+    def perform(self, motion: Follow | Walk | Push, *, with_trace: bool) -> Outcome:
+        """Carry out a motion other than a reset."""
+        if self.physics.fallen:
+            raise MotionError("The robot has fallen: only `reset` is possible")
+        recordings: list[Recording] = []
+        if isinstance(motion, Follow):
+            self._walk = PathWalk(self._steps, motion.waypoints)
+        elif isinstance(motion, Push):
+            push = self._pusher.cycle(motion)
+            recordings = push.recordings
+            self._walk = None
+            self._push = PushReport(leg=motion.leg, touched=push.peak_force_n > 0.0, peak_force_n=push.peak_force_n)
+        else:
+            recordings = self._walk_cycle()
+        return self.outcome(recordings, with_trace=with_trace)
+
+    def _walk_cycle(self) -> list[Recording]:
+        if self._walk is None:
+            raise MotionError("Expected `follow` with a path before `walk`")
+        if self._walk.progress().done:
+            raise MotionError("The path is walked to its end: expected another `follow` before `walk`")
+        return self._walk.cycle()
+
+    def outcome(self, recordings: list[Recording], *, with_trace: bool) -> Outcome:
+        """The present state, after what was recorded."""
+        path = None if self._walk is None else self._walk.progress()
+        physics = self.physics
+        return Outcome(
+            world=world_state(physics, self._steps.n_footsteps, path, self._push),
+            state_crc=physics.state_crc(),
+            trace=trace(recordings, physics.tick) if with_trace else None,
+        )
+
+
+def drawn_poses(scenario: Scenario, seed: int) -> tuple[Pose2, Pose2]:
+    """Poses of robot and box at the start: nominal, with uniform offsets drawn from the seed."""
+    spread = scenario.randomization
+    half_widths = np.array(
+        [
+            *[spread.start_xy_m] * 2,
+            radians(spread.start_yaw_deg),
+            *[spread.box_xy_m] * 2,
+            radians(spread.box_yaw_deg),
+        ]
+    )
+    offsets = np.random.default_rng(seed).uniform(-half_widths, half_widths).tolist()
+    nominal = (scenario.start.pose(), scenario.box.pose.pose())
+    start, box = (
+        Pose2(x_m=pose.x_m + dx, y_m=pose.y_m + dy, yaw_rad=pose.yaw_rad + turn)
+        for pose, (dx, dy, turn) in zip(nominal, (offsets[:3], offsets[3:]), strict=True)
+    )
+    return start, box

@@ -1,0 +1,70 @@
+"""Curves for a foot in the air: the parabolic step (Table 2) and the Bezier push (Eqs. 13, 14)."""
+
+from math import pi
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Locus = Literal["swing", "published"]
+
+LOCUS_RANGE_RAD: Final[dict[Locus, tuple[float, float]]] = {"swing": (-pi / 2, pi / 2), "published": (0.0, pi)}
+"""theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the printed one."""
+
+
+def minimum_jerk(n_ticks: int) -> Array:
+    """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), at rest at both ends."""
+    u = np.arange(1, n_ticks + 1) / n_ticks
+    progress: Array = u**3 * (10 - 15 * u + 6 * u**2)
+    return progress
+
+
+def gentle_stop(n_ticks: int) -> Array:
+    """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), that slows down over two thirds of the way.
+
+    Its greatest deceleration is 4 / T^2, against 5.8 / T^2 of minimum jerk: a pushed box that friction can slow down as
+    fast stays at the foot and is not thrown.
+    """
+    u = np.arange(1, n_ticks + 1) / n_ticks
+    progress: Array = u**2 * (6 - 8 * u + 3 * u**2)
+    return progress
+
+
+def parabola(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int) -> Array:
+    """A step from `start_m` to `end_m` (3,) that rises by `height_m` half way, one point per tick, (n, 3)."""
+    start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
+    progress = minimum_jerk(n_ticks)
+    curve: Array = start + progress[:, None] * (end - start)
+    curve[:, 2] += 4 * height_m * progress * (1 - progress)
+    return curve
+
+
+def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus: Locus, floor_m: float) -> Array:
+    """The four control points, (4, 3), of a push from `p0_m` to `p3_m` (Eq. 14).
+
+    The inner two lie on the circle about the middle of the chord, in the vertical plane through it:
+    `P_i = M + r (sin(theta_i) u + cos(theta_i) n)`, `theta_i = theta_min + w_i (theta_max - theta_min)`, `n` upward.
+    None lies below `floor_m`.
+    """
+    p0, p3 = np.asarray(p0_m, dtype=np.float64), np.asarray(p3_m, dtype=np.float64)
+    chord = p3 - p0
+    length = float(np.linalg.norm(chord))
+    u = chord / length
+    upward = np.array([0.0, 0.0, 1.0]) - u[2] * u
+    n = upward / np.linalg.norm(upward)
+    theta_min, theta_max = LOCUS_RANGE_RAD[locus]
+    points = np.stack([p0, p0, p3, p3])
+    for index, w in ((1, w1), (2, w2)):
+        theta = theta_min + w * (theta_max - theta_min)
+        points[index] = (p0 + p3) / 2 + length / 2 * (np.sin(theta) * u + np.cos(theta) * n)
+        points[index, 2] = max(points[index, 2], floor_m)
+    return points
+
+
+def bezier(points_m: ArrayLike, t: ArrayLike) -> Array:
+    """The cubic Bezier curve (Eq. 13) of four control points (4, d) at parameters (n,), (n, d)."""
+    t = np.asarray(t, dtype=np.float64)
+    basis = np.stack([(1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t**2, t**3], axis=-1)
+    curve: Array = basis @ np.asarray(points_m, dtype=np.float64)
+    return curve
