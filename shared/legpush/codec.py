@@ -14,22 +14,27 @@ MAX_MESSAGE_BYTES: Final = 64 * 1024 * 1024
 
 
 def encode(message: msgspec.Struct) -> bytes:
-    """The message as a MessagePack map; a non-finite number in it is a `MessageError`."""
+    """The message as a MessagePack map; a non-finite number or more than `MAX_MESSAGE_BYTES` is a `MessageError`."""
     plain = msgspec.to_builtins(message, builtin_types=(bytes,))
     _require_finite(plain, "$")
     packed: bytes = msgpack.packb(plain)
+    _require_size(packed)
     return packed
 
 
 def decode(payload: bytes, kind: type[T]) -> T:
     """The message of type `kind` in `payload`; `MessageError` names the first field that is wrong."""
-    if len(payload) > MAX_MESSAGE_BYTES:
-        raise MessageError(f"Expected at most {MAX_MESSAGE_BYTES} bytes, got {len(payload)}")
+    return convert(unpack(payload), kind)
+
+
+def unpack(payload: bytes) -> Any:
+    """The maps, arrays and plain values in `payload`; `MessageError` where it is not MessagePack or too large."""
+    _require_size(payload)
     try:
-        plain = msgpack.unpackb(payload, timestamp=0, strict_map_key=True)
+        return msgpack.unpackb(payload, timestamp=0, strict_map_key=True)
     except (ValueError, msgpack.exceptions.UnpackException, RecursionError) as error:
-        raise MessageError(f"Expected one MessagePack map, got {len(payload)} other bytes ({error})") from error
-    return convert(plain, kind)
+        why = str(error) or type(error).__name__
+        raise MessageError(f"Expected one MessagePack map, got {len(payload)} other bytes ({why})") from error
 
 
 def convert(plain: Any, kind: type[T]) -> T:
@@ -42,11 +47,17 @@ def convert(plain: Any, kind: type[T]) -> T:
     return message
 
 
+def _require_size(payload: bytes) -> None:
+    """Raise where a message is larger than any message may be."""
+    if len(payload) > MAX_MESSAGE_BYTES:
+        raise MessageError(f"Expected at most {MAX_MESSAGE_BYTES} bytes, got {len(payload)}", "oversize")
+
+
 def _require_finite(plain: Any, path: str) -> None:
     """Raise where a float is NaN or infinite; `path` is where `plain` stands in the message."""
     if type(plain) is float:
         if not isfinite(plain):
-            raise MessageError(f"Expected a finite number, got {plain} - at `{path}`")
+            raise MessageError(f"Expected a finite number, got {plain} - at `{path}`", "not_finite")
     elif type(plain) is dict:
         for key, value in plain.items():
             _require_finite(value, f"{path}.{key}")

@@ -1,16 +1,39 @@
 """The errors that legpush reports to its user: one sentence each, no traceback."""
 
+from typing import ClassVar, Literal
+
 
 class LegpushError(Exception):
     """Something the user, a peer process or a file got wrong; its text says what was expected, what came and where."""
+
+    exit_code: ClassVar[int] = 3
+    """What the process ends with: 2 for bad input, 3 where a process failed, 0 where it was asked to stop."""
+
+
+class ConfigError(LegpushError):
+    """A setting that cannot be used; names the setting."""
+
+    exit_code = 2
 
 
 class ScenarioError(LegpushError):
     """A scenario file that cannot be used; names the file and the field."""
 
+    exit_code = 2
+
+
+class EndpointError(LegpushError):
+    """An address that cannot be listened on or connected to; names the address."""
+
+    exit_code = 2
+
 
 class MessageError(LegpushError):
     """Bytes that are not a valid message; names the path of the first field that is wrong."""
+
+    def __init__(self, text: str, cause: Literal["malformed", "oversize", "not_finite"] = "malformed") -> None:
+        super().__init__(text)
+        self.cause = cause
 
 
 class PeerError(LegpushError):
@@ -20,6 +43,14 @@ class PeerError(LegpushError):
 class JournalError(LegpushError):
     """An episode journal that does not belong to this run or contradicts it; names the entry."""
 
+    exit_code = 2
+
 
 class MotionError(LegpushError):
     """A motion that the simulator cannot carry out in its present state, such as walking before a path was given."""
+
+
+class StopRequestedError(LegpushError):
+    """The user or the launcher asked this process to stop while it was waiting."""
+
+    exit_code = 0

@@ -15,7 +15,7 @@ from legpush.scenario import PlannerName, Scenario
 PROTOCOL_VERSION: Final = 1
 
 Role = Literal["planner", "sim", "agent", "launcher"]
-Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 Count = Annotated[int, Meta(ge=0)]
 Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
 Point2 = tuple[float, float]

@@ -1,0 +1,19 @@
+"""The planner as a process of its own: `python -m planner_proc`."""
+
+import sys
+import threading
+
+from legpush.bus import Bus
+from legpush.plan_server import serve_plans
+from legpush.service import ServiceConfig, run_process
+
+
+def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
+    """Answer plan requests until asked to stop."""
+    from planner_proc.planning import make_plan
+
+    serve_plans(bus, make_plan, stop)
+
+
+if __name__ == "__main__":
+    sys.exit(run_process("planner", ServiceConfig, serve))

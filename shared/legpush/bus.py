@@ -1,0 +1,252 @@
+"""The bus: typed publishers and subscriptions over Zenoh, and who is there. The only module that imports zenoh.
+
+Every link is explicit: no scouting, no gossip, no shared memory (it leaks when a process is killed). A peer that is not
+there yet, or comes back, is connected to within half a second, so the order of starting does not matter.
+"""
+
+import json
+import logging
+import queue
+import secrets
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any, Final, Generic, Self
+
+import zenoh
+from msgspec import Struct
+
+from legpush import codec, keys
+from legpush.channels import Channel, M
+from legpush.endpoints import Endpoints, listing
+from legpush.errors import EndpointError, MessageError
+from legpush.faults import BadChannel, Faults
+from legpush.intake import Intake
+from legpush.messages import PROTOCOL_VERSION, Header, Name, Role, Status
+from legpush.roster import LEASE_S, Roster
+from legpush.tally import Tally
+
+log = logging.getLogger(__name__)
+
+INBOX_SIZE: Final = 1024
+"""Messages that wait to be taken; beyond that they are refused, so that a flood cannot fill the memory."""
+RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
+
+OnPeer = Callable[[Role, str, str, bool], None]
+"""Role, name, incarnation, alive; called on a thread of the bus."""
+
+
+class Publisher(Generic[M]):
+    """Sends the messages of one channel, each with the next header."""
+
+    def __init__(self, header: Callable[[int], Header], send: Callable[[bytes], None]) -> None:
+        self._header = header
+        self._send = send
+        self._sequence = 0
+        self._lock = threading.Lock()
+
+    def send(self, build: Callable[[Header], M]) -> M:
+        """Send what `build` makes of the header it is given; a non-finite or oversize message is a `MessageError`."""
+        with self._lock:
+            message = build(self._header(self._sequence))
+            payload = codec.encode(message)
+            self._sequence += 1
+            self._send(payload)
+        return message
+
+
+class Subscription(Generic[M]):
+    """The valid messages of one channel, in the order in which they came."""
+
+    def __init__(self, channel: Channel[M], tally: Tally) -> None:
+        self._key = channel.key
+        self._tally = tally
+        self._inbox: queue.Queue[M] = queue.Queue(INBOX_SIZE)
+
+    def put(self, message: M) -> None:
+        """Called by the bus; never blocks."""
+        try:
+            self._inbox.put_nowait(message)
+        except queue.Full:
+            self._tally.add("overflow", f"{self._key}: expected at most {INBOX_SIZE} waiting messages")
+
+    def next(self, timeout_s: float) -> M | None:
+        """The next message, or None if none comes within `timeout_s`; 0 looks without waiting."""
+        try:
+            return self._inbox.get(block=timeout_s > 0.0, timeout=timeout_s)
+        except queue.Empty:
+            return None
+
+    def drain(self) -> list[M]:
+        """All messages that are waiting, without waiting for more."""
+        messages = []
+        while (message := self.next(0.0)) is not None:
+            messages.append(message)
+        return messages
+
+
+class Bus:
+    """One process on the bus; a context manager that connects on entry and always closes.
+
+    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause.
+    """
+
+    def __init__(self, run: str, role: Role, name: str, endpoints: Endpoints, faults: Faults | None = None) -> None:
+        self.run = run
+        self.role = role
+        self.name = name
+        self.endpoints = endpoints
+        self.incarnation = secrets.token_hex(6)
+        self.roster = Roster()
+        self.tally = Tally()
+        self._faults = faults if faults is not None and faults.probability > 0.0 else None
+        self._on_peer: list[OnPeer] = []
+        self._closing = ExitStack()
+
+    def __enter__(self) -> Self:
+        session = self._open()
+        self._closing.callback(session.close)
+        self._session = session
+        watcher = session.liveliness().declare_subscriber(
+            keys.liveliness(self.run, "*", "*", "*"), _callback(self._take_token), history=True
+        )
+        self._closing.callback(watcher.undeclare)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._closing.close()
+
+    def publisher(self, channel: Channel[M]) -> Publisher[M]:
+        """What sends on `channel`; lockstep channels go through the injected faults, if there are any."""
+        lockstep = channel.quality == "lockstep"
+        publisher = self._session.declare_publisher(
+            channel.key,
+            congestion_control=zenoh.CongestionControl.BLOCK if lockstep else zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.DATA if lockstep else zenoh.Priority.DATA_LOW,
+            reliability=zenoh.Reliability.RELIABLE,
+            express=lockstep,
+            allowed_destination=zenoh.Locality.REMOTE,
+        )
+        self._closing.callback(publisher.undeclare)
+        if not lockstep or self._faults is None:
+            return Publisher(self._header, publisher.put)
+        bad_channel = BadChannel(self._faults, channel.key, publisher.put)
+        self._closing.callback(bad_channel.close)
+        return Publisher(self._header, bad_channel.send)
+
+    def subscribe(self, channel: Channel[M]) -> Subscription[M]:
+        """The messages of `channel` from now on; whatever is not valid is counted in `tally` and logged."""
+        subscription = Subscription(channel, self.tally)
+        intake = Intake(channel, self.run, self.tally)
+
+        def take(sample: zenoh.Sample) -> None:
+            message = intake.take(str(sample.key_expr), sample.payload.to_bytes())
+            if message is not None:
+                header = message.header
+                doing = message.phase if isinstance(message, Status) else None
+                self.roster.heard(header.role, header.name, header.incarnation, doing)
+                subscription.put(message)
+
+        subscriber = self._session.declare_subscriber(
+            channel.key, _callback(take), allowed_origin=zenoh.Locality.REMOTE
+        )
+        self._closing.callback(subscriber.undeclare)
+        return subscription
+
+    def announce(self) -> None:
+        """Show the liveliness token: this process is ready. Call it after subscribing, once."""
+        token = self._session.liveliness().declare_token(
+            keys.liveliness(self.run, self.role, self.name, self.incarnation)
+        )
+        self._closing.callback(token.undeclare)
+
+    def watch(self, on_peer: OnPeer) -> None:
+        """Call `on_peer` whenever a peer's liveliness token comes or goes, and now for those already there."""
+        self._on_peer.append(on_peer)
+        for peer in self.roster.everyone():
+            on_peer(peer.role, peer.name, peer.incarnation, True)
+
+    def _header(self, sequence: int) -> Header:
+        """The only place where a header is made."""
+        return Header(
+            protocol=PROTOCOL_VERSION,
+            run=self.run,
+            role=self.role,
+            name=self.name,
+            incarnation=self.incarnation,
+            sequence=sequence,
+        )
+
+    def _take_token(self, sample: zenoh.Sample) -> None:
+        """A liveliness token came or went: note it, and tell who watches."""
+        key = str(sample.key_expr)
+        try:
+            token = _parse_token(key)
+        except MessageError as error:
+            self.tally.add(error.cause, f"{key}: {error}")
+            return
+        if token.incarnation == self.incarnation:
+            return
+        alive = sample.kind == zenoh.SampleKind.PUT
+        self.roster.token(token.role, token.name, token.incarnation, alive)
+        for on_peer in self._on_peer:
+            on_peer(token.role, token.name, token.incarnation, alive)
+
+    def _open(self) -> zenoh.Session:
+        """A session on these endpoints; `EndpointError` where one cannot be listened on."""
+        try:
+            session = zenoh.open(_config(self.endpoints))
+        except zenoh.ZError as error:
+            raise EndpointError(
+                f"Expected to listen on {listing(self.endpoints.listen)} as {self.role} {self.name}, but that is not "
+                f"possible; is another {self.role} running there, and does the directory exist? ({error})"
+            ) from error
+        log.info(
+            "run %s, incarnation %s, listening on %s, connecting to %s",
+            self.run,
+            self.incarnation,
+            listing(self.endpoints.listen),
+            listing(self.endpoints.connect),
+        )
+        return session
+
+
+def _config(endpoints: Endpoints) -> zenoh.Config:
+    config = zenoh.Config()
+    settings: dict[str, Any] = {
+        "mode": "peer",
+        "listen/endpoints": list(endpoints.listen),
+        "listen/timeout_ms": 0,
+        "listen/exit_on_failure": True,
+        "connect/endpoints": list(endpoints.connect),
+        "connect/timeout_ms": -1,
+        "connect/exit_on_failure": False,
+        "connect/retry": RETRY,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": round(1e3 * LEASE_S),
+    }
+    for path, value in settings.items():
+        config.insert_json5(path, json.dumps(value))
+    return config
+
+
+def _callback(function: Callable[[zenoh.Sample], None]) -> Any:
+    """Called on the thread that received the sample: one hop less than the default."""
+    return zenoh.handlers.Callback(function, indirect=False)
+
+
+class _Token(Struct, frozen=True, kw_only=True):
+    """What a liveliness key says."""
+
+    role: Role
+    name: Name
+    incarnation: Name
+
+
+def _parse_token(key: str) -> _Token:
+    """The last three segments of a liveliness key; `MessageError` if they name no process."""
+    role, name, incarnation = key.split("/")[-3:]
+    return codec.convert({"role": role, "name": name, "incarnation": incarnation}, _Token)

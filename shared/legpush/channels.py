@@ -1,0 +1,69 @@
+"""The channels of a run, in one table: which key carries which message, who may speak there, and how it is sent."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, Literal, TypeVar, cast
+
+from legpush import keys
+from legpush.messages import Action, Header, Observation, PlanRequest, PlanResult, Refusal, Role, Status
+
+Answer = Observation | Refusal
+Message = PlanRequest | PlanResult | Action | Answer | Status
+
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Channel(Generic[M]):
+    """One kind of message under one key, which may hold wildcards for subscribers."""
+
+    key: str
+    kind: type[M]
+    sender: Role | None
+    """The only role that may speak here; None for any."""
+    key_of: Callable[[Header], str] | None = None
+    """The key that the sender named in a header has to use, where the key names the sender."""
+    quality: Literal["lockstep", "tap"] = "lockstep"
+    """`lockstep` never drops a message on a living link, `tap` drops rather than delay anything."""
+
+
+def actions(run: str, sim: str) -> Channel[Action]:
+    """What the agent wants the simulator `sim` to do."""
+    return Channel(key=keys.action(run, sim), kind=Action, sender="agent")
+
+
+def answers(run: str, sim: str) -> Channel[Answer]:
+    """What the simulator `sim` answers."""
+    kind = cast(type[Answer], Observation | Refusal)
+    return Channel(
+        key=keys.observation(run, sim),
+        kind=kind,
+        sender="sim",
+        key_of=lambda header: keys.observation(run, header.name),
+    )
+
+
+def plan_requests(run: str, client: str) -> Channel[PlanRequest]:
+    """What `client`, or `*` for all of them, asks the planner."""
+    return Channel(
+        key=keys.plan_request(run, client),
+        kind=PlanRequest,
+        sender="agent",
+        key_of=lambda header: keys.plan_request(run, header.name),
+    )
+
+
+def plan_results(run: str, client: str) -> Channel[PlanResult]:
+    """What the planner answers `client`."""
+    return Channel(key=keys.plan_result(run, client), kind=PlanResult, sender="planner")
+
+
+def statuses(run: str, role: Role | Literal["*"] = "*", name: str = "*") -> Channel[Status]:
+    """What a process, or `*` for all of them, tells people about itself."""
+    return Channel(
+        key=keys.status(run, role, name),
+        kind=Status,
+        sender=None,
+        key_of=lambda header: keys.status(run, header.role, header.name),
+        quality="tap",
+    )

@@ -1,0 +1,105 @@
+"""Who is there: the incarnations of every peer, whether they live, and when each was last heard."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import monotonic
+from typing import Final
+
+from legpush.messages import Role
+
+LEASE_S: Final = 2.0
+"""A link on which nothing came for this long is given up."""
+KEEP_GONE: Final = 16
+"""Incarnations that are gone are remembered up to this number, for the error messages."""
+
+
+@dataclass
+class Sighting:
+    """What is known of one incarnation."""
+
+    role: Role
+    name: str
+    incarnation: str
+    alive: bool = False
+    heard_at: float | None = None
+    """Monotonic time of its last message."""
+    gone_at: float | None = None
+    doing: str = ""
+    """What it last said it was doing."""
+
+
+class Roster:
+    """Kept by the bus from liveliness tokens and messages; safe to read from any thread."""
+
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._sightings: dict[str, Sighting] = {}
+
+    def token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
+        """A liveliness token came up or went down."""
+        with self._lock:
+            sighting = self._sighting(role, name, incarnation)
+            sighting.alive = alive
+            sighting.gone_at = None if alive else self._clock()
+
+    def heard(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
+        """A valid message of this sender came in; `doing` if it said what it is at."""
+        with self._lock:
+            sighting = self._sighting(role, name, incarnation)
+            sighting.heard_at = self._clock()
+            if doing is not None:
+                sighting.doing = doing
+
+    def live(self, role: Role, name: str | None = None) -> list[str]:
+        """Incarnations of this role, and name if given, that are alive."""
+        with self._lock:
+            return [s.incarnation for s in self._matching(role, name) if s.alive]
+
+    def everyone(self) -> list[Sighting]:
+        """All that are alive."""
+        with self._lock:
+            return [replace(s) for s in self._sightings.values() if s.alive]
+
+    def describe(self, role: Role, name: str | None = None) -> str:
+        """One clause on the state of this peer: not there, several, dead, frozen or slow, and its last message."""
+        with self._lock:
+            matching = self._matching(role, name)
+            living = [s for s in matching if s.alive]
+            if len(living) > 1:
+                return f"there are {len(living)} of them ({', '.join(sorted(s.incarnation for s in living))})"
+            if living:
+                said = f', it says "{living[0].doing}"' if living[0].doing else ""
+                return f"slow: it is alive, {self._last_heard(living[0])}{said}"
+            if not matching:
+                return "not there: it has not been seen yet"
+            return self._describe_gone(matching[-1])
+
+    def _describe_gone(self, sighting: Sighting) -> str:
+        """A link that closed while its peer was still talking was closed by its death, a silent one timed out."""
+        if sighting.gone_at is None:
+            return f"not there: {self._last_heard(sighting)}, but it announced no liveliness token"
+        last = sighting.heard_at
+        silent_s = LEASE_S if last is None else sighting.gone_at - last
+        word = "frozen or cut off: its link timed out" if silent_s > 0.8 * LEASE_S else "dead: its link closed"
+        return f"{word} {self._clock() - sighting.gone_at:.1f} s ago, {self._last_heard(sighting)}"
+
+    def _last_heard(self, sighting: Sighting) -> str:
+        if sighting.heard_at is None:
+            return "no message from it yet"
+        return f"last heard {self._clock() - sighting.heard_at:.1f} s ago"
+
+    def _matching(self, role: Role, name: str | None) -> list[Sighting]:
+        """In the order in which they were first seen."""
+        return [s for s in self._sightings.values() if s.role == role and name in (None, s.name)]
+
+    def _sighting(self, role: Role, name: str, incarnation: str) -> Sighting:
+        """The entry of this incarnation, newly made and old ones forgotten where needed."""
+        known = self._sightings.get(incarnation)
+        if known is None:
+            gone = [s.incarnation for s in self._sightings.values() if not s.alive]
+            for old in gone[: max(0, len(gone) - KEEP_GONE + 1)]:
+                del self._sightings[old]
+            known = self._sightings[incarnation] = Sighting(role, name, incarnation)
+        return known

@@ -1,0 +1,137 @@
+"""What every process has in common: its command line, its log, how it stops, and what it ends with.
+
+Exit codes: 0 done or asked to stop, 2 bad input, 3 a peer or this process failed.
+"""
+
+import logging
+import os
+import re
+import signal
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import FrameType
+from typing import Final, Literal, TypeVar
+
+import tyro
+
+from legpush import endpoints
+from legpush.bus import Bus
+from legpush.endpoints import Endpoints
+from legpush.errors import ConfigError, LegpushError
+from legpush.faults import Faults
+from legpush.messages import Role
+
+log = logging.getLogger(__name__)
+
+DEFAULT_RUN: Final = "local"
+DEFAULT_NAME: Final = "main"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ServiceConfig:
+    """Options of every process. Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas)."""
+
+    run: str = DEFAULT_RUN
+    """Processes talk to each other only within one run."""
+    name: str = DEFAULT_NAME
+    """Tells processes of one role apart; also part of the keys."""
+    listen: tuple[str, ...] = ()
+    """Endpoints to listen on, such as tcp/127.0.0.1:17472 or unixsock-stream//tmp/run/sim.sock."""
+    connect: tuple[str, ...] = ()
+    """Endpoints of the peers to connect to; they need not be there yet."""
+    inject_faults: float = 0.0
+    """Drop, duplicate, delay and reorder each message sent, each with this probability (for tests)."""
+    fault_seed: int = 0
+    """Draws the table of injected faults."""
+    log_level: Literal["debug", "info", "warning", "error"] = "info"
+
+    def __post_init__(self) -> None:
+        for field in ("run", "name"):
+            value = getattr(self, field)
+            if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", value) is None:
+                raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --{field}, got {value!r}")
+
+    def endpoints(self) -> Endpoints:
+        """Where to listen and connect; `EndpointError` where that is not possible."""
+        return Endpoints(listen=self.listen, connect=self.connect)
+
+    def faults(self) -> Faults:
+        """The injected faults; `ConfigError` where their probability is none."""
+        return Faults(probability=self.inject_faults, seed=self.fault_seed)
+
+
+C = TypeVar("C", bound=ServiceConfig)
+
+
+def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Mapping[str, str] = os.environ) -> C:
+    """The command line of a process as a `kind`; the environment gives defaults, then the ports of the role.
+
+    A wrong flag ends the process with code 2, as `--help` does with 0.
+    """
+    ports = endpoints.local(role)
+    default = kind(
+        run=env.get("LEGPUSH_RUN", DEFAULT_RUN),
+        listen=_locators(env["LEGPUSH_LISTEN"]) if "LEGPUSH_LISTEN" in env else ports.listen,
+        connect=_locators(env["LEGPUSH_CONNECT"]) if "LEGPUSH_CONNECT" in env else ports.connect,
+    )
+    return tyro.cli(kind, prog=f"python -m {role}_proc", args=argv, default=default)
+
+
+def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Event], int | None]) -> int:
+    """Parse, connect, `work`, disconnect; returns the exit code. A `LegpushError` is one line on standard error.
+
+    SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. What `work`
+    returns is the exit code, None is 0.
+    """
+    stop = _stop_on_signals()
+    try:
+        config = parse(role, kind)
+        start_log(f"{role}/{config.name}", config.log_level)
+        with Bus(config.run, role, config.name, config.endpoints(), config.faults()) as bus:
+            code = work(config, bus, stop) or 0
+            log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
+    except LegpushError as error:
+        if error.exit_code == 0:
+            log.info("%s", error)
+        else:
+            sys.stderr.write(f"error: {one_line(str(error))}\n")
+        return error.exit_code
+    return code
+
+
+def start_log(who: str, level: str) -> None:
+    """Log to standard error, one line per record, each with the time and `who` says it."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_OneLine(f"%(asctime)s.%(msecs)03d {who} %(levelname)s %(message)s", "%H:%M:%S"))
+    logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
+
+
+def one_line(text: str) -> str:
+    """The text with its line breaks, and other control characters, written out."""
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
+
+
+class _OneLine(logging.Formatter):
+    """A record is one line, whatever a peer or a file put into it."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return one_line(super().format(record))
+
+
+def _locators(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def _stop_on_signals() -> threading.Event:
+    """An event that SIGINT and SIGTERM set."""
+    stop = threading.Event()
+
+    def on_signal(number: int, _: FrameType | None) -> None:
+        signal.signal(number, signal.SIG_DFL)
+        stop.set()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, on_signal)
+    return stop

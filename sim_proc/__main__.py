@@ -1,0 +1,19 @@
+"""The simulator as a process of its own: `python -m sim_proc`."""
+
+import sys
+import threading
+
+from legpush.bus import Bus
+from legpush.lockstep_server import serve_actions
+from legpush.service import ServiceConfig, run_process
+
+
+def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
+    """Carry out actions until asked to stop."""
+    from sim_proc.simulator import Simulator
+
+    serve_actions(bus, Simulator(), stop)
+
+
+if __name__ == "__main__":
+    sys.exit(run_process("sim", ServiceConfig, serve))
