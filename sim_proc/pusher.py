@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 from legpush.geometry import Pose2
 from legpush.messages import Push
-from legpush.robot import FOOT_RADIUS_M, FOOT_RECTANGLE_LENGTH_M, LEGS, PUSH_GAP_M, FrontLeg, Leg, foot_rectangle_b
-from legpush.scenario import Box
+from legpush.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
+from legpush.scenario import STATION_M, Box
 from numpy.typing import NDArray
 
 from sim_proc.gait import TOUCHDOWN_M, rest, swing_to
@@ -32,9 +32,8 @@ RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", 
 
 
 def station(box: Pose2, length_m: float) -> Pose2:
-    """Where the trunk stands to push: behind the box, front feet `PUSH_GAP_M` off its rear face."""
-    behind = length_m / 2 + PUSH_GAP_M + FOOT_RECTANGLE_LENGTH_M / 2
-    return box @ Pose2(x_m=-behind, y_m=0.0, yaw_rad=0.0)
+    """Where the trunk stands to push: `STATION_M` behind the rear face of the box."""
+    return box @ Pose2(x_m=-length_m / 2 - STATION_M, y_m=0.0, yaw_rad=0.0)
 
 
 def contact_point(box: Pose2, size_m: tuple[float, float, float], leg: FrontLeg, depth_m: float) -> Array:

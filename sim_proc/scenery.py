@@ -42,7 +42,7 @@ def _add_looks(spec: mujoco.MjSpec) -> None:
         width=256,
         height=256,
     )
-    floor = spec.add_material(name="floor", texrepeat=[1.0, 1.0], texuniform=True, reflectance=0.02)
+    floor = spec.add_material(name="floor", texrepeat=[1.0, 1.0], texuniform=True)
     floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
     spec.add_texture(
         name="sky",

@@ -1,0 +1,19 @@
+"""Worlds to test the simulator in."""
+
+import pytest
+from legpush.robot import FOOT_RECTANGLE_LENGTH_M, PUSH_GAP_M
+from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
+
+BOX_X_M = 2.0 + 0.2 + PUSH_GAP_M + FOOT_RECTANGLE_LENGTH_M / 2
+
+
+@pytest.fixture
+def at_the_box() -> Scenario:
+    """A robot that stands at the push station of a light box, on an open floor."""
+    return Scenario(
+        name="at_the_box",
+        room=Room(size_m=(12.0, 10.0)),
+        start=PoseDeg(x_m=2.0, y_m=5.0, yaw_deg=0.0),
+        box=Box(pose=PoseDeg(x_m=BOX_X_M, y_m=5.0, yaw_deg=0.0)),
+        goal=Goal(pose=PoseDeg(x_m=BOX_X_M + 1.0, y_m=5.0, yaw_deg=0.0)),
+    )
