@@ -1,0 +1,50 @@
+"""What one push cycle does to the box, as measured: the knowledge of the scripted policy."""
+
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PushModel:
+    """Displacement of the box by one push cycle of FL, by depth; FR does the mirror image.
+
+    Rows begin at depth 0 and are interpolated linearly. Measured with a box of 0.4 m x 0.5 m at friction 0.5.
+    """
+
+    w1: float = 0.5
+    w2: float = 0.5
+    """The curve that the rows were measured with."""
+    depth_m: tuple[float, ...] = (0.0, 0.05, 0.08, 0.10, 0.12)
+    forward_m: tuple[float, ...] = (0.0, 0.039, 0.065, 0.090, 0.103)
+    """Of the box's centre along the x axis that the box had before."""
+    left_m: tuple[float, ...] = (0.0, -0.0009, -0.0020, -0.0035, -0.0057)
+    """The same along its y axis: the chord of the arc that it turns on."""
+    turn_rad: tuple[float, ...] = (0.0, radians(-2.7), radians(-3.5), radians(-4.4), radians(-6.3))
+
+    def push(
+        self,
+        pose: Floats,
+        mirror: Floats,
+        depth_m: Floats,
+        travel_scale: ArrayLike = 1.0,
+        turn_scale: ArrayLike = 1.0,
+    ) -> Floats:
+        """Poses (x, y, yaw) of the box after one push cycle each, (n, 3).
+
+        `mirror` is 1 for FL and -1 for FR, (n,); the scales are what the rows are multiplied by, scalar or (n,).
+        """
+        forward = np.multiply(travel_scale, np.interp(depth_m, self.depth_m, self.forward_m))
+        left = np.multiply(travel_scale, mirror * np.interp(depth_m, self.depth_m, self.left_m))
+        turn = np.multiply(turn_scale, mirror * np.interp(depth_m, self.depth_m, self.turn_rad))
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return pose + np.stack([c * forward - s * left, s * forward + c * left, turn], axis=1)
+
+    def depth_for(self, forward_m: Floats) -> Floats:
+        """The depth that moves the box by `forward_m`, at most the deepest that was measured, (n,)."""
+        depth: Floats = np.interp(forward_m, self.forward_m, self.depth_m)
+        return depth
