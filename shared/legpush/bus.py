@@ -21,7 +21,7 @@ from legpush import codec, keys
 from legpush.channels import Channel, M
 from legpush.endpoints import Endpoints, listing
 from legpush.errors import EndpointError, MessageError
-from legpush.faults import BadChannel, Faults
+from legpush.faults import BadChannel, Faults, fate_table
 from legpush.intake import Intake
 from legpush.messages import PROTOCOL_VERSION, Header, Name, Role, Status
 from legpush.roster import LEASE_S, Roster
@@ -131,7 +131,7 @@ class Bus:
         self._closing.callback(publisher.undeclare)
         if not lockstep or self._faults is None:
             return Publisher(self._header, publisher.put)
-        bad_channel = BadChannel(self._faults, channel.key, publisher.put)
+        bad_channel = BadChannel(fate_table(self._faults, channel.key), publisher.put)
         self._closing.callback(bad_channel.close)
         return Publisher(self._header, bad_channel.send)
 
@@ -164,7 +164,7 @@ class Bus:
     def watch(self, on_peer: OnPeer) -> None:
         """Call `on_peer` whenever a peer's liveliness token comes or goes, and now for those already there."""
         self._on_peer.append(on_peer)
-        for peer in self.roster.everyone():
+        for peer in self.roster.live():
             on_peer(peer.role, peer.name, peer.incarnation, True)
 
     def _header(self, sequence: int) -> Header:
@@ -234,8 +234,12 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
 
 
 def _callback(function: Callable[[zenoh.Sample], None]) -> Any:
-    """Called on the thread that received the sample: one hop less than the default."""
-    return zenoh.handlers.Callback(function, indirect=False)
+    """Called on a Python thread of its own.
+
+    On the network's thread it would block the link whenever other code holds the interpreter, as OMPL does while it
+    solves; after a lease of that, the link is lost.
+    """
+    return zenoh.handlers.Callback(function, indirect=True)
 
 
 class _Token(Struct, frozen=True, kw_only=True):

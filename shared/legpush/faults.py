@@ -7,7 +7,7 @@ and the key alone, so message number k of a key meets the same fate in every run
 
 import heapq
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import count
 from time import monotonic
@@ -59,10 +59,13 @@ def fate_table(faults: Faults, key: str, n_rows: int = TABLE_ROWS) -> tuple[Fate
 
 
 class BadChannel:
-    """Stands between a publisher and the network; `deliver` sends for real, from this thread or its own."""
+    """Stands between a publisher and the network; message k meets the fate in row k of the table, which then repeats.
 
-    def __init__(self, faults: Faults, key: str, deliver: Callable[[bytes], None]) -> None:
-        self._table = fate_table(faults, key)
+    `deliver` sends for real, on the caller's thread or on one of its own.
+    """
+
+    def __init__(self, table: Sequence[Fate], deliver: Callable[[bytes], None]) -> None:
+        self._table = table
         self._deliver = deliver
         self._n_sent = 0
         self._held: list[tuple[bytes, Fate]] = []
@@ -70,11 +73,11 @@ class BadChannel:
         self._due: list[tuple[float, int, bytes]] = []
         self._ticket = count()
         self._open = True
-        self._postman = threading.Thread(target=self._deliver_when_due, name=f"faults {key}", daemon=True)
+        self._postman = threading.Thread(target=self._deliver_when_due, name="faults", daemon=True)
         self._postman.start()
 
     def send(self, payload: bytes) -> None:
-        """Let the next row of the table decide what becomes of `payload`."""
+        """Let the next row of the table decide what becomes of `payload`; not from two threads at once."""
         fate = self._table[self._n_sent % len(self._table)]
         self._n_sent += 1
         overtaken, self._held = self._held, []

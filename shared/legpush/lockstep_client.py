@@ -70,7 +70,7 @@ class SimLink:
                 raise MotionError(f"Step {len(past)}: {answer.reason}")
             if answer.header.incarnation in (self._in_step, *led):
                 raise PeerError(
-                    f"The {self._exchange.peer} refuses step {len(past)}: {answer.reason}; is another agent using it?"
+                    f"{self._exchange.peer} refuses step {len(past)}: {answer.reason}; is another agent using it?"
                 )
             led.add(answer.header.incarnation)
             self._lead(past, answer)
@@ -82,16 +82,16 @@ class SimLink:
             answer = self._ask(index, step.motion, with_trace=False)
             if isinstance(answer, Refusal):
                 if answer.cause == "invalid":
-                    raise PeerError(f"The {self._exchange.peer} refuses step {index} of the journal: {answer.reason}")
+                    raise PeerError(f"{self._exchange.peer} refuses step {index} of the journal: {answer.reason}")
                 return
             self._in_step = answer.header.incarnation
             if answer.outcome.state_crc != step.state_crc:
                 raise PeerError(
                     f"Expected state {step.state_crc:08x} after step {index} of the journal, got "
-                    f"{answer.outcome.state_crc:08x} from the {self._exchange.peer}: it computes something else"
+                    f"{answer.outcome.state_crc:08x} from {self._exchange.peer}: it computes something else"
                 )
         if past:
-            log.info("the %s was led through %d steps again, state %08x", self._exchange.peer, len(past), past[-1][1])
+            log.info("%s was led through %d steps again, state %08x", self._exchange.peer, len(past), past[-1][1])
 
     def _ask(self, step: int, motion: Motion, with_trace: bool) -> Answer:
         episode = self.episode

@@ -1,5 +1,6 @@
 """How long to wait, measured so that the time in which this very process was paused does not count."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import monotonic
 from typing import Final
@@ -13,17 +14,18 @@ LONGEST_SLICE_S: Final = 0.5
 class Stopwatch:
     """Seconds waited, as a sum of slices of at most `LONGEST_SLICE_S`; `tick` once per slice."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        self._clock = clock
         self.restart()
 
     def restart(self) -> None:
         """From now on, nothing has been waited yet."""
         self.elapsed_s = 0.0
-        self._last = monotonic()
+        self._last = self._clock()
 
     def tick(self) -> float:
         """Seconds waited up to now."""
-        now = monotonic()
+        now = self._clock()
         self.elapsed_s += min(now - self._last, LONGEST_SLICE_S)
         self._last = now
         return self.elapsed_s

@@ -22,6 +22,8 @@ class Sighting:
     name: str
     incarnation: str
     alive: bool = False
+    n_links: int = 0
+    """How often its token came up: each time, what was under way before may be lost."""
     heard_at: float | None = None
     """Monotonic time of its last message."""
     gone_at: float | None = None
@@ -42,6 +44,7 @@ class Roster:
         with self._lock:
             sighting = self._sighting(role, name, incarnation)
             sighting.alive = alive
+            sighting.n_links += alive
             sighting.gone_at = None if alive else self._clock()
 
     def heard(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
@@ -52,15 +55,10 @@ class Roster:
             if doing is not None:
                 sighting.doing = doing
 
-    def live(self, role: Role, name: str | None = None) -> list[str]:
-        """Incarnations of this role, and name if given, that are alive."""
+    def live(self, role: Role | None = None, name: str | None = None) -> list[Sighting]:
+        """Those that are alive, of this role and name if given; copies, in the order in which they were first seen."""
         with self._lock:
-            return [s.incarnation for s in self._matching(role, name) if s.alive]
-
-    def everyone(self) -> list[Sighting]:
-        """All that are alive."""
-        with self._lock:
-            return [replace(s) for s in self._sightings.values() if s.alive]
+            return [replace(s) for s in self._matching(role, name) if s.alive]
 
     def describe(self, role: Role, name: str | None = None) -> str:
         """One clause on the state of this peer: not there, several, dead, frozen or slow, and its last message."""
@@ -90,9 +88,8 @@ class Roster:
             return "no message from it yet"
         return f"last heard {self._clock() - sighting.heard_at:.1f} s ago"
 
-    def _matching(self, role: Role, name: str | None) -> list[Sighting]:
-        """In the order in which they were first seen."""
-        return [s for s in self._sightings.values() if s.role == role and name in (None, s.name)]
+    def _matching(self, role: Role | None, name: str | None) -> list[Sighting]:
+        return [s for s in self._sightings.values() if role in (None, s.role) and name in (None, s.name)]
 
     def _sighting(self, role: Role, name: str, incarnation: str) -> Sighting:
         """The entry of this incarnation, newly made and old ones forgotten where needed."""

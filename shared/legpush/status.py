@@ -1,6 +1,8 @@
 """What this process is doing, published about once per second for people, and for peers that wait for it."""
 
 import threading
+from math import inf
+from time import monotonic
 from types import TracebackType
 from typing import Final, Self
 
@@ -12,16 +14,20 @@ PERIOD_S: Final = 1.0
 SHORTEST_PERIOD_S: Final = 0.1
 """Changes that follow faster than this are published as one."""
 
+Said = tuple[str, float | None, str, str]
+"""Phase, fraction, detail, waiting for."""
+
 
 class StatusBeacon:
-    """Publishes the last `say` at once, and again every `PERIOD_S` as a heartbeat, on a thread of its own."""
+    """Publishes what `say` was told last: at once, and every `PERIOD_S` as a heartbeat on a thread of its own."""
 
     def __init__(self, bus: Bus, phase: str = "idle") -> None:
         self._publisher = bus.publisher(channels.statuses(bus.run, bus.role, bus.name))
-        self._changed = threading.Event()
         self._closed = threading.Event()
-        self._said: tuple[str, float | None, str, str] = (phase, None, "", "")
-        self._thread = threading.Thread(target=self._publish, name="status", daemon=True)
+        self._thread = threading.Thread(target=self._beat, name="status", daemon=True)
+        self._said: Said = (phase, None, "", "")
+        self._published: Said = self._said
+        self._published_at = -inf
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -29,23 +35,26 @@ class StatusBeacon:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._closed.set()
-        self._changed.set()
         self._thread.join()
 
     def say(self, phase: str, fraction: float | None = None, detail: str = "", waiting_for: str = "") -> None:
-        """From now on the process is in this `phase`, done to `fraction` where known; never blocks."""
-        said = (phase, fraction, detail, waiting_for)
-        if said != self._said:
-            self._said = said
-            self._changed.set()
+        """From now on the process is in this `phase`, done to `fraction` where known.
+
+        Published from here, so that it is out before a library that holds the interpreter is called.
+        """
+        self._said = (phase, fraction, detail, waiting_for)
+        if monotonic() - self._published_at >= SHORTEST_PERIOD_S:
+            self._publish()
+
+    def _beat(self) -> None:
+        while not self._closed.wait(SHORTEST_PERIOD_S):
+            if self._said != self._published or monotonic() - self._published_at >= PERIOD_S:
+                self._publish()
 
     def _publish(self) -> None:
-        while not self._closed.is_set():
-            self._changed.clear()
-            self._publisher.send(self._status)
-            self._changed.wait(PERIOD_S)
-            self._closed.wait(SHORTEST_PERIOD_S)
+        self._published_at, self._published = monotonic(), self._said
+        self._publisher.send(self._status)
 
     def _status(self, header: Header) -> Status:
-        phase, fraction, detail, waiting_for = self._said
+        phase, fraction, detail, waiting_for = self._published
         return Status(header=header, phase=phase, fraction=fraction, detail=detail, waiting_for=waiting_for)

@@ -1,0 +1,93 @@
+"""Stand-ins for simulator and planner: no physics, but a state that depends on every motion and on their order."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event, Thread
+from typing import Literal
+from zlib import crc32
+
+from legpush import codec
+from legpush.bus import Bus
+from legpush.endpoints import in_directory
+from legpush.errors import MotionError
+from legpush.faults import Faults
+from legpush.geometry import Pose2
+from legpush.lockstep_server import Stepper, serve_actions
+from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Role, Walk
+from legpush.plan_server import MakePlan, serve_plans
+
+from tests.shared.examples import RESET, TRACE, WORLD
+
+RUN = "test"
+LEGS: tuple[Literal["FL", "FR"], ...] = ("FL", "FR")
+
+
+class FakeStepper:
+    """The CRC of its state chains over all motions since the last reset."""
+
+    def __init__(self) -> None:
+        self.performed: list[Motion] = []
+        self._crc = 0
+        self._has_path = False
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        if isinstance(motion, Walk) and not self._has_path:
+            raise MotionError("Expected a follow before the first walk")
+        self._has_path = isinstance(motion, Follow) or (self._has_path and not isinstance(motion, Reset))
+        self._crc = crc32(codec.encode(motion), 0 if isinstance(motion, Reset) else self._crc)
+        self.performed.append(motion)
+        return Outcome(world=WORLD, state_crc=self._crc, trace=TRACE if with_trace else None)
+
+
+def fake_plan(query: PlanQuery) -> Plan:
+    """A straight line, and a number that depends on the seed."""
+    return Plan(status="exact", reason="", waypoints=(query.start, query.goal), n_iterations=query.seed)
+
+
+def mission(n_cycles: int = 20) -> list[Motion]:
+    """A reset, a path, walking, and pushes of which no two are alike."""
+    path = Follow(waypoints=(Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), Pose2(x_m=1.0, y_m=0.0, yaw_rad=0.0)))
+    pushes = [Push(w1=0.5, w2=i / n_cycles, leg=LEGS[i % 2], depth_m=0.1) for i in range(n_cycles)]
+    return [RESET, path, Walk(), Walk(), *pushes]
+
+
+def crc_after(motions: list[Motion]) -> int:
+    """State of a simulator that was asked for nothing but these motions, once each."""
+    stepper = FakeStepper()
+    return [stepper.perform(motion, with_trace=False).state_crc for motion in motions][-1]
+
+
+@contextmanager
+def bus(directory: Path, role: Role, name: str = "main", faults: Faults | None = None) -> Iterator[Bus]:
+    """A bus of the test run on the unix sockets in `directory`."""
+    with Bus(RUN, role, name, in_directory(directory, role), faults) as opened:
+        yield opened
+
+
+@contextmanager
+def sim(directory: Path, stepper: Stepper | None = None, faults: Faults | None = None) -> Iterator[Bus]:
+    """A simulator that serves in a thread."""
+    stop = Event()
+    with bus(directory, "sim", faults=faults) as opened:
+        thread = Thread(target=serve_actions, args=(opened, stepper or FakeStepper(), stop))
+        thread.start()
+        try:
+            yield opened
+        finally:
+            stop.set()
+            thread.join()
+
+
+@contextmanager
+def planner(directory: Path, make_plan: MakePlan = fake_plan, faults: Faults | None = None) -> Iterator[Bus]:
+    """A planner that serves in a thread."""
+    stop = Event()
+    with bus(directory, "planner", faults=faults) as opened:
+        thread = Thread(target=serve_plans, args=(opened, make_plan, stop))
+        thread.start()
+        try:
+            yield opened
+        finally:
+            stop.set()
+            thread.join()
