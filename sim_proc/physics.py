@@ -41,6 +41,8 @@ class Recording:
     """(n, 4, 3), of the box on each foot."""
     com_m: Array
     """(n, 3), of the robot."""
+    ctrl: Array
+    """(n, 12), what the servos were commanded."""
 
 
 class Physics:
@@ -76,7 +78,7 @@ class Physics:
         model, data = self.model, self.data
         n = len(joint_commands_rad)
         qpos, tips = np.empty((n, model.nq)), np.empty((n, 4, 3))
-        sensors = np.empty((n, model.nsensordata))
+        sensors, ctrls = np.empty((n, model.nsensordata)), np.empty((n, model.nu))
         commands = joint_commands_rad + joint_torques_n_m / POSITION_GAIN_N_M_RAD
         bias, ctrl = data.qfrc_bias[JOINT_QVEL], data.ctrl
         upright = cos(FALL_TILT_RAD)
@@ -84,6 +86,7 @@ class Physics:
         for k in range(n):
             np.multiply(bias, 1.0 / POSITION_GAIN_N_M_RAD, out=ctrl)
             ctrl += commands[k]
+            ctrls[k] = ctrl
             mujoco.mj_step(model, data, STEPS_PER_TICK)
             qpos[k] = data.qpos
             data.site_xpos.take(self._tip_sites, axis=0, out=tips[k])
@@ -101,6 +104,7 @@ class Physics:
             floor_forces_n=-sensors[:done, self._floor_forces].reshape(done, 4, 3),
             box_forces_n=-sensors[:done, self._box_forces].reshape(done, 4, 3),
             com_m=sensors[:done, self._com],
+            ctrl=ctrls[:done],
         )
 
     def _check_warnings(self, qpos: Array) -> None:

@@ -21,18 +21,19 @@ class Simulator:
 
     def __init__(self) -> None:
         """Empty until the first `Reset`."""
-        self._episode: Episode | None = None
+        self.episode: Episode | None = None
+        """The present one."""
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
         """Carry out one motion; `MotionError` where the present state does not allow it."""
         if isinstance(motion, Reset):
-            self._episode = Episode(motion)
-            return self._episode.outcome([], with_trace=with_trace)
-        if self._episode is None:
+            self.episode = Episode(motion)
+            return self.episode.outcome([], with_trace=with_trace)
+        if self.episode is None:
             raise MotionError(
                 f"Expected `reset` as the first motion of an episode, got `{motion.__struct_config__.tag}`"
             )
-        return self._episode.perform(motion, with_trace=with_trace)
+        return self.episode.perform(motion, with_trace=with_trace)
 
 
 class Episode:

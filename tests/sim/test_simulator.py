@@ -178,7 +178,7 @@ def test_the_seed_moves_robot_and_box_within_the_half_widths(at_the_box: Scenari
 def test_a_robot_that_is_tipped_over_is_reported_as_fallen_and_refuses_to_go_on(at_the_box: Scenario) -> None:
     simulator = Simulator()
     perform(simulator, [Reset(scenario=at_the_box, seed=0)])
-    episode = simulator._episode
+    episode = simulator.episode
     assert episode is not None
     episode.physics.data.qvel[2:4] = [3.0, 20.0]
     fallen = simulator.perform(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05), with_trace=True)

@@ -1,0 +1,85 @@
+"""`python benchmarks/push_cycle.py`: what control adds to physics in a push cycle, and both against real time.
+
+Side by side in one process, in turn: the simulator's whole push cycle (planning, kinematics, feed-forward, recording)
+and the bare `mj_step` calls that it contains, from the same states with the same controls.
+"""
+
+import time
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import tyro
+from legpush.messages import Push, Reset
+from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
+from legpush.scenario_file import load_scenario
+
+from sim_proc import physics
+from sim_proc.simulator import Simulator
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """How often to measure."""
+
+    n_cycles: int = 60
+    """Push cycles, each measured both ways."""
+
+
+def main(config: Config) -> None:
+    """Measure and print."""
+    simulator = Simulator()
+    simulator.perform(Reset(scenario=load_scenario("push"), seed=0), with_trace=False)
+    if simulator.episode is None:
+        raise RuntimeError("The simulator has no episode after its reset")
+    world = simulator.episode.physics
+    controls: list[np.ndarray] = []
+    _collect_controls(controls)
+    bare_data = mujoco.MjData(world.model)
+    state = np.empty(mujoco.mj_stateSize(world.model, STATE))
+    rng = np.random.default_rng(0)
+    cycle_s, bare_s, n_ticks = [], [], []
+    for index in range(config.n_cycles):
+        push = Push(w1=rng.uniform(), w2=rng.uniform(), leg=FRONT_LEGS[index % 2], depth_m=0.03)
+        mujoco.mj_getState(world.model, world.data, state, STATE)
+        controls.clear()
+        began = time.perf_counter()
+        simulator.perform(push, with_trace=False)
+        cycle_s.append(time.perf_counter() - began)
+        mujoco.mj_setState(world.model, bare_data, state, STATE)
+        began = time.perf_counter()
+        for control in np.concatenate(controls):
+            bare_data.ctrl[:] = control
+            mujoco.mj_step(world.model, bare_data, physics.STEPS_PER_TICK)
+        bare_s.append(time.perf_counter() - began)
+        if not np.array_equal(bare_data.qpos, world.data.qpos):
+            raise RuntimeError("The bare steps did not end in the same state: the comparison is void")
+        n_ticks.append(sum(len(part) for part in controls))
+    ratio = np.array(cycle_s) / np.array(bare_s)
+    real_time = np.array(n_ticks) * CONTROL_PERIOD_S / np.array(cycle_s)
+    print(f"push cycle / bare mj_step: median {np.median(ratio):.2f} (n {len(ratio)}, 5-95 % {_spread(ratio)})")
+    simulated_s = np.median(n_ticks) * CONTROL_PERIOD_S
+    print(f"push cycle: {np.median(cycle_s) * 1e3:.1f} ms for {simulated_s:.2f} simulated seconds")
+    print(f"that is {np.median(real_time):.0f} x real time on one core")
+
+
+def _collect_controls(controls: list[np.ndarray]) -> None:
+    """From now on, whatever runs leaves its servo commands in the list."""
+    run = physics.Physics.run
+
+    def run_and_collect(self: physics.Physics, commands: np.ndarray, torques: np.ndarray) -> physics.Recording:
+        recording = run(self, commands, torques)
+        controls.append(recording.ctrl)
+        return recording
+
+    physics.Physics.run = run_and_collect  # type: ignore[method-assign]
+
+
+def _spread(values: np.ndarray) -> str:
+    return " to ".join(f"{value:.2f}" for value in np.percentile(values, [5, 95]))
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))
