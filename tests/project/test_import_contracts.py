@@ -13,7 +13,7 @@ ROGUES = {
     "What they share imports none of them": ("legpush", "import planner_proc"),
     "Planner and simulator load no learning library": ("sim_proc", "import torch"),
     "Only planner_proc.route imports OMPL": ("planner_proc", "from ompl import base"),
-    "Only sim_proc.model and sim_proc.physics import MuJoCo": ("sim_proc", "import mujoco"),
+    "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
     "Only agent_proc.picture imports matplotlib": ("agent_proc", "from matplotlib import pyplot"),
 }
