@@ -6,13 +6,13 @@ from typing import Annotated, Final, Literal
 from msgspec import Meta, Struct
 
 from legpush.geometry import Pose2
-from legpush.robot import HIP_X_M
+from legpush.robot import HIP_X_M, PUSH_GAP_M
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
-STATION_M: Final = HIP_X_M + 0.12
-"""From the box's rear face back to the trunk centre when the robot stands ready to push: feet 0.12 m off the face."""
+STATION_M: Final = HIP_X_M + PUSH_GAP_M
+"""From the box's rear face back to the trunk centre when the robot stands ready to push."""
 STAND_OFF_M: Final = 0.75
 """The same distance where walking ends: far enough for the box to count as an obstacle until then."""
 

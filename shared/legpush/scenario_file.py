@@ -1,9 +1,12 @@
 """Scenario files: TOML to a checked `Scenario` and back."""
 
 import tomllib
+from collections.abc import Mapping
 from difflib import get_close_matches
+from functools import reduce
 from importlib.resources import files
 from importlib.resources.abc import Traversable
+from operator import getitem
 from pathlib import Path
 from typing import Any, Final
 
@@ -40,6 +43,20 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
 def dump_scenario(scenario: Scenario) -> str:
     """The scenario as TOML with every field in it; loading it gives an equal record."""
     return tomli_w.dumps(msgspec.to_builtins(scenario))
+
+
+def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """The scenario with other values at paths such as `box.mass_kg`; `ScenarioError` where one cannot be used."""
+    plain = msgspec.to_builtins(scenario)
+    for path, value in changes.items():
+        *tables, field = path.split(".")
+        reduce(getitem, tables, plain)[field] = value
+    try:
+        changed = convert(plain, Scenario)
+    except MessageError as error:
+        raise ScenarioError(f"command line: {explain(str(error), plain, Scenario)}") from error
+    check_scenario(changed, "command line")
+    return changed
 
 
 def scenario_names() -> tuple[str, ...]:

@@ -1,0 +1,148 @@
+"""The `legpush` command. Each subcommand imports what it needs when it runs, so that `--help` comes at once."""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import singledispatch
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Final
+
+import tyro
+
+from legpush.errors import ConfigError, LegpushError
+from legpush.launch.options import RunOptions
+
+DESCRIPTION: Final = (
+    "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
+    "`legpush run` starts it all; `legpush --version` prints the version."
+)
+
+
+@dataclass(frozen=True)
+class ListScenarios:
+    """List the built-in scenarios."""
+
+
+@dataclass(frozen=True)
+class ShowScenario:
+    """Check a scenario and print it with every field."""
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")]
+    """A built-in scenario or the path of a scenario file."""
+
+
+@dataclass(frozen=True)
+class CopyScenario:
+    """Copy a built-in scenario, with its comments, to a new file for you to edit."""
+
+    name: Annotated[str, tyro.conf.arg(metavar="NAME")]
+    """A built-in scenario."""
+    file: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """The new file."""
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """List, show or copy scenarios."""
+
+    action: (
+        Annotated[ListScenarios, tyro.conf.subcommand("list")]
+        | Annotated[ShowScenario, tyro.conf.subcommand("show")]
+        | Annotated[CopyScenario, tyro.conf.subcommand("copy")]
+    )
+
+
+@dataclass(frozen=True)
+class Render:
+    """Film a run again, from what it recorded: writes mission.mp4 into its folder."""
+
+    run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]
+    """The folder of the run."""
+
+
+Command = (
+    Annotated[RunOptions, tyro.conf.subcommand("run")]
+    | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
+    | Annotated[Render, tyro.conf.subcommand("render")]
+)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line `argv` and return the exit code; an error is one line on standard error."""
+    argv = sys.argv[1:] if argv is None else argv
+    if list(argv) == ["--version"]:
+        sys.stdout.write(f"legpush {version('legpush')}\n")
+        return 0
+    try:
+        command: RunOptions | Scenarios | Render = tyro.cli(
+            Command,
+            prog="legpush",
+            description=DESCRIPTION,
+            args=argv,
+            config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
+        )
+        return execute(command)
+    except LegpushError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return error.exit_code
+    except KeyboardInterrupt:
+        return 130
+
+
+@singledispatch
+def execute(command: object) -> int:
+    """Do what a parsed command says; returns the exit code."""
+    raise TypeError(f"Expected a command of legpush, got {type(command).__name__}")
+
+
+@execute.register
+def _run(command: RunOptions) -> int:
+    from rich.console import Console
+
+    from legpush.launch.run import run_mission
+
+    return run_mission(command, Console())
+
+
+@execute.register
+def _scenarios(command: Scenarios) -> int:
+    return execute(command.action)
+
+
+@execute.register
+def _list_scenarios(_: ListScenarios) -> int:
+    from legpush.scenario_file import load_scenario, scenario_names
+
+    for name in scenario_names():
+        sys.stdout.write(f"{name:<18}{load_scenario(name).description}\n")
+    return 0
+
+
+@execute.register
+def _show_scenario(command: ShowScenario) -> int:
+    from legpush.scenario_file import dump_scenario, load_scenario
+
+    sys.stdout.write(dump_scenario(load_scenario(command.scenario)))
+    return 0
+
+
+@execute.register
+def _copy_scenario(command: CopyScenario) -> int:
+    from legpush.scenario_file import copy_scenario
+
+    for path in copy_scenario(command.name, command.file):
+        sys.stdout.write(f"wrote {path}\n")
+    return 0
+
+
+@execute.register
+def _render(command: Render) -> int:
+    from legpush.launch.folder import SCENARIO_FILE
+    from legpush.launch.video import film_arguments
+
+    if not (command.run_folder / SCENARIO_FILE).is_file():
+        raise ConfigError(f"Expected the folder of a run, with a {SCENARIO_FILE} in it, got {command.run_folder}")
+    argv = film_arguments(command.run_folder)
+    os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted

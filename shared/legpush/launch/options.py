@@ -1,0 +1,48 @@
+"""What `legpush run` can be told."""
+
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from legpush.errors import ConfigError
+from legpush.scenario import PlannerName
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Run a mission: start planner, simulator and agent, watch over them, and report.
+
+    Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 gave up on a process, 130 interrupted.
+    """
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    """A built-in scenario (`legpush scenarios list`) or the path of a scenario file."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Draws the offsets of start and box, and the path: equal seeds, equal missions, bit for bit."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished run goes on in its folder."""
+    policy: Literal["scripted"] = "scripted"
+    """What chooses the pushes."""
+    planner: PlannerName | None = None
+    """Replaces the scenario's planner."""
+    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """Replaces the scenario's box mass."""
+    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's box friction."""
+    video: bool = True
+    """Render mission.mp4 at the end."""
+    deadline_s: Annotated[float | None, tyro.conf.arg(name="deadline", metavar="S")] = None
+    """Give up when the mission is not over after this many seconds."""
+    inject_faults: Annotated[float, tyro.conf.arg(metavar="P")] = 0.0
+    """Drop, duplicate, delay and reorder each message between the processes, each with this probability (a test)."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.seed < 2**32:
+            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        if not 0.0 <= self.inject_faults < 1.0:
+            raise ConfigError(f"Expected a probability in [0, 1) for --inject-faults, got {self.inject_faults}")
+        if self.deadline_s is not None and not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
+            raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")

@@ -1,0 +1,184 @@
+"""`legpush run`: a whole mission, from the options to the report."""
+
+import os
+import re
+import shlex
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from datetime import datetime
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from rich.console import Console
+from rich.text import Text
+
+from legpush import channels
+from legpush.bus import Bus
+from legpush.endpoints import in_directory
+from legpush.errors import ConfigError
+from legpush.launch.crew import Crew
+from legpush.launch.display import make_display
+from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, run_folder
+from legpush.launch.options import RunOptions
+from legpush.launch.processes import Command
+from legpush.launch.summary import print_summary, read_report
+from legpush.launch.supervisor import (
+    BAD_INPUT,
+    GAVE_UP,
+    INTERRUPTED,
+    NO_SUCCESS,
+    SUCCESS,
+    Limits,
+    Supervisor,
+    Verdict,
+)
+from legpush.launch.video import film, film_arguments
+from legpush.messages import Role
+from legpush.scenario import Scenario
+from legpush.scenario_file import load_scenario, override
+
+ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
+LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
+"""What each process cannot start without; the rest of its extra comes along."""
+ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
+"""Arrays here are small: more threads only get in each other's way."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where a run happens."""
+
+    folder: Path
+    """What it leaves behind; absolute."""
+    sockets: Path
+    """A directory of mode 0700 for the sockets of its processes."""
+
+    @property
+    def run(self) -> str:
+        """Name of the run on the bus: that of its folder, so that a run that goes on is the same run."""
+        return re.sub(r"[^A-Za-z0-9_-]", "-", self.folder.name)[:64] or "run"
+
+
+def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
+    """The command line of a process of this package, without what `bus_flags` adds."""
+    # -P: what lies in the working directory is no part of the program.
+    arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
+    if role == "agent":
+        arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
+        arguments += ["--out", str(place.folder), "--policy", options.policy]
+    return tuple(arguments)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Programs:
+    """The command lines that a mission is made of."""
+
+    process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
+    film: Callable[[Path], tuple[str, ...]] = film_arguments
+
+
+def run_mission(options: RunOptions, console: Console, programs: Programs | None = None) -> int:
+    """Run a mission and return the exit code; `LegpushError` for bad input, before anything is started.
+
+    `programs` takes the place of the processes of this package.
+    """
+    scenario = resolve_scenario(options)
+    if programs is None:
+        require_libraries()
+        programs = Programs()
+    folder = options.out or default_folder(scenario, options.seed, datetime.now().astimezone())
+    with run_folder(folder, scenario):
+        verdict = _run_in(folder, options, programs, console)
+        if verdict.exit_code in (BAD_INPUT, GAVE_UP):
+            sys.stderr.write(f"error: {verdict.reason}\n")
+        elif verdict.exit_code == INTERRUPTED:
+            console.print(Text(f"{verdict.reason}; to go on: {_again(options, folder)}"), soft_wrap=True)
+        else:
+            print_summary(console, folder, read_report(folder))
+    return verdict.exit_code
+
+
+def resolve_scenario(options: RunOptions) -> Scenario:
+    """The scenario with what the options replace in it."""
+    changes = {
+        "planning.planner": options.planner,
+        "box.mass_kg": options.box_mass_kg,
+        "box.friction": options.box_friction,
+    }
+    scenario = load_scenario(options.scenario)
+    return override(scenario, {field: value for field, value in changes.items() if value is not None})
+
+
+def require_libraries() -> None:
+    """`ConfigError` where what the processes need is not installed: better than three of them failing to start."""
+    missing = [name for names in LIBRARIES.values() for name in names if find_spec(name) is None]
+    if missing:
+        raise ConfigError(
+            f"Expected the libraries of all three processes, but {', '.join(missing)} is not installed; "
+            "pip install 'legpush[all]' installs them"
+        )
+
+
+def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
+    """How a process finds its peers, and how badly they hear each other."""
+    endpoints = in_directory(place.sockets, role)
+    flags = ["--run", place.run, "--listen", *endpoints.listen]
+    if endpoints.connect:
+        flags += ["--connect", *endpoints.connect]
+    if options.inject_faults > 0.0:
+        flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
+    return tuple(flags)
+
+
+def _run_in(shown: Path, options: RunOptions, programs: Programs, console: Console) -> Verdict:
+    """Run the mission and film it; everything that it started has ended afterwards."""
+    with ExitStack() as stack:
+        sockets = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-")))
+        place = Place(folder=shown.absolute(), sockets=sockets)
+        bus = stack.enter_context(Bus(place.run, "launcher", "main", in_directory(sockets, "launcher")))
+        statuses = bus.subscribe(channels.statuses(bus.run))
+        display = stack.enter_context(make_display(console))
+        crew = stack.enter_context(Crew())
+
+        environment = child_environment(os.environ)
+        commands = [
+            Command(
+                role=role,
+                argv=programs.process(role, options, place) + bus_flags(role, options, place),
+                log=place.folder / LOGS / f"{role}.log",
+                environment=environment,
+            )
+            for role in ROLES
+        ]
+        supervisor = Supervisor(
+            crew,
+            display,
+            is_alive=lambda role: any(peer.role == role for peer in bus.roster.live()),
+            hear=statuses.drain,
+            limits=Limits(mission_s=options.deadline_s),
+        )
+        verdict = supervisor.run(commands)
+        if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
+            command = Command(
+                role="video",
+                argv=programs.film(place.folder),
+                log=place.folder / LOGS / "video.log",
+                environment=environment,
+            )
+            return film(command, crew, display) or verdict
+        return verdict
+
+
+def child_environment(environment: Mapping[str, str]) -> dict[str, str]:
+    """What the processes get: what the launcher has, one thread per library, and output as it comes."""
+    return {**environment, **ONE_THREAD, "PYTHONUNBUFFERED": "1"}
+
+
+def _again(options: RunOptions, folder: Path) -> str:
+    """The command that goes on with an interrupted run."""
+    words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
+    return shlex.join([*words, "--out", str(folder)])

@@ -1,0 +1,76 @@
+"""The end of a run, for people: how the mission went, from `report.json`, and where its files are."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from legpush.errors import LegpushError
+from legpush.launch.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
+
+ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
+    "success": ("mission", lambda done: "success" if done else "no success"),
+    "reason": ("reason", str),
+    "box_position_error_m": ("box position error", lambda m: f"{100 * m:.1f} cm"),
+    "box_angle_error_deg": ("box angle error", lambda deg: f"{deg:.1f}°"),
+    "walk_tracking_rms_m": ("walking path error, RMS", lambda m: f"{100 * m:.1f} cm"),
+    "handover_distance_m": ("distance to the box at hand-over", lambda m: f"{m:.2f} m"),
+    "trunk_max_abs_pitch_deg": ("trunk pitch, largest", lambda deg: f"{deg:.1f}°"),
+    "trunk_max_abs_roll_deg": ("trunk roll, largest", lambda deg: f"{deg:.1f}°"),
+    "min_support_margin_m": ("support margin, least", lambda m: f"{100 * m:.1f} cm"),
+    "n_push_cycles": ("push cycles", str),
+    "n_footsteps": ("footsteps", str),
+    "sim_time_s": ("simulated time", lambda s: f"{s:.1f} s"),
+    "wall_time_s": ("wall time", lambda s: f"{s:.1f} s"),
+    "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
+    "state_crc": ("state CRC", str),
+    "seed": ("seed", str),
+}
+"""Fields of the report in the order of the table: what people call them, and how they read them."""
+
+FILES: Final = {
+    REPORT_FILE: "these numbers, and the versions of everything",
+    PICTURE_FILE: "map, search tree, paths, feet and box",
+    VIDEO_FILE: "the mission, filmed",
+    SCENARIO_FILE: "what it started from, complete",
+    LOGS: "what each process said",
+}
+
+
+class ReportError(LegpushError):
+    """A mission that ended without a report that can be read; names the file."""
+
+
+def read_report(folder: Path) -> dict[str, Any]:
+    """The report that the agent left; `ReportError` if there is none."""
+    path = folder / REPORT_FILE
+    try:
+        report = json.loads(path.read_bytes())
+    except (OSError, ValueError) as error:
+        raise ReportError(f"{path}: expected the report of the mission ({error})") from error
+    if not isinstance(report, dict):
+        raise ReportError(f"{path}: expected a JSON object, got {type(report).__name__}")
+    return report
+
+
+def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> None:
+    """A table of the numbers, one of the files that are there; a number that was not measured is a dash."""
+    numbers = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    for field, (title, read) in ROWS.items():
+        if field in report:
+            value = "-" if report[field] is None else read(report[field])
+            numbers.add_row(Text(title, style="dim"), Text(value, style=_style(field, report)))
+    files = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    for name, what in FILES.items():
+        if (folder / name).exists():
+            files.add_row(Text(str(folder / name), style="cyan", overflow="fold"), Text(what, style="dim"))
+    console.print("", numbers, "", files, sep="\n")
+
+
+def _style(field: str, report: dict[str, Any]) -> str:
+    """Success is green, its absence red."""
+    return "" if field not in ("success", "reason") else "bold green" if report.get("success") else "bold red"

@@ -1,0 +1,195 @@
+"""Watches over the processes of a mission: waits until each is ready, restarts what dies, names what hangs."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from time import monotonic
+from typing import Final
+
+from legpush.launch.crew import Crew, Interrupted
+from legpush.launch.display import Display
+from legpush.launch.processes import TAIL_LINES, Command, Process, describe_exit
+from legpush.messages import Status
+from legpush.patience import SLICE_S, Stopwatch
+
+SUCCESS: Final = 0
+NO_SUCCESS: Final = 1
+BAD_INPUT: Final = 2
+GAVE_UP: Final = 3
+INTERRUPTED: Final = 130
+
+FROZEN_EVERY_S: Final = 0.5
+"""How often processes are asked whether they are frozen."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """When the launcher gives up."""
+
+    ready_s: float = 60.0
+    """A process that shows no sign of life for this long, although it runs."""
+    mission_s: float | None = None
+    """The whole mission, from its start; None for no limit. Time in which a process is frozen does not count."""
+    max_restarts: int = 3
+    """Of each process."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How the mission ended, and why where it did not end by itself."""
+
+    exit_code: int
+    reason: str = ""
+
+
+@dataclass
+class _Post:
+    """A role and who fills it."""
+
+    process: Process
+    absent: Stopwatch
+    """How long it has shown no sign of life."""
+    n_restarts: int = 0
+    seen: bool = False
+    """Whether this process ever showed one."""
+    frozen: bool = False
+
+
+class Supervisor:
+    """Runs the processes of a mission until the leading one is done.
+
+    `is_alive` tells whether a role shows its liveliness token, `hear` returns what the processes said since last asked.
+    """
+
+    def __init__(
+        self,
+        crew: Crew,
+        display: Display,
+        *,
+        is_alive: Callable[[str], bool],
+        hear: Callable[[], Iterable[Status]],
+        leader: str = "agent",
+        limits: Limits | None = None,
+        clock: Callable[[], float] = monotonic,
+    ) -> None:
+        self._crew = crew
+        self._display = display
+        self._is_alive = is_alive
+        self._hear = hear
+        self._leader = leader
+        self._limits = limits or Limits()
+        self._clock = clock
+        self._posts: dict[str, _Post] = {}
+        self._mission = Stopwatch(clock)
+        self._until_look = Stopwatch(clock)
+        self._last: Status | None = None
+
+    def run(self, commands: Sequence[Command]) -> Verdict:
+        """Start the commands, watch until the mission is over, and end whatever still runs."""
+        try:
+            for command in commands:
+                self._posts[command.role] = self._fill(command)
+            self._mission.restart()
+            return self._watch()
+        finally:
+            self._display.progress("stopping", None, "", "")
+            self._crew.stop()
+
+    def _fill(self, command: Command, n_restarts: int = 0) -> _Post:
+        """Start a process."""
+        return _Post(self._crew.start(command), Stopwatch(self._clock), n_restarts)
+
+    def _watch(self) -> Verdict:
+        """Take what happens, one event or one look around at a time, until there is a verdict."""
+        while True:
+            event = self._crew.next_event(SLICE_S)
+            if isinstance(event, Interrupted):
+                return Verdict(INTERRUPTED, f"interrupted by {event.by.name}")
+            verdict = self._take_end(event) if isinstance(event, Process) else self._look_around()
+            if verdict is not None:
+                return verdict
+
+    def _take_end(self, process: Process) -> Verdict | None:
+        """A process ended: that is the end of the mission, or it is started again."""
+        role, exit_code = process.role, process.exit_code
+        if exit_code is None:
+            raise ValueError(f"Expected a process that ended, got the running {role}")
+        if role == self._leader and exit_code in (SUCCESS, NO_SUCCESS):
+            self._show()
+            return Verdict(exit_code)
+        if exit_code == BAD_INPUT:
+            said = process.last_words(1)
+            error = said[0].removeprefix("error: ") if said else describe_exit(exit_code)
+            return Verdict(BAD_INPUT, f"{role}: {error}")
+        post, what = self._posts[role], f"the {role} {describe_exit(exit_code)}"
+        if post.n_restarts == self._limits.max_restarts:
+            return Verdict(GAVE_UP, f"{what} after {post.n_restarts} restarts{_said(process)}")
+        n_restarts = post.n_restarts + 1
+        self._display.notice(
+            f"{what}; starting it again ({n_restarts} of {self._limits.max_restarts}){_said(process, 3)}"
+        )
+        self._posts[role] = self._fill(process.command, n_restarts)
+        return None
+
+    def _look_around(self) -> Verdict | None:
+        """Show progress, note who is there, and give up on whom or what takes too long."""
+        self._show()
+        if self._until_look.tick() >= FROZEN_EVERY_S:
+            self._until_look.restart()
+            self._look_for_frozen()
+        for role, post in self._posts.items():
+            post.absent.tick()
+            alive = self._is_alive(role)
+            post.seen |= alive
+            if alive or post.frozen:
+                post.absent.restart()
+            elif post.absent.elapsed_s > self._limits.ready_s:
+                what = "has shown no sign of life for" if post.seen else "did not become ready in"
+                return Verdict(
+                    GAVE_UP,
+                    f"the {role} {what} {self._limits.ready_s:g} s, although it runs (process {post.process.pid})"
+                    f"{_said(post.process)}",
+                )
+        return self._check_time()
+
+    def _check_time(self) -> Verdict | None:
+        """Give up when the mission takes longer than allowed."""
+        limit_s, before_s = self._limits.mission_s, self._mission.elapsed_s
+        self._mission.tick()
+        if any(post.frozen for post in self._posts.values()):
+            self._mission.elapsed_s = before_s
+        if limit_s is None or self._mission.elapsed_s <= limit_s:
+            return None
+        doing = f"; it was {self._last.phase} {self._last.detail}".rstrip() if self._last is not None else ""
+        waiting = f", waiting for {self._last.waiting_for}" if self._last is not None and self._last.waiting_for else ""
+        return Verdict(GAVE_UP, f"the mission did not end in {limit_s:g} s{doing}{waiting}")
+
+    def _look_for_frozen(self) -> None:
+        """Name who is stopped, once, and who goes on."""
+        for role, post in self._posts.items():
+            frozen = post.process.is_frozen()
+            if frozen != post.frozen:
+                post.frozen = frozen
+                pid = post.process.pid
+                self._display.notice(
+                    f"the {role} is frozen; `kill -CONT {pid}` lets it go on" if frozen else f"the {role} goes on"
+                )
+
+    def _show(self) -> None:
+        """Show what the leader said last, or who is still to come."""
+        for status in self._hear():
+            if status.header.role == self._leader:
+                self._last = status
+        missing = [role for role, post in self._posts.items() if not post.seen]
+        if self._last is not None:
+            last = self._last
+            self._display.progress(last.phase, last.fraction, last.detail, last.waiting_for)
+        else:
+            self._display.progress("starting", None, "", ", ".join(missing))
+
+
+def _said(process: Process, n_lines: int = TAIL_LINES) -> str:
+    """The end of a process's log, to follow a sentence about it."""
+    words = process.last_words(n_lines)
+    if not words:
+        return f"; it wrote nothing to {process.command.log}"
+    return "\n".join((f"; the end of {process.command.log}:", *(f"    {line}" for line in words)))
