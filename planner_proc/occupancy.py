@@ -1,0 +1,207 @@
+"""How far from anything solid: exact distances from points and segments to the occupied squares of a grid.
+
+Inside this module, lengths are cells and coordinates those of the grid with one ring of solid cells around it: cell
+(row, column) is the square from (column, row) to (column + 1, row + 1).
+"""
+
+from collections.abc import Iterator, Sequence
+from math import hypot, sqrt
+from typing import Final
+
+import numpy as np
+from legpush.messages import OccupancyGrid
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from planner_proc.squares import point_square_offsets, segment_distance
+
+Floats = NDArray[np.float64]
+
+ROUNDING_M: Final = 1e-8
+"""What counts as equal: the rounding of coordinates, not a margin."""
+_ROWS_AT_ONCE: Final = 256
+
+
+class ClearanceField:
+    """True clearance of any point or segment: the Euclidean distance to the nearest occupied square, outside solid.
+
+    A bound per cell decides nearly every question; where it does not, the squares around are measured exactly. Nothing
+    is reported free whose distance is below the clearance asked for, but for `ROUNDING_M`.
+    """
+
+    def __init__(self, grid: OccupancyGrid) -> None:
+        """Take a grid whose `cells` hold `n_rows * n_columns` zeros and ones."""
+        self._resolution_m = grid.resolution_m
+        self._origin_m = grid.origin_m
+        self.size_m = (grid.n_columns * grid.resolution_m, grid.n_rows * grid.resolution_m)
+        cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
+        self._occupied = np.pad(cells != 0, 1, constant_values=True)
+        self._exposed = _exposed(self._occupied)
+        self._nearest: NDArray[np.int32] = ndimage.distance_transform_edt(
+            ~self._occupied, return_distances=False, return_indices=True
+        )
+        """Row and column of the occupied cell whose centre is nearest to each cell's centre, (2, rows, columns)."""
+        self._bound_m = np.empty(self._occupied.shape, dtype=np.float32)
+        """No point of the cell is nearer than this to anything occupied."""
+        for rows, distances in self._centre_distances():
+            # Two squares are nearer than their centres by at most both half diagonals; the factor covers float32.
+            self._bound_m[rows] = np.maximum(distances - sqrt(2.0), 0.0) * (self._resolution_m * (1.0 - 1e-6))
+        self._flat_bound_m = self._bound_m.reshape(-1).data
+
+    def contains(self, x_m: float, y_m: float) -> bool:
+        """Whether the point lies on the grid."""
+        return 0.0 <= x_m - self._origin_m[0] <= self.size_m[0] and 0.0 <= y_m - self._origin_m[1] <= self.size_m[1]
+
+    def clearance_m(self, points_m: Floats) -> Floats:
+        """Exact distance of points, (n, 2), to the nearest occupied square, (n,); 0 inside one and off the grid."""
+        return self._segment_clearance_m(points_m, points_m)
+
+    def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float], clearance_m: float) -> bool:
+        """Whether every point of the segment between two points keeps the clearance.
+
+        Advances from both ends by what the bound of the cell there allows, looks for a collision in what is left, and
+        measures it where none shows.
+        """
+        (ax_m, ay_m), (bx_m, by_m) = a_m, b_m
+        if not (self.contains(ax_m, ay_m) and self.contains(bx_m, by_m)):
+            return False
+        length_m = hypot(bx_m - ax_m, by_m - ay_m)
+        per_m = 1.0 / self._resolution_m
+        per_step = per_m / length_m if length_m > 0.0 else 0.0
+        u, v = (ax_m - self._origin_m[0]) * per_m + 1.0, (ay_m - self._origin_m[1]) * per_m + 1.0
+        du, dv = (bx_m - ax_m) * per_step, (by_m - ay_m) * per_step
+        bound_m, n_columns = self._flat_bound_m, self._occupied.shape[1]
+        least_m = 0.5 * self._resolution_m
+        begin_m, end_m = 0.0, length_m
+        while (step_m := bound_m[int(v + begin_m * dv) * n_columns + int(u + begin_m * du)] - clearance_m) > least_m:
+            begin_m += step_m
+            if begin_m >= end_m:
+                return True
+        while (step_m := bound_m[int(v + end_m * dv) * n_columns + int(u + end_m * du)] - clearance_m) > least_m:
+            end_m -= step_m
+            if begin_m >= end_m:
+                return True
+        at_m = begin_m
+        while at_m < end_m:
+            spare_m = self._upper_bound(u + at_m * du, v + at_m * dv) * self._resolution_m - clearance_m
+            if spare_m < -ROUNDING_M:
+                return False
+            at_m += max(spare_m, self._resolution_m)
+        au, av, bu, bv = u + begin_m * du, v + begin_m * dv, u + end_m * du, v + end_m * dv
+        if self._upper_bound(bu, bv) * self._resolution_m < clearance_m - ROUNDING_M:
+            return False
+        return self._measure(au, av, bu, bv, clearance_m * per_m) * self._resolution_m >= clearance_m - ROUNDING_M
+
+    def free_segments(self, points_m: Floats, clearance_m: float) -> NDArray[np.bool_]:
+        """Which segments of a polyline, (n, 2), keep the clearance all along, (n - 1,)."""
+        free = self._segment_bounds_m(points_m) >= clearance_m
+        rest = np.flatnonzero(~free)
+        distances_m = self._segment_clearance_m(points_m[rest], points_m[rest + 1])
+        free[rest] = distances_m >= clearance_m - ROUNDING_M
+        return free
+
+    def path_clearance_m(self, points_m: Floats) -> float:
+        """Exact least clearance of a polyline, (n, 2), over all of its points, not only the given ones."""
+        least_m = float(self.clearance_m(points_m[:1])[0])
+        bounds_m = self._segment_bounds_m(points_m)
+        order = np.argsort(bounds_m)
+        for some in np.array_split(order, max(1, len(order) // 16)):
+            if len(some) == 0 or bounds_m[some[0]] >= least_m:
+                break
+            least_m = min(least_m, float(self._segment_clearance_m(points_m[some], points_m[some + 1]).min()))
+        return least_m
+
+    def offsets_m(self, points_m: Floats) -> Floats:
+        """Vectors to points, (n, 2), from what is solid near them; where nothing is farther than a cell, a guess.
+
+        The square is the one that is nearest to the centre of the point's cell, so another one may be slightly nearer:
+        good for steering, not for judging.
+        """
+        points = self._to_cells(points_m)
+        columns, rows = self._cells_of(points).T
+        squares = np.stack([self._nearest[1, rows, columns], self._nearest[0, rows, columns]], axis=-1)
+        return point_square_offsets(points, squares) * self._resolution_m
+
+    def is_separated(self, a_m: tuple[float, float], b_m: tuple[float, float], clearance_m: float) -> bool:
+        """Whether it is certain that no path at this clearance joins the two points."""
+        may_be_free = np.empty(self._occupied.shape, dtype=np.bool_)
+        for rows, distances in self._centre_distances():
+            # No point of a cell is farther from a square than their centres are apart.
+            may_be_free[rows] = distances * self._resolution_m >= clearance_m - ROUNDING_M
+        labels, _ = ndimage.label(may_be_free, structure=np.ones((3, 3)))
+        (a_column, a_row), (b_column, b_row) = self._cells_of(self._to_cells(np.array([a_m, b_m])))
+        return bool(labels[a_row, a_column] != labels[b_row, b_column])
+
+    def _to_cells(self, points_m: Floats) -> Floats:
+        points: Floats = (points_m - np.array(self._origin_m)) / self._resolution_m + 1.0
+        return points
+
+    def _cells_of(self, points: Floats) -> NDArray[np.int64]:
+        """Column and row of the cell that each point stands in, (n, 2); of the nearest one off the grid."""
+        n_rows, n_columns = self._occupied.shape
+        cells: NDArray[np.int64] = np.clip(points, 0.0, [n_columns - 1, n_rows - 1]).astype(np.int64)
+        return cells
+
+    def _centre_distances(self) -> Iterator[tuple[slice, Floats]]:
+        """Distances from the cells' centres to the nearest occupied centre, some rows at a time to save memory."""
+        n_rows, n_columns = self._occupied.shape
+        columns = np.arange(n_columns, dtype=np.float64)
+        for first in range(0, n_rows, _ROWS_AT_ONCE):
+            rows = slice(first, min(first + _ROWS_AT_ONCE, n_rows))
+            up = self._nearest[0, rows] - np.arange(rows.start, rows.stop, dtype=np.float64)[:, None]
+            across = self._nearest[1, rows] - columns
+            yield rows, np.sqrt(up * up + across * across)
+
+    def _upper_bound(self, u: float, v: float) -> float:
+        """Distance of one point to a square that is near it."""
+        row, column = int(v), int(u)
+        du = self._nearest.item(1, row, column) - u
+        dv = self._nearest.item(0, row, column) - v
+        return hypot(max(du, -1.0 - du, 0.0), max(dv, -1.0 - dv, 0.0))
+
+    def _segment_bounds_m(self, points_m: Floats) -> Floats:
+        """What no point of each segment of a polyline is below, (n - 1,): a distance changes at most as fast as one
+        moves.
+        """
+        columns, rows = self._cells_of(self._to_cells(points_m)).T
+        bounds_m = np.where(self._on_grid(points_m), self._bound_m[rows, columns], 0.0)
+        lengths_m = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
+        bounds: Floats = np.minimum(bounds_m[:-1], bounds_m[1:]) - 0.5 * lengths_m
+        return bounds
+
+    def _on_grid(self, points_m: Floats) -> NDArray[np.bool_]:
+        beyond = points_m - np.array(self._origin_m)
+        on_grid: NDArray[np.bool_] = np.all((beyond >= 0.0) & (beyond <= np.array(self.size_m)), axis=-1)
+        return on_grid
+
+    def _segment_clearance_m(self, a_m: Floats, b_m: Floats) -> Floats:
+        """Exact distances of segments, (n, 2) to (n, 2), to the nearest occupied square, (n,)."""
+        clearance_m = np.zeros(len(a_m))
+        inside = np.flatnonzero(self._on_grid(a_m) & self._on_grid(b_m)).tolist()
+        a, b = self._to_cells(a_m).tolist(), self._to_cells(b_m).tolist()
+        for k in inside:
+            (ax, ay), (bx, by) = a[k], b[k]
+            clearance_m[k] = self._measure(ax, ay, bx, by, self._upper_bound(ax, ay)) * self._resolution_m
+        return clearance_m
+
+    def _measure(self, ax: float, ay: float, bx: float, by: float, reach: float) -> float:
+        """Distance from a segment on the grid to the nearest occupied square; may be infinite where beyond `reach`."""
+        if self._occupied.item(int(ay), int(ax)):
+            return 0.0
+        reach += 1e-6
+        left, bottom = max(int(min(ax, bx) - reach), 0), max(int(min(ay, by) - reach), 0)
+        right, top = int(max(ax, bx) + reach) + 1, int(max(ay, by) + reach) + 1
+        rows, columns = np.nonzero(self._exposed[bottom:top, left:right])
+        return segment_distance(ax - left, ay - bottom, bx - left, by - bottom, columns, rows)
+
+
+def _exposed(occupied: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Occupied cells with a free cell at one of their sides: what is nearest to a free point is one of them."""
+    free = ~occupied
+    exposed = np.zeros_like(occupied)
+    exposed[1:] |= free[:-1]
+    exposed[:-1] |= free[1:]
+    exposed[:, 1:] |= free[:, :-1]
+    exposed[:, :-1] |= free[:, 1:]
+    exposed &= occupied
+    return exposed

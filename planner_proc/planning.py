@@ -1,0 +1,150 @@
+"""From a query to a plan: check it, search, shorten, smooth, measure. Pure: equal queries get equal plans."""
+
+from math import hypot
+from typing import Final
+
+import numpy as np
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages import MAX_CELLS, MAX_WAYPOINTS, OccupancyGrid, Plan, PlanQuery, Point2, Tree
+from numpy.typing import NDArray
+
+from planner_proc import polylines
+from planner_proc.occupancy import ROUNDING_M, ClearanceField
+from planner_proc.route import Route, search
+from planner_proc.shortcut import shortcut
+from planner_proc.smoothing import smooth
+
+Floats = NDArray[np.float64]
+
+_SAME_PLACE_M: Final = 1e-6
+_MAX_COORDINATE_M: Final = 1e7
+"""Farther from the world's origin, a float64 no longer resolves `ROUNDING_M`."""
+
+
+def make_plan(query: PlanQuery) -> Plan:
+    """The plan for a query; never an exception: what cannot be planned says so in `status` and `reason`."""
+    fault = _grid_fault(query.grid) or _search_fault(query)
+    if fault:
+        return Plan(status="invalid", reason=fault)
+    field = ClearanceField(query.grid)
+    for name, pose in (("start", query.start), ("goal", query.goal)):
+        fault = _pose_fault(name, pose, field, query)
+        if fault:
+            return Plan(status="invalid", reason=fault)
+    if _distance_m(query.start, (query.goal.x_m, query.goal.y_m)) < _SAME_PLACE_M:
+        return _turn_on_the_spot(query, field)
+    return _plan_from_route(query, field, search(query, field))
+
+
+def _plan_from_route(query: PlanQuery, field: ClearanceField, route: Route) -> Plan:
+    """Shorten and smooth what the search found."""
+    tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
+    if len(route.points_m) < 2:
+        reason = _shortfall(query, field, route)
+        return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
+    if len(route.points_m) > MAX_WAYPOINTS:
+        reason = (
+            f"The search took {len(route.points_m)} steps to the goal, a plan holds {MAX_WAYPOINTS}: "
+            f"raise step_m, which is {query.step_m:g} m"
+        )
+        return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
+    stretches = smooth(shortcut(route.points_m, field, query.clearance_m), field, query.clearance_m)
+    path_m = np.concatenate(stretches)
+    length_m = polylines.length(path_m)
+    reached = f"Reached after {route.n_iterations} iterations: {length_m:.2f} m"
+    return Plan(
+        status="exact" if route.reached else "approximate",
+        reason=reached if route.reached else _shortfall(query, field, route),
+        waypoints=_waypoints(stretches, query.start, query.goal if route.reached else None),
+        raw_path_m=tuple((x_m, y_m) for x_m, y_m in route.points_m.tolist()),
+        tree=tree,
+        length_m=length_m,
+        min_clearance_m=field.path_clearance_m(path_m),
+        n_iterations=route.n_iterations,
+    )
+
+
+def _turn_on_the_spot(query: PlanQuery, field: ClearanceField) -> Plan:
+    """The plan for a goal at the start."""
+    start_m = (query.start.x_m, query.start.y_m)
+    return Plan(
+        status="exact",
+        reason="The goal is at the start: turn on the spot",
+        waypoints=(query.start, query.goal),
+        raw_path_m=(start_m, (query.goal.x_m, query.goal.y_m)),
+        tree=Tree(points_m=(start_m,), parents=(0,)),
+        min_clearance_m=float(field.clearance_m(np.array([start_m]))[0]),
+    )
+
+
+def _waypoints(stretches: list[Floats], start: Pose2, goal: Pose2 | None) -> tuple[Pose2, ...]:
+    """The start as it stands, each stretch with its headings, and the goal as asked for, if it was reached."""
+    waypoints = [start]
+    for stretch in stretches:
+        for (x_m, y_m), heading_rad in zip(stretch.tolist(), polylines.headings(stretch).tolist(), strict=True):
+            waypoints.append(Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(heading_rad)))
+    return (*waypoints, goal) if goal else tuple(waypoints)
+
+
+def _grid_fault(grid: OccupancyGrid) -> str:
+    """Why the grid is none, or nothing."""
+    n_cells = grid.n_rows * grid.n_columns
+    if n_cells > MAX_CELLS:
+        return f"Expected at most {MAX_CELLS} cells, got n_rows * n_columns = {n_cells}"
+    if len(grid.cells) != n_cells:
+        return (
+            f"Expected n_rows * n_columns = {grid.n_rows} * {grid.n_columns} = {n_cells} cells, got {len(grid.cells)}"
+        )
+    cells = np.frombuffer(grid.cells, dtype=np.uint8)
+    worst = int(cells.argmax())
+    if cells[worst] > 1:
+        row, column = divmod(worst, grid.n_columns)
+        return f"Expected cells of 0 (free) or 1 (occupied), got {cells[worst]} in row {row}, column {column}"
+    (x_m, y_m), (right_m, top_m) = grid.origin_m, _far_corner(grid)
+    if not max(abs(x_m), abs(y_m), abs(right_m), abs(top_m)) <= _MAX_COORDINATE_M:
+        return f"Expected a map within {_MAX_COORDINATE_M:g} m of (0, 0), got {_extent(grid)}"
+    return ""
+
+
+def _search_fault(query: PlanQuery) -> str:
+    """Why no tree can be grown, or nothing."""
+    if not query.step_m >= _SAME_PLACE_M:
+        return f"Expected step_m of at least {_SAME_PLACE_M:g} m, got {query.step_m:g}"
+    return ""
+
+
+def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: PlanQuery) -> str:
+    """Why the robot cannot stand there, or nothing."""
+    place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
+    if not field.contains(pose.x_m, pose.y_m):
+        return f"{place} lies off the map, which spans {_extent(query.grid)}"
+    clearance_m = float(field.clearance_m(np.array([[pose.x_m, pose.y_m]]))[0])
+    if clearance_m == 0.0:
+        return f"{place} lies in an obstacle; a clearance of {query.clearance_m:g} m is required"
+    if not clearance_m >= query.clearance_m - ROUNDING_M:
+        return f"{place} has a clearance of {clearance_m:.6g} m; {query.clearance_m:g} m is required"
+    return ""
+
+
+def _shortfall(query: PlanQuery, field: ClearanceField, route: Route) -> str:
+    """Why the goal was not reached, and how much is missing."""
+    x_m, y_m = route.points_m[-1].tolist()
+    missing = f"{_distance_m(query.goal, (x_m, y_m)):.2f} m from the goal after {route.n_iterations} iterations"
+    start_m, goal_m = (query.start.x_m, query.start.y_m), (query.goal.x_m, query.goal.y_m)
+    if field.is_separated(start_m, goal_m, query.clearance_m):
+        return f"No path keeps a clearance of {query.clearance_m:g} m: obstacles cut off the goal; ended {missing}"
+    return f"Ended {missing}: raise max_iterations, or lower clearance_m, which is {query.clearance_m:g} m"
+
+
+def _distance_m(pose: Pose2, point_m: Point2) -> float:
+    return hypot(pose.x_m - point_m[0], pose.y_m - point_m[1])
+
+
+def _far_corner(grid: OccupancyGrid) -> Point2:
+    x_m, y_m = grid.origin_m
+    return x_m + grid.n_columns * grid.resolution_m, y_m + grid.n_rows * grid.resolution_m
+
+
+def _extent(grid: OccupancyGrid) -> str:
+    right_m, top_m = _far_corner(grid)
+    return f"x {grid.origin_m[0]:g} to {right_m:g} m and y {grid.origin_m[1]:g} to {top_m:g} m"

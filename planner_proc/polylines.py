@@ -1,0 +1,46 @@
+"""Polylines as arrays of vertices, (n, 2), in metres."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def arc_lengths(points: Floats) -> Floats:
+    """Length of the polyline up to each vertex, (n,), from 0."""
+    steps = np.diff(points, axis=0)
+    return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
+
+
+def length(points: Floats) -> float:
+    """Length of the whole polyline."""
+    return float(arc_lengths(points)[-1])
+
+
+def at(points: Floats, vertices_at: Floats, where: Floats) -> Floats:
+    """Points of the polyline, (k, 2), at `where`, (k,), given where its vertices are."""
+    return np.stack([np.interp(where, vertices_at, points[:, axis]) for axis in (0, 1)], axis=-1)
+
+
+def subdivide(points: Floats, spacing: float) -> Floats:
+    """The same polyline with further vertices, so that no two in a row are more than `spacing` apart."""
+    vertices_at = arc_lengths(points)
+    n_parts = np.maximum(1, np.ceil(np.diff(vertices_at) / spacing)).astype(int)
+    legs = zip(vertices_at[:-1], vertices_at[1:], n_parts, strict=True)
+    where = [np.linspace(begin, end, n, endpoint=False) for begin, end, n in legs]
+    return at(points, vertices_at, np.concatenate([*where, vertices_at[-1:]]))
+
+
+def headings(points: Floats) -> Floats:
+    """Direction of travel at each vertex, (n,): at the ends along the segment there, between two segments half-way."""
+    steps = np.diff(points, axis=0)
+    directions = np.arctan2(steps[:, 1], steps[:, 0])
+    between = directions[:-1] + 0.5 * turns(points)
+    return np.concatenate([directions[:1], between, directions[-1:]])
+
+
+def turns(points: Floats) -> Floats:
+    """Change of direction at each inner vertex, (n - 2,), in [-pi, pi)."""
+    steps = np.diff(points, axis=0)
+    changes: Floats = (np.diff(np.arctan2(steps[:, 1], steps[:, 0])) + np.pi) % (2.0 * np.pi) - np.pi
+    return changes
