@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
@@ -17,13 +18,14 @@ from typing import Annotated, Final
 import imageio_ffmpeg
 import tyro
 from legpush.episode import read_episode
-from legpush.errors import LegpushError
+from legpush.errors import ConfigError, LegpushError
 from legpush.robot import CONTROL_PERIOD_S
 from rich.progress import track
 
 from sim_proc.film import Film, film_of
 
 BACKENDS: Final = ("egl", "osmesa")
+DRAW_NOTHING: Final = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 8, 8).render()"
 NO_OPENGL: Final = 4
 SEGMENT_FRAMES: Final = 60
 LONGEST_S: Final = 40.0
@@ -61,7 +63,7 @@ def film_run(config: VideoConfig) -> int:
     """Write `mission.mp4` into the folder; the exit code."""
     journals = sorted(config.folder.glob("episode-*.journal"))
     if not journals:
-        raise LegpushError(f"Expected the folder of a run, with an episode-*.journal in it, got {config.folder}")
+        raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {config.folder}")
     film = film_of(read_episode(journals[-1]), str(journals[-1]))
     backend = working_backend()
     if backend is None:
@@ -81,11 +83,11 @@ def film_run(config: VideoConfig) -> int:
 
 
 def working_backend() -> str | None:
-    """The first OpenGL backend that opens a context, tried in a process of its own; `MUJOCO_GL` decides if set."""
+    """The first OpenGL backend that draws, tried in a process of its own; `MUJOCO_GL` decides if set."""
     asked = os.environ.get("MUJOCO_GL")
     for backend in (asked,) if asked else BACKENDS:
         attempt = subprocess.run(
-            [sys.executable, "-c", "import mujoco; mujoco.GLContext(16, 16).make_current()"],
+            [sys.executable, "-c", DRAW_NOTHING],
             env={**os.environ, "MUJOCO_GL": backend},
             capture_output=True,
             check=False,
@@ -103,10 +105,10 @@ def _render_segments(film: Film, config: VideoConfig, ticks: list[int], scratch:
     ]
     workers = min(len(os.sched_getaffinity(0)), n_segments)
     context = multiprocessing.get_context("spawn")
-    with context.Pool(workers, initializer=_open_camera, initargs=(film, config)) as pool:
-        done = pool.imap_unordered(_render_segment, jobs)
-        for _ in track(done, total=n_segments, description="Rendering mission.mp4", transient=True):
-            pass
+    with ProcessPoolExecutor(workers, context, initializer=_open_camera, initargs=(film, config)) as pool:
+        done = as_completed([pool.submit(_render_segment, job) for job in jobs])
+        for segment in track(done, total=n_segments, description="Rendering mission.mp4", transient=True):
+            segment.result()
     return [path for path, _ in jobs]
 
 

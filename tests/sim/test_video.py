@@ -1,0 +1,99 @@
+"""The video of a recorded episode, rendered for real where the machine can."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from legpush.episode import read_episode
+from legpush.errors import JournalError
+from legpush.geometry import Pose2
+from legpush.journal import Acted, Journal, Observed, Opened
+from legpush.messages import Follow, Motion, Push, Reset, Walk
+from legpush.scenario import Scenario
+
+from sim_proc.film import film_of
+from sim_proc.simulator import Simulator
+from sim_proc.video import NO_OPENGL, working_backend
+
+STRIDE_TICKS = 6
+
+
+@pytest.fixture
+def run_folder(at_the_box: Scenario, tmp_path: Path) -> Path:
+    """A run that was recorded: a push, then a step back."""
+    motions: list[Motion] = [
+        Reset(scenario=at_the_box, seed=0),
+        Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05),
+        Follow(waypoints=(Pose2(x_m=2.0, y_m=5.0, yaw_rad=0.0), Pose2(x_m=1.8, y_m=5.0, yaw_rad=0.0))),
+        Walk(),
+    ]
+    simulator = Simulator()
+    opened = Opened(protocol=1, run="r", seed=0, versions={}, began_unix_s=0.0)
+    with Journal(tmp_path / "episode-0000.journal", opened) as journal:
+        for motion in motions:
+            journal.append(Acted(motion=motion, with_trace=True))
+            journal.append(Observed(outcome=simulator.perform(motion, with_trace=True)))
+    return tmp_path
+
+
+def make_video(folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "sim_proc.video", str(folder), "--width", "160", "--height", "90"]
+    return subprocess.run(
+        command, env={**os.environ, **environment}, capture_output=True, text=True, check=False, timeout=60
+    )
+
+
+def test_a_film_has_every_tick_the_followed_path_and_the_footprints(run_folder: Path) -> None:
+    journal = run_folder / "episode-0000.journal"
+    outcomes = [record.outcome for record in read_episode(journal)]  # type: ignore[union-attr]
+    film = film_of(read_episode(journal), "here")
+    assert len(film.qpos) == outcomes[-1].world.tick
+    assert film.look_at_m.shape == (len(film.qpos), 2)
+    assert np.abs(film.look_at_m - film.qpos[:, :2]).max() < 0.1
+    pushed_ticks = outcomes[1].world.tick
+    assert [since for since, _ in film.paths_m] == [pushed_ticks]
+    n_steps = outcomes[-1].world.n_footsteps
+    assert n_steps == 8
+    assert n_steps <= len(film.footprints) <= n_steps + 4
+
+
+def test_an_episode_without_traces_cannot_be_filmed() -> None:
+    with pytest.raises(JournalError, match="no-such-run: expected an episode recorded with traces"):
+        film_of([], "no-such-run")
+
+
+def test_the_video_shows_every_sixth_tick_or_says_why_there_is_none(run_folder: Path) -> None:
+    done = make_video(run_folder)
+    video = run_folder / "mission.mp4"
+    if working_backend() is None:
+        assert done.returncode == NO_OPENGL
+        assert "No OpenGL library" in done.stderr
+        assert not video.exists()
+        return
+    assert done.returncode == 0, done.stderr
+    frames = imageio_ffmpeg.read_frames(str(video))
+    assert next(frames)["size"] == (160, 90)
+    pictures = np.array([np.frombuffer(frame, np.uint8) for frame in frames], dtype=np.float64)
+    n_ticks = sum(1 for _ in film_of(read_episode(run_folder / "episode-0000.journal"), "here").qpos)
+    assert len(pictures) == -(-n_ticks // STRIDE_TICKS)
+    assert pictures.std(axis=1).min() > 10.0
+    assert np.abs(np.diff(pictures, axis=0)).mean(axis=1).max() > 0.5
+
+
+def test_without_a_working_opengl_library_a_notice_says_what_to_install(run_folder: Path) -> None:
+    done = make_video(run_folder, MUJOCO_GL="glfw", DISPLAY=":99999")
+    assert done.returncode == NO_OPENGL
+    assert "libosmesa6" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (run_folder / "mission.mp4").exists()
+
+
+def test_a_folder_that_is_no_run_is_refused_in_one_line(tmp_path: Path) -> None:
+    done = make_video(tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: Expected the folder of a run")
+    assert len(done.stderr.splitlines()) == 1
