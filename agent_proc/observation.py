@@ -84,7 +84,7 @@ def as_markdown(table: tuple[Entry, ...] = PAPER) -> str:
     for entry in table:
         last = first + entry.size - 1
         lines.append(
-            f"| {first}–{last} | `{entry.name}` | {entry.axes} | {entry.unit} | {entry.frame} | {entry.meaning} |"
+            f"| {first} to {last} | `{entry.name}` | {entry.axes} | {entry.unit} | {entry.frame} | {entry.meaning} |"
         )
         first = last + 1
     beyond = f"Bounds: x and y from -{BEYOND_M:g} m to the room's size + {BEYOND_M:g} m, z to the box's height + "

@@ -1,7 +1,6 @@
 """What one push cycle does to the box, as measured: the knowledge of the scripted policy."""
 
 from dataclasses import dataclass
-from math import radians
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,12 +18,12 @@ class PushModel:
     w1: float = 0.5
     w2: float = 0.5
     """The curve that the rows were measured with."""
-    depth_m: tuple[float, ...] = (0.0, 0.05, 0.08, 0.10, 0.12)
-    forward_m: tuple[float, ...] = (0.0, 0.039, 0.065, 0.090, 0.103)
+    depth_m: tuple[float, ...] = (0.0, 0.02, 0.03, 0.05, 0.08, 0.10, 0.12)
+    forward_m: tuple[float, ...] = (0.0, 0.0134, 0.0211, 0.0362, 0.0590, 0.0736, 0.0898)
     """Of the box's centre along the x axis that the box had before."""
-    left_m: tuple[float, ...] = (0.0, -0.0009, -0.0020, -0.0035, -0.0057)
-    """The same along its y axis: the chord of the arc that it turns on."""
-    turn_rad: tuple[float, ...] = (0.0, radians(-2.7), radians(-3.5), radians(-4.4), radians(-6.3))
+    left_m: tuple[float, ...] = (0.0, -0.0022, -0.0032, -0.0071, -0.0113, -0.0178, -0.0153)
+    """The same along its y axis."""
+    turn_deg: tuple[float, ...] = (0.0, -1.65, -2.54, -4.47, -7.33, -9.28, -11.18)
 
     def push(
         self,
@@ -40,9 +39,10 @@ class PushModel:
         """
         forward = np.multiply(travel_scale, np.interp(depth_m, self.depth_m, self.forward_m))
         left = np.multiply(travel_scale, mirror * np.interp(depth_m, self.depth_m, self.left_m))
-        turn = np.multiply(turn_scale, mirror * np.interp(depth_m, self.depth_m, self.turn_rad))
+        turn = np.multiply(turn_scale, mirror * np.radians(np.interp(depth_m, self.depth_m, self.turn_deg)))
         c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        return pose + np.stack([c * forward - s * left, s * forward + c * left, turn], axis=1)
+        after: Floats = pose + np.stack([c * forward - s * left, s * forward + c * left, turn], axis=1)
+        return after
 
     def depth_for(self, forward_m: Floats) -> Floats:
         """The depth that moves the box by `forward_m`, at most the deepest that was measured, (n,)."""

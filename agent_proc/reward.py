@@ -25,15 +25,15 @@ class Reward:
 
     @property
     def total(self) -> float:
-        """Their sum, `R = r_position + r_angle - 10 fall` (Eq. 15)."""
+        """Their sum, `R = r_position + r_angle - 10 fall`."""
         return self.position + self.angle + self.fall
 
 
 def paper_reward(world: WorldState, scenario: Scenario) -> Reward:
     """The reward of a state.
 
-    `r_position = -10 (sqrt(e1) + sqrt(e2))` (Eq. 16) with `e_i` the squared planar error of tracked corner i, front
-    left and front right; `r_angle = -2 sqrt(e_angle)` (Eq. 17) with `e_angle` the squared, wrapped error of the yaw.
+    `r_position = -10 (sqrt(e1) + sqrt(e2))` with `e_i` the squared planar error of tracked corner i, front
+    left and front right; `r_angle = -2 sqrt(e_angle)` with `e_angle` the squared, wrapped error of the yaw.
     """
     errors_m = tracked_corners_m(world.box, scenario.box)[:, :2] - goal_corners_m(scenario)
     e1, e2 = (errors_m**2).sum(axis=1).tolist()

@@ -16,8 +16,8 @@ from agent_proc.poses import planar_pose
 from agent_proc.push_model import Floats, PushModel
 
 MIRROR: Final = {"FL": 1.0, "FR": -1.0}
-FIRST_DEPTHS_M: Final = (0.02, 0.03, 0.05, 0.08, 0.10)
-LATER_DEPTHS_M: Final = (0.03, 0.05, 0.08)
+FIRST_DEPTHS_M: Final = (0.02, 0.04, 0.06, 0.08, 0.10)
+LATER_DEPTHS_M: Final = (0.04, 0.06, 0.08, 0.10)
 LOOK_AHEADS_M: Final = (0.1, 0.2, 0.35, 0.6)
 LEAST_DEPTH_M: Final = 0.02
 MAX_CYCLES: Final = 60

@@ -1,0 +1,243 @@
+"""A world without physics: walking follows the path exactly, pushing moves the box as the push model says."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import cos, pi, radians, sin
+from zlib import crc32
+
+import numpy as np
+from legpush import codec
+from legpush.episode import PlanRecord, StepRecord
+from legpush.geometry import Pose2
+from legpush.messages import (
+    BoxState,
+    Follow,
+    Imu,
+    Motion,
+    Outcome,
+    PathProgress,
+    Plan,
+    PlanQuery,
+    Push,
+    Reset,
+    Trace,
+    TrunkState,
+    Walk,
+    WorldState,
+)
+from legpush.robot import foot_rectangle_b
+from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
+from numpy.typing import NDArray
+
+from agent_proc.push_model import PushModel
+from agent_proc.scripted import MIRROR
+from agent_proc.station import station
+
+STRIDE_M = 0.4
+WALK_TICKS = 80
+PUSH_TICKS = 150
+TRUNK_HEIGHT_M = 0.48
+Floats = NDArray[np.float64]
+
+
+def make_scenario(start: tuple[float, float, float] = (1.5, 3.0, 0.0), **changes: object) -> Scenario:
+    """A box 4.5 m ahead of a robot in an empty room, to be pushed 1 m straight ahead."""
+    fields: dict[str, object] = {
+        "name": "fake",
+        "room": Room(size_m=(12.0, 6.0)),
+        "start": PoseDeg(x_m=start[0], y_m=start[1], yaw_deg=start[2]),
+        "box": Box(pose=PoseDeg(x_m=6.0, y_m=3.0, yaw_deg=0.0)),
+        "goal": Goal(pose=PoseDeg(x_m=7.0, y_m=3.0, yaw_deg=0.0)),
+        **changes,
+    }
+    return Scenario(**fields)  # type: ignore[arg-type]
+
+
+def scenario_at_station() -> Scenario:
+    """The same, with the robot where it pushes from."""
+    scenario = make_scenario()
+    place = station(scenario.box, scenario.box.pose.pose())
+    return make_scenario((place.x_m, place.y_m, 0.0))
+
+
+def make_state(
+    trunk: Pose2, box: Pose2, *, tick: int = 0, fallen: bool = False, path: PathProgress | None = None
+) -> WorldState:
+    """A level robot with its feet at the foot rectangle, and a level box of 0.4 m height."""
+    x, y, z, w = 0.0, 0.0, sin(trunk.yaw_rad / 2), cos(trunk.yaw_rad / 2)
+    orientation = (w, x, y, z)
+    rest = (0.0, 0.0, 0.0)
+    tips = [(float(px), float(py), 0.02) for px, py in trunk.apply(foot_rectangle_b())]
+    return WorldState(
+        tick=tick,
+        trunk=TrunkState(
+            position_m=(trunk.x_m, trunk.y_m, TRUNK_HEIGHT_M),
+            orientation_wxyz=orientation,
+            linear_velocity_m_s=rest,
+            angular_velocity_rad_s=rest,
+        ),
+        joint_positions_rad=(0.0,) * 12,
+        joint_velocities_rad_s=(0.0,) * 12,
+        tips_m=(tips[0], tips[1], tips[2], tips[3]),
+        foot_forces_n=(80.0, 80.0, 80.0, 80.0),
+        imu=Imu(orientation_wxyz=orientation, angular_velocity_rad_s=rest, linear_acceleration_m_s2=(0.0, 0.0, 9.81)),
+        box=BoxState(
+            position_m=(box.x_m, box.y_m, 0.2),
+            orientation_wxyz=(cos(box.yaw_rad / 2), 0.0, 0.0, sin(box.yaw_rad / 2)),
+        ),
+        n_footsteps=0,
+        fallen=fallen,
+        path=path,
+        push=None,
+    )
+
+
+def straight_plan(query: PlanQuery) -> Plan:
+    """The straight line from start to goal, turning evenly on the way."""
+    points = np.linspace(query.start.xy(), query.goal.xy(), 50)
+    turn = query.goal.yaw_rad - query.start.yaw_rad
+    yaws = query.start.yaw_rad + (turn - 2 * pi * round(turn / (2 * pi))) * np.linspace(0.0, 1.0, 50)
+    poses = (Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw)) for (x, y), yaw in zip(points, yaws, strict=True))
+    return Plan(status="exact", reason="", waypoints=tuple(poses))
+
+
+@dataclass
+class FakeWorld:
+    """Answers a mission, and keeps what was asked and answered."""
+
+    planner: Callable[[PlanQuery], Plan] = straight_plan
+    box_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """From the nominal pose of the box: x, y in m and yaw in rad."""
+    walk_stride_m: float = STRIDE_M
+    push_scale: float = 1.0
+    falls_in: Callable[[Motion, int], bool] = lambda _motion, _n: False
+    """Whether the robot falls in this motion, the n-th of its kind from 1."""
+    noise: np.random.Generator | None = None
+    records: list[StepRecord | PlanRecord] = field(default_factory=list)
+    told: list[tuple[str, float | None, str]] = field(default_factory=list)
+
+    def step(self, motion: Motion) -> Outcome:
+        """Carry out one motion."""
+        n_before = len(self.motions(type(motion)))
+        before = (self._trunk, self._box) if n_before or not isinstance(motion, Reset) else None
+        n_ticks = self._move(motion)
+        fallen = self.falls_in(motion, n_before + 1)
+        begin, self._tick = self._tick, self._tick + n_ticks
+        world = make_state(self._trunk, self._box, tick=self._tick, fallen=fallen, path=self._progress())
+        trace = _trace(begin, n_ticks, before or (self._trunk, self._box), (self._trunk, self._box))
+        outcome = Outcome(world=world, state_crc=crc32(codec.encode(world)), trace=trace)
+        self.records.append(StepRecord(motion, outcome))
+        return outcome
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """Ask the planner."""
+        plan = self.planner(query)
+        self.records.append(PlanRecord(query, plan))
+        return plan
+
+    def tell(self, phase: str, fraction: float | None, detail: str) -> None:
+        """Keep what people are told."""
+        self.told.append((phase, fraction, detail))
+
+    def motions(self, kind: type[Motion]) -> list[Motion]:
+        """All motions of one kind."""
+        return [r.motion for r in self.records if isinstance(r, StepRecord) and isinstance(r.motion, kind)]
+
+    def queries(self) -> list[PlanQuery]:
+        """All plan queries."""
+        return [r.query for r in self.records if isinstance(r, PlanRecord)]
+
+    def _move(self, motion: Motion) -> int:
+        """Change the state; returns the ticks that it took."""
+        match motion:
+            case Reset():
+                self._scenario = motion.scenario
+                self._trunk = motion.scenario.start.pose()
+                nominal = motion.scenario.box.pose.pose()
+                dx, dy, turn = self.box_offset
+                self._box = Pose2(x_m=nominal.x_m + dx, y_m=nominal.y_m + dy, yaw_rad=nominal.yaw_rad + turn)
+                self._path: _Path | None = None
+                self._tick = 0
+                return 0
+            case Follow():
+                self._path = _Path(motion.waypoints)
+                return 0
+            case Walk():
+                if self._path is None:
+                    raise ValueError("Expected a path before a walk")
+                self._trunk = self._path.advance(self.walk_stride_m)
+                return WALK_TICKS
+            case Push():
+                self._box = self._pushed(motion)
+                self._trunk = station(self._scenario.box, self._box)
+                self._path = None
+                return PUSH_TICKS
+
+    def _pushed(self, push: Push) -> Pose2:
+        box = np.array([[self._box.x_m, self._box.y_m, self._box.yaw_rad]])
+        mirror, depth = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
+        scale = self.push_scale
+        factor, slip = (1.0, 0.0) if self.noise is None else self.noise.normal([1.0, 0.0], [0.1, radians(0.2)])
+        x, y, yaw = PushModel().push(box, mirror, depth, scale * factor, scale * factor)[0]
+        return Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw) + slip)
+
+    def _progress(self) -> PathProgress | None:
+        return None if self._path is None else self._path.progress()
+
+
+class _Path:
+    """A path by its travelled length."""
+
+    def __init__(self, waypoints: Sequence[Pose2]) -> None:
+        self._poses = np.array([[p.x_m, p.y_m, p.yaw_rad] for p in waypoints])
+        self._poses[:, 2] = np.unwrap(self._poses[:, 2])
+        steps = np.hypot(*np.diff(self._poses[:, :2], axis=0).T)
+        self._at_m = np.concatenate([[0.0], np.cumsum(steps)])
+        self._travelled_m = 0.0
+
+    def advance(self, by_m: float) -> Pose2:
+        """Go on along the path, at most to its end."""
+        self._travelled_m = min(self._travelled_m + by_m, float(self._at_m[-1]))
+        x, y, yaw = (float(np.interp(self._travelled_m, self._at_m, column)) for column in self._poses.T)
+        return Pose2(x_m=x, y_m=y, yaw_rad=yaw)
+
+    def progress(self) -> PathProgress:
+        """How far along."""
+        length_m = float(self._at_m[-1])
+        return PathProgress(
+            travelled_m=self._travelled_m, length_m=length_m, done=self._travelled_m >= length_m - 1e-9
+        )
+
+
+def _trace(begin_tick: int, n_ticks: int, before: tuple[Pose2, Pose2], after: tuple[Pose2, Pose2]) -> Trace:
+    """Ticks in which everything moves evenly from the state before to the one after."""
+    states = []
+    for k in range(1, n_ticks + 1):
+        trunk, box = (_between(a, b, k / n_ticks) for a, b in zip(before, after, strict=True))
+        states.append(make_state(trunk, box))
+    return Trace(
+        tick=tuple(range(begin_tick + 1, begin_tick + n_ticks + 1)),
+        qpos=tuple(
+            (
+                *state.trunk.position_m,
+                *state.trunk.orientation_wxyz,
+                *state.joint_positions_rad,
+                *state.box.position_m,
+                *state.box.orientation_wxyz,
+            )
+            for state in states
+        ),
+        roll_pitch_rad=tuple((0.01 * sin(k / 8), 0.02 * cos(k / 8)) for k in range(n_ticks)),
+        tips_m=tuple(state.tips_m for state in states),
+        foot_forces_n=tuple(state.foot_forces_n for state in states),
+        com_m=tuple(state.trunk.position_m for state in states),
+        zmp_m=tuple((state.trunk.position_m[0], state.trunk.position_m[1]) for state in states),
+        support_margin_m=tuple(0.06 + 0.03 * sin(k / 6) for k in range(n_ticks)),
+    )
+
+
+def _between(a: Pose2, b: Pose2, share: float) -> Pose2:
+    turn = (b.yaw_rad - a.yaw_rad + pi) % (2 * pi) - pi
+    return Pose2(
+        x_m=a.x_m + share * (b.x_m - a.x_m), y_m=a.y_m + share * (b.y_m - a.y_m), yaw_rad=a.yaw_rad + share * turn
+    )
