@@ -111,27 +111,38 @@ def support_margin(points_m: Array, feet_m: Array, standing: NDArray[np.bool_]) 
     return margins
 
 
+def triangle_margin(points_m: Array, support_feet_m: Array) -> Array:
+    """Signed distance of points (n, 2) to the border of one triangle of feet (3, 2), inside positive, (n,)."""
+    margins: Array = _edge_distances(points_m, support_feet_m).min(axis=1)
+    return margins
+
+
 def shifted_reference(nominal_m: Array, support_feet_m: Array, margin_m: float) -> Array:
     """The point (2,) on the way from `nominal_m` to the centroid of three feet (3, 2) (Eq. 8) that has the margin.
 
     The nominal point itself where it has the margin already, the centroid where even that has not.
     """
     centroid: Array = support_feet_m.mean(axis=0)
-    order = np.argsort(np.arctan2(*(support_feet_m - centroid).T[::-1]))
-    corners = support_feet_m[order]
-    edge = np.roll(corners, -1, axis=0) - corners
-    normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
-    at_nominal = ((nominal_m - corners) * normal).sum(axis=1)
-    at_centroid = ((centroid - corners) * normal).sum(axis=1)
+    at_nominal, at_centroid = _edge_distances(np.stack([nominal_m, centroid]), support_feet_m)
     short = at_nominal < margin_m
     if not short.any():
         return nominal_m
-    gain = at_centroid[short] - at_nominal[short]
     if (at_centroid[short] < margin_m).any():
         return centroid
-    fraction = float(((margin_m - at_nominal[short]) / gain).max())
+    fraction = float(((margin_m - at_nominal[short]) / (at_centroid[short] - at_nominal[short])).max())
     shifted: Array = nominal_m + fraction * (centroid - nominal_m)
     return shifted
+
+
+def _edge_distances(points_m: Array, support_feet_m: Array) -> Array:
+    """Signed distances of points (n, 2) to the edges of a triangle (3, 2), inside positive, (n, 3)."""
+    first, second, third = support_feet_m
+    turn = (second[0] - first[0]) * (third[1] - first[1]) - (second[1] - first[1]) * (third[0] - first[0])
+    corners = support_feet_m if turn > 0 else support_feet_m[::-1]
+    edge = np.roll(corners, -1, axis=0) - corners
+    normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
+    distances: Array = ((points_m[:, None] - corners) * normal).sum(axis=2)
+    return distances
 
 
 def foot_forces(feet_m: Array, load_share: Array, zmp_m: Array, acceleration_m_s2: Array, mass_kg: float) -> Array:

@@ -14,8 +14,10 @@ from sim_proc.model import build_model
 
 DISTANCE_M: Final = 3.3
 ELEVATION_DEG: Final = -28.0
-OFF_HEADING_DEG: Final = 35.0
-"""The camera looks along the robot's heading, turned by this much: from behind, over the right side."""
+OFF_HEADING_DEG: Final = 65.0
+"""The camera looks along the robot's heading, turned by this much: from the right, a little behind."""
+AHEAD_M: Final = 0.35
+"""It looks at a point this far ahead of the robot."""
 LOOK_HEIGHT_M: Final = 0.2
 PATH_GREEN: Final = (0.10, 0.55, 0.30, 0.8)
 FRONT_RED: Final = (0.80, 0.24, 0.18, 0.6)
@@ -50,8 +52,10 @@ class Camera:
         film = self._film
         self._data.qpos[:] = film.qpos[tick]
         mujoco.mj_forward(self._model, self._data)
-        self._camera.lookat[:] = [*film.look_at_m[tick], LOOK_HEIGHT_M]
-        self._camera.azimuth = degrees(film.heading_rad[tick]) + OFF_HEADING_DEG
+        heading = film.heading_rad[tick]
+        ahead = AHEAD_M * np.array([np.cos(heading), np.sin(heading)])
+        self._camera.lookat[:] = [*(film.trunk_m[tick] + ahead), LOOK_HEIGHT_M]
+        self._camera.azimuth = degrees(heading) + OFF_HEADING_DEG
         self._renderer.update_scene(self._data, self._camera)
         self._add_marks(tick)
         pixels: NDArray[np.uint8] = self._renderer.render()

@@ -37,8 +37,8 @@ class Film:
     scenario: Scenario
     qpos: Array
     """(n, 26), one row per tick."""
-    look_at_m: Array
-    """What the camera looks at, (n, 2)."""
+    trunk_m: Array
+    """The robot's smoothed place, (n, 2)."""
     heading_rad: Array
     """The robot's smoothed heading, (n,)."""
     paths_m: list[tuple[int, Array]]
@@ -79,7 +79,7 @@ def film_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Film:
     return Film(
         scenario=scenario,
         qpos=qpos,
-        look_at_m=np.column_stack([_smooth(qpos[:, 0]), _smooth(qpos[:, 1])]),
+        trunk_m=np.column_stack([_smooth(qpos[:, 0]), _smooth(qpos[:, 1])]),
         heading_rad=_smooth(yaw),
         paths_m=paths,
         footprints=_footprints(np.concatenate(tips), np.concatenate(loads)),

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 SHIFT_TICKS: Final = 6
 SWING_TICKS: Final = 13
 FIRST_SHIFT_TICKS: Final = 16
-"""From standing: the weight has to come off the first leg altogether."""
+"""Of the first step of a path, from standing or from another walk: a quicker start would unload a standing foot."""
 SETTLE_TICKS: Final = 24
 """After the last step, to bring the weight back to the middle."""
 STEP_HEIGHT_M: Final = 0.05
@@ -50,7 +50,7 @@ class PathWalk:
         this = next_cycle(self._path, self._travelled, feet)
         following = next_cycle(self._path, this.travelled_m, this.feet_m)
         ahead = self._steps_of(self._travelled, this) + self._steps_of(this.travelled_m, following)
-        if not posture.com_state[1].any():
+        if not self._travelled.any():
             ahead[0] = replace(ahead[0], shift_ticks=FIRST_SHIFT_TICKS)
         recordings = []
         for index in range(len(GAIT_ORDER)):

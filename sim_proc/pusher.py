@@ -17,12 +17,12 @@ from sim_proc.swing import bezier, control_points, gentle_stop, parabola
 
 Array = NDArray[np.float64]
 
-PUSH_SHIFT_TICKS: Final = 16
-PUSH_TICKS: Final = 50
-RETURN_TICKS: Final = 20
+PUSH_SHIFT_TICKS: Final = 14
+PUSH_TICKS: Final = 48
+RETURN_TICKS: Final = 16
 RESTEP_SHIFT_TICKS: Final = 8
-RESTEP_SWING_TICKS: Final = 12
-PUSH_MARGIN_M: Final = 0.05
+RESTEP_SWING_TICKS: Final = 11
+PUSH_MARGIN_M: Final = 0.06
 CONTACT_HEIGHT_SHARE: Final = 0.5
 CONTACT_SIDE_SHARE: Final = 0.3
 """Contact point on the rear face: share of the box's height, and of its width to the left (FL) or right (FR)."""

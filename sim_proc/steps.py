@@ -1,7 +1,7 @@
 """One step of one leg: shift the weight off it, swing it, put it down. Walking and pushing are sequences of these."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -9,7 +9,7 @@ from legpush.geometry import wrap_angle
 from legpush.robot import CONTROL_PERIOD_S, LEGS, Leg
 from numpy.typing import NDArray
 
-from sim_proc.balance import ComPlan, plan_com, shifted_reference
+from sim_proc.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.model import STANDING_HEIGHT_M
 from sim_proc.physics import Recording
 from sim_proc.posture import Posture
@@ -23,6 +23,10 @@ SHIFT_WEIGHT: Final = 0.02
 RAMP_TICKS: Final = 5
 """A foot is loaded, and unloaded, over this long."""
 LIFTED_SHARE: Final = 0.02
+LEAST_MARGIN_M: Final = 0.01
+"""Planned distance of the CoM's ground projection inside the support polygon, below which a leg is not lifted yet."""
+LONGER_SHIFT_TICKS: Final = (0, 5, 10, 15)
+"""How much longer the shift before a step may take, until it gives that margin."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,12 +72,12 @@ class Steps:
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
         """
-        posture, step = self.posture, ahead[0]
-        leg = None if step.leg is None else LEGS.index(step.leg)
-        airborne = step.shift_ticks == 0
+        posture = self.posture
+        airborne = ahead[0].shift_ticks == 0
         if not airborne:
             posture.measure()
-        plan = self._plan(ahead)
+        step, plan = self._plan(ahead)
+        leg = None if step.leg is None else LEGS.index(step.leg)
         n = step.n_ticks
         feet = np.repeat(posture.feet_m[None], n, axis=0)
         load_share = np.ones((n, 4))
@@ -101,20 +105,31 @@ class Steps:
         self.n_footsteps += int(lands and leg is not None)
         return recording
 
-    def _plan(self, ahead: Sequence[Step]) -> ComPlan:
+    def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
+        """The first step, its shift as long as its margin asks for, and the motion of the CoM."""
+        first = ahead[0]
+        if first.leg is None or first.shift_ticks == 0:
+            return first, self._plan_com(ahead)
+        support = np.delete(self.posture.feet_m[:, :2], LEGS.index(first.leg), axis=0)
+        for longer in LONGER_SHIFT_TICKS:
+            step = replace(first, shift_ticks=first.shift_ticks + longer)
+            plan = self._plan_com([step, *ahead[1:]])
+            if triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks], support).min() >= LEAST_MARGIN_M:
+                break
+        return step, plan
+
+    def _plan_com(self, ahead: Sequence[Step]) -> ComPlan:
         posture = self.posture
         feet = posture.feet_m[:, :2].copy()
         references, weights = [], []
         for step in ahead:
-            leg = None if step.leg is None else LEGS.index(step.leg)
-            if leg is None:
-                reference, swing_weight = step.nominal_xy_m, 1.0
-            else:
-                support = np.delete(feet, leg, axis=0)
-                reference, swing_weight = shifted_reference(step.nominal_xy_m, support, step.margin_m), 1.0
+            reference = step.nominal_xy_m
+            if step.leg is not None:
+                leg = LEGS.index(step.leg)
+                reference = shifted_reference(reference, np.delete(feet, leg, axis=0), step.margin_m)
                 feet[leg] = step.target_m
             references.append(np.repeat(reference[None], step.n_ticks, axis=0))
-            weights += [SHIFT_WEIGHT] * step.shift_ticks + [swing_weight] * step.swing_ticks
+            weights += [SHIFT_WEIGHT] * step.shift_ticks + [1.0] * step.swing_ticks
         return plan_com(
             posture.com_state, np.concatenate(references), tuple(weights), ahead[-1].end_velocity_m_s, COM_HEIGHT_M
         )

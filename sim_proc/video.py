@@ -28,7 +28,7 @@ BACKENDS: Final = ("egl", "osmesa")
 DRAW_NOTHING: Final = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 8, 8).render()"
 NO_OPENGL: Final = 4
 SEGMENT_FRAMES: Final = 60
-LONGEST_S: Final = 40.0
+LONGEST_S: Final = 30.0
 LEAST_SPEED: Final = 3.0
 """Unless a speed is asked for: three times real time, or faster where the video would be longer than `LONGEST_S`."""
 
@@ -41,7 +41,7 @@ class VideoConfig:
     """Folder that `legpush run` left."""
     speed: Annotated[float | None, tyro.conf.arg(metavar="X")] = None
     """Simulated seconds per second of video; by default 3, or more for a long mission."""
-    fps: int = 25
+    fps: int = 20
     """Frames per second of video."""
     width: int = 854
     height: int = 480

@@ -19,7 +19,7 @@ from sim_proc.film import film_of
 from sim_proc.simulator import Simulator
 from sim_proc.video import NO_OPENGL, working_backend
 
-STRIDE_TICKS = 6
+STRIDE_TICKS = 8
 
 
 @pytest.fixture
@@ -52,8 +52,8 @@ def test_a_film_has_every_tick_the_followed_path_and_the_footprints(run_folder: 
     outcomes = [record.outcome for record in read_episode(journal)]  # type: ignore[union-attr]
     film = film_of(read_episode(journal), "here")
     assert len(film.qpos) == outcomes[-1].world.tick
-    assert film.look_at_m.shape == (len(film.qpos), 2)
-    assert np.abs(film.look_at_m - film.qpos[:, :2]).max() < 0.1
+    assert film.trunk_m.shape == (len(film.qpos), 2)
+    assert np.abs(film.trunk_m - film.qpos[:, :2]).max() < 0.1
     pushed_ticks = outcomes[1].world.tick
     assert [since for since, _ in film.paths_m] == [pushed_ticks]
     n_steps = outcomes[-1].world.n_footsteps
@@ -66,7 +66,7 @@ def test_an_episode_without_traces_cannot_be_filmed() -> None:
         film_of([], "no-such-run")
 
 
-def test_the_video_shows_every_sixth_tick_or_says_why_there_is_none(run_folder: Path) -> None:
+def test_the_video_shows_every_eighth_tick_or_says_why_there_is_none(run_folder: Path) -> None:
     done = make_video(run_folder)
     video = run_folder / "mission.mp4"
     if working_backend() is None:
