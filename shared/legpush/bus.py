@@ -17,7 +17,7 @@ from typing import Any, Final, Generic, Self
 import zenoh
 from msgspec import Struct
 
-from legpush import codec, keys
+from legpush import channels, codec, keys
 from legpush.channels import Channel, M
 from legpush.endpoints import Endpoints, listing
 from legpush.errors import EndpointError, MessageError
@@ -138,6 +138,14 @@ class Bus:
     def subscribe(self, channel: Channel[M]) -> Subscription[M]:
         """The messages of `channel` from now on; whatever is not valid is counted in `tally` and logged."""
         subscription = Subscription(channel, self.tally)
+        self._receive(channel, subscription.put)
+        return subscription
+
+    def follow(self, role: Role, name: str | None = None) -> None:
+        """Keep `roster` up to date on the status of these peers, their heartbeat, from now on."""
+        self._receive(channels.statuses(self.run, role, name or "*"), lambda _: None)
+
+    def _receive(self, channel: Channel[M], put: Callable[[M], None]) -> None:
         intake = Intake(channel, self.run, self.tally)
 
         def take(sample: zenoh.Sample) -> None:
@@ -146,13 +154,12 @@ class Bus:
                 header = message.header
                 doing = message.phase if isinstance(message, Status) else None
                 self.roster.heard(header.role, header.name, header.incarnation, doing)
-                subscription.put(message)
+                put(message)
 
         subscriber = self._session.declare_subscriber(
             channel.key, _callback(take), allowed_origin=zenoh.Locality.REMOTE
         )
         self._closing.callback(subscriber.undeclare)
-        return subscription
 
     def announce(self) -> None:
         """Show the liveliness token: this process is ready. Call it after subscribing, once."""
@@ -225,6 +232,7 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         "connect/retry": RETRY,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
+        "open/return_conditions/connect_scouted": False,
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": round(1e3 * LEASE_S),
     }

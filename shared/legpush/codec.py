@@ -40,11 +40,10 @@ def unpack(payload: bytes) -> Any:
 def convert(plain: Any, kind: type[T]) -> T:
     """A record of type `kind` from maps, arrays and plain values; `MessageError` names the first wrong field."""
     try:
-        message = msgspec.convert(plain, kind)
+        _require_finite(plain, "$")
+        return msgspec.convert(plain, kind)
     except (msgspec.ValidationError, RecursionError) as error:
         raise MessageError(str(error)) from error
-    _require_finite(plain, "$")
-    return message
 
 
 def _require_size(payload: bytes) -> None:

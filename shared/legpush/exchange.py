@@ -68,6 +68,7 @@ class Exchange(Generic[M]):
         self._bus = bus
         self._answers = answers
         self._role, self._name = peer
+        bus.follow(*peer)
         self._patience = patience
         self._stop = stop
         self._on_wait = on_wait

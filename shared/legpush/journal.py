@@ -90,9 +90,13 @@ class _AnyEntry(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 def read_entries(path: Path) -> Iterator[Entry]:
     """All entries in order, the first an `Opened`; an incomplete last one is left out.
 
-    `JournalError` for a file that is no journal, is damaged, or is of another version.
+    `JournalError` for a file that cannot be read, is no journal, is damaged, or is of another version.
     """
-    with path.open("rb") as file:
+    try:
+        file = path.open("rb")
+    except OSError as error:
+        raise JournalError(f"Expected to read the journal {path}: {error.strerror}") from error
+    with file:
         for entry, _ in _scan(path, file.fileno()):
             yield entry
 
@@ -106,9 +110,12 @@ class Journal:
         `JournalError` if it is another run's, damaged, or in use.
         """
         self.path = path
-        if not path.exists():
-            _create(path, opened)
-        self._file = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+        try:
+            if not path.exists():
+                _create(path, opened)
+            self._file = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+        except OSError as error:
+            raise JournalError(f"Expected to write the journal {path}: {error.strerror}") from error
         try:
             self._lock()
             self.opened = self._check(opened)
@@ -124,7 +131,12 @@ class Journal:
 
     def append(self, entry: Entry) -> None:
         """Write one entry; when this returns, a kill of this process cannot lose it."""
-        _write(self._file, _frame(entry))
+        frame = _frame(entry)
+        try:
+            while frame:
+                frame = frame[os.write(self._file, frame) :]
+        except OSError as error:
+            raise JournalError(f"Expected to write the journal {self.path}: {error.strerror}") from error
 
     def _lock(self) -> None:
         try:
@@ -163,11 +175,6 @@ def _frame(entry: Entry) -> bytes:
     payload = codec.encode(_AnyEntry(e=entry))
     length = struct.pack(">I", len(payload))
     return length + _TAIL.pack(crc32(length)) + payload + _TAIL.pack(crc32(payload))
-
-
-def _write(file: int, frame: bytes) -> None:
-    while frame:
-        frame = frame[os.write(file, frame) :]
 
 
 def _scan(path: Path, file: int) -> Iterator[tuple[Entry, int]]:

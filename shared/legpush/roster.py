@@ -60,6 +60,10 @@ class Roster:
         with self._lock:
             return [replace(s) for s in self._matching(role, name) if s.alive]
 
+    def __len__(self) -> int:
+        with self._lock:
+            return len(self._sightings)
+
     def describe(self, role: Role, name: str | None = None) -> str:
         """One clause on the state of this peer: not there, several, dead, frozen or slow, and its last message."""
         with self._lock:

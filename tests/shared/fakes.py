@@ -1,9 +1,10 @@
 """Stand-ins for simulator and planner: no physics, but a state that depends on every motion and on their order."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Event, Thread
+from time import monotonic
 from typing import Literal
 from zlib import crc32
 
@@ -13,14 +14,39 @@ from legpush.endpoints import in_directory
 from legpush.errors import MotionError
 from legpush.faults import Faults
 from legpush.geometry import Pose2
+from legpush.journal import Opened
+from legpush.lockstep_client import PastStep, SimLink
 from legpush.lockstep_server import Stepper, serve_actions
-from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Role, Walk
+from legpush.messages import PROTOCOL_VERSION, Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Role, Walk
+from legpush.patience import Patience
+from legpush.plan_client import PlanLink
 from legpush.plan_server import MakePlan, serve_plans
 
 from tests.shared.examples import RESET, TRACE, WORLD
 
 RUN = "test"
+IMPATIENT = Patience(deadline_s=20.0, resend_s=0.02)
 LEGS: tuple[Literal["FL", "FR"], ...] = ("FL", "FR")
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def eventually(holds: Callable[[], bool], within_s: float = 10.0) -> bool:
+    """Whether `holds` comes true before the deadline."""
+    deadline, pause = monotonic() + within_s, Event()
+    while not holds():
+        if monotonic() > deadline:
+            return False
+        pause.wait(0.005)
+    return True
 
 
 class FakeStepper:
@@ -56,6 +82,38 @@ def crc_after(motions: list[Motion]) -> int:
     """State of a simulator that was asked for nothing but these motions, once each."""
     stepper = FakeStepper()
     return [stepper.perform(motion, with_trace=False).state_crc for motion in motions][-1]
+
+
+def opened(seed: int = 3) -> Opened:
+    """How a journal of the test run begins."""
+    return Opened(protocol=PROTOCOL_VERSION, run=RUN, seed=seed, versions={}, began_unix_s=0.0)
+
+
+class Agent:
+    """The links of an agent."""
+
+    def __init__(self, opened_bus: Bus, patience: Patience) -> None:
+        self.bus = opened_bus
+        self.stop = Event()
+        self.waits: list[str] = []
+        self.sim = SimLink(opened_bus, "main", stop=self.stop, patience=patience, on_wait=self.waits.append)
+        self.planner = PlanLink(opened_bus, stop=self.stop, patience=patience, on_wait=self.waits.append)
+        self.past: list[PastStep] = []
+        self.sim.begin()
+        opened_bus.announce()
+
+    def do(self, motions: Iterable[Motion]) -> int:
+        """Carry out the motions as the next steps; returns the last CRC."""
+        for motion in motions:
+            self.past.append(PastStep(motion, self.sim.step(motion, self.past).state_crc))
+        return self.past[-1].state_crc
+
+
+@contextmanager
+def agent(directory: Path, faults: Faults | None = None, patience: Patience = IMPATIENT) -> Iterator[Agent]:
+    """An agent that is ready to ask."""
+    with bus(directory, "agent", faults=faults) as opened_bus:
+        yield Agent(opened_bus, patience)
 
 
 @contextmanager

@@ -1,21 +1,30 @@
-"""A fake simulator or planner as a real process: `python fake_process.py sim ...`, with the flags of a real one.
+"""A fake simulator, planner or agent as a real process: `python fake_process.py sim ...`, with the flags of a real one.
 
-`--die-at N` kills it with SIGKILL in the middle of its N-th motion or plan, which then has no answer.
+`--die-at N` kills it with SIGKILL in its N-th motion or plan, counted from 0: simulator and planner in the middle of
+it; the agent when it has asked (`--die-when asked`) or got the answer (`answered`) and written nothing about it yet.
 """
 
 import os
 import signal
 import sys
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
 
 from legpush.bus import Bus
+from legpush.episode import Episode
+from legpush.journal import Journal
+from legpush.lockstep_client import PastStep, SimLink
 from legpush.lockstep_server import serve_actions
 from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.plan_client import PlanLink
 from legpush.plan_server import serve_plans
 from legpush.service import ServiceConfig, run_process
 
-from tests.shared.fakes import FakeStepper, fake_plan
+from tests.shared.examples import QUERY
+from tests.shared.fakes import FakeStepper, fake_plan, mission, opened
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,42 +33,88 @@ class FakeConfig(ServiceConfig):
 
     die_at: int = -1
     """Count of the motion or plan in which it dies."""
+    die_when: Literal["asked", "answered"] = "asked"
+    """Of that motion or plan."""
+    journal: Path = Path("episode-0000.journal")
+    """The agent's."""
 
 
-class Fake:
-    """Counts what it is asked for and dies in time."""
+class Death:
+    """Counts motions and plans, and kills this process in the right one."""
 
     def __init__(self, config: FakeConfig) -> None:
         self._config = config
-        self._stepper = FakeStepper()
         self._n_asked = 0
 
-    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        self._count()
-        return self._stepper.perform(motion, with_trace=with_trace)
-
-    def plan(self, query: PlanQuery) -> Plan:
-        self._count()
-        return fake_plan(query)
-
-    def _count(self) -> None:
-        if self._n_asked == self._config.die_at:
-            os.kill(os.getpid(), signal.SIGKILL)
+    def asked(self) -> None:
         self._n_asked += 1
+        self._strike("asked")
+
+    def answered(self) -> None:
+        self._strike("answered")
+
+    def _strike(self, when: str) -> None:
+        if self._n_asked - 1 == self._config.die_at and when == self._config.die_when:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+
+class MortalStepper(FakeStepper):
+    """A simulator that dies in time."""
+
+    def __init__(self, death: Death) -> None:
+        super().__init__()
+        self._death = death
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        self._death.asked()
+        return super().perform(motion, with_trace=with_trace)
+
+
+class MortalSimLink(SimLink):
+    """The simulator's link of an agent that dies in time."""
+
+    def __init__(self, bus: Bus, stop: threading.Event, death: Death) -> None:
+        super().__init__(bus, "main", stop=stop)
+        self._death = death
+
+    def step(self, motion: Motion, past: Sequence[PastStep], *, with_trace: bool = False) -> Outcome:
+        self._death.asked()
+        outcome = super().step(motion, past, with_trace=with_trace)
+        self._death.answered()
+        return outcome
 
 
 def serve_sim(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:
-    serve_actions(bus, Fake(config), stop)
+    serve_actions(bus, MortalStepper(Death(config)), stop)
 
 
 def serve_planner(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:
-    serve_plans(bus, Fake(config).plan, stop)
+    death = Death(config)
+
+    def make_plan(query: PlanQuery) -> Plan:
+        death.asked()
+        return fake_plan(query)
+
+    serve_plans(bus, make_plan, stop)
+
+
+def run_agent(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:
+    with Journal(config.journal, opened()) as journal:
+        sim = MortalSimLink(bus, stop, Death(config))
+        planner = PlanLink(bus, stop=stop)
+        bus.announce()
+        episode = Episode(journal, sim, planner)
+        n_iterations = episode.plan(QUERY).n_iterations
+        crc = 0
+        for motion in mission():
+            crc = episode.step(motion).state_crc
+        sys.stdout.write(f"{n_iterations} {crc}\n")
 
 
 if __name__ == "__main__":
     role = sys.argv.pop(1)
-    sys.exit(
-        run_process("sim", FakeConfig, serve_sim)
-        if role == "sim"
-        else run_process("planner", FakeConfig, serve_planner)
-    )
+    if role == "sim":
+        sys.exit(run_process("sim", FakeConfig, serve_sim))
+    if role == "planner":
+        sys.exit(run_process("planner", FakeConfig, serve_planner))
+    sys.exit(run_process("agent", FakeConfig, run_agent))

@@ -1,0 +1,207 @@
+"""The two desks, without a network: what is carried out, repeated, and refused."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from legpush.errors import LegpushError, ScenarioError
+from legpush.lockstep_server import ActionDesk, Denial
+from legpush.messages import Action, Motion, Outcome, Plan, PlanQuery, PlanRequest, Push, Walk
+from legpush.plan_server import MAX_CLIENTS, PlanDesk, newest_per_client
+from msgspec.structs import replace
+
+from tests.shared.examples import QUERY, RESET, header
+from tests.shared.fakes import FakeStepper, crc_after, fake_plan, mission
+
+MISSION = mission(6)
+
+
+def action(step: int, motion: Motion | None = None, episode: int = 1, **fields: Any) -> Action:
+    return Action(header=header("agent"), episode=episode, step=step, motion=motion or MISSION[step], **fields)
+
+
+@pytest.fixture
+def stepper() -> FakeStepper:
+    """A simulator without physics."""
+    return FakeStepper()
+
+
+@pytest.fixture
+def desk(stepper: FakeStepper) -> ActionDesk:
+    """A desk that has done steps 0 to 2 of episode 1."""
+    desk = ActionDesk(stepper)
+    for step in range(3):
+        assert isinstance(desk.answer(action(step)), Outcome)
+    return desk
+
+
+def test_the_next_step_is_carried_out(desk: ActionDesk, stepper: FakeStepper) -> None:
+    outcome = desk.answer(action(3))
+    assert isinstance(outcome, Outcome)
+    assert outcome.state_crc == crc_after(MISSION[:4])
+    assert stepper.performed == MISSION[:4]
+
+
+def test_the_step_just_done_is_repeated_and_not_done_again(desk: ActionDesk, stepper: FakeStepper) -> None:
+    first, second = desk.answer(action(3)), desk.answer(action(3))
+    assert first == second
+    assert stepper.performed == MISSION[:4]
+
+
+@pytest.mark.parametrize(
+    "other", [action(2, Push(w1=0.1, w2=0.2, leg="FL", depth_m=0.1)), action(2, with_trace=True)], ids=["push", "trace"]
+)
+def test_another_action_for_a_step_that_is_done_is_a_conflict(
+    desk: ActionDesk, stepper: FakeStepper, other: Action
+) -> None:
+    denial = desk.answer(other)
+    assert isinstance(denial, Denial)
+    assert denial.cause == "conflict"
+    assert stepper.performed == MISSION[:3]
+
+
+@pytest.mark.parametrize(("episode", "step"), [(1, 1), (1, 4), (1, 100), (0, 3), (0, 0), (2, 3), (2, 1)])
+def test_a_step_that_is_not_next_is_refused_with_the_one_that_is(
+    desk: ActionDesk, stepper: FakeStepper, episode: int, step: int
+) -> None:
+    denial = desk.answer(action(step, RESET if step == 0 else Walk(), episode))
+    assert isinstance(denial, Denial)
+    assert denial[0] == "out_of_step"
+    assert (denial.next_episode, denial.next_step) == (1, 3)
+    assert stepper.performed == MISSION[:3]
+
+
+@pytest.mark.parametrize("episode", [2, 1_700_000_000_000])
+def test_a_reset_opens_any_newer_episode(desk: ActionDesk, stepper: FakeStepper, episode: int) -> None:
+    assert isinstance(desk.answer(action(0, episode=episode)), Outcome)
+    assert isinstance(desk.answer(action(1, episode=episode)), Outcome)
+    assert stepper.performed == [*MISSION[:3], *MISSION[:2]]
+
+
+def test_a_fresh_simulator_takes_a_reset_of_any_episode_and_nothing_else(stepper: FakeStepper) -> None:
+    desk = ActionDesk(stepper)
+    denial = desk.answer(action(3))
+    assert isinstance(denial, Denial)
+    assert (denial.cause, denial.next_episode, denial.next_step) == ("out_of_step", 0, 0)
+    assert isinstance(desk.answer(action(0, episode=77)), Outcome)
+
+
+def test_an_episode_that_does_not_begin_with_a_reset_is_invalid(stepper: FakeStepper) -> None:
+    denial = ActionDesk(stepper).answer(action(0, Walk()))
+    assert isinstance(denial, Denial)
+    assert denial.cause == "invalid"
+    assert "expected a reset as step 0" in denial.reason
+
+
+def test_a_reset_within_an_episode_is_invalid(desk: ActionDesk, stepper: FakeStepper) -> None:
+    denial = desk.answer(action(3, RESET))
+    assert isinstance(denial, Denial)
+    assert denial.cause == "invalid"
+    assert stepper.performed == MISSION[:3]
+
+
+def test_after_a_motion_that_cannot_be_carried_out_the_same_step_is_still_next(stepper: FakeStepper) -> None:
+    desk = ActionDesk(stepper)
+    desk.answer(action(0))
+    denial = desk.answer(action(1, Walk()))
+    assert isinstance(denial, Denial)
+    assert denial.cause == "invalid"
+    assert "Expected a follow before the first walk" in denial.reason
+    assert (denial.next_episode, denial.next_step) == (1, 1)
+    assert isinstance(desk.answer(action(1)), Outcome)
+
+
+class BrokenStepper:
+    """Fails at everything with one error."""
+
+    def __init__(self, error: LegpushError) -> None:
+        self._error = error
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        raise self._error
+
+
+def test_a_scenario_that_cannot_be_built_is_invalid_and_ends_nothing() -> None:
+    denial = ActionDesk(BrokenStepper(ScenarioError("box outside"))).answer(action(0))
+    assert isinstance(denial, Denial)
+    assert denial.cause == "invalid"
+
+
+def test_broken_physics_ends_the_simulator() -> None:
+    with pytest.raises(LegpushError, match="not finite at tick 7"):
+        ActionDesk(BrokenStepper(LegpushError("qpos is not finite at tick 7"))).answer(action(0))
+
+
+@given(st.lists(st.integers(0, len(MISSION) - 1), max_size=60))
+def test_whatever_order_actions_come_in_no_step_is_done_twice_or_left_out(steps: list[int]) -> None:
+    stepper = FakeStepper()
+    desk = ActionDesk(stepper)
+    for step in steps:
+        desk.answer(action(step))
+    assert stepper.performed == MISSION[: len(stepper.performed)]
+
+
+# -- the planner's desk ----------------------------------------------------------------------------------------------
+
+
+def request(request_id: int, seed: int = 1, client: str = "main", incarnation: str = "a") -> PlanRequest:
+    head = replace(header("agent", client), incarnation=incarnation)
+    return PlanRequest(header=head, request_id=request_id, query=replace(QUERY, seed=seed))
+
+
+class CountingPlanner:
+    """Remembers the seeds that it planned for."""
+
+    def __init__(self) -> None:
+        self.seeds: list[int] = []
+
+    def __call__(self, query: PlanQuery) -> Plan:
+        self.seeds.append(query.seed)
+        return fake_plan(query)
+
+
+def test_a_request_is_planned_once_and_its_copies_get_the_same_answer() -> None:
+    planner = CountingPlanner()
+    desk = PlanDesk(planner)
+    assert desk.answer(request(0)) == desk.answer(request(0))
+    assert planner.seeds == [1]
+
+
+def test_a_request_older_than_the_last_one_is_not_answered() -> None:
+    desk = PlanDesk(CountingPlanner())
+    desk.answer(request(4))
+    assert desk.answer(request(3)) is None
+
+
+def test_another_query_under_the_same_request_id_is_invalid() -> None:
+    desk = PlanDesk(CountingPlanner())
+    desk.answer(request(4, seed=1))
+    plan = desk.answer(request(4, seed=2))
+    assert plan is not None
+    assert plan.status == "invalid"
+    assert "request id 4" in plan.reason
+
+
+def test_a_client_that_was_restarted_begins_anew() -> None:
+    planner = CountingPlanner()
+    desk = PlanDesk(planner)
+    desk.answer(request(4, seed=1, incarnation="a"))
+    plan = desk.answer(request(0, seed=2, incarnation="b"))
+    assert plan is not None
+    assert plan.n_iterations == 2
+
+
+def test_answers_are_kept_for_a_bounded_number_of_clients() -> None:
+    planner = CountingPlanner()
+    desk = PlanDesk(planner)
+    for index in range(MAX_CLIENTS + 1):
+        desk.answer(request(0, seed=index, client=f"c{index}"))
+    desk.answer(request(0, seed=1, client="c1"))
+    desk.answer(request(0, seed=0, client="c0"))
+    assert planner.seeds == [*range(MAX_CLIENTS + 1), 0]
+
+
+def test_of_waiting_requests_the_newest_of_each_client_is_answered() -> None:
+    waiting = [request(0), request(0, client="other"), request(2), request(1)]
+    assert newest_per_client(waiting) == [request(2), request(0, client="other")]

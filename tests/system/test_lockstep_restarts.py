@@ -1,0 +1,301 @@
+"""Real processes that are killed, frozen and started again: the episode ends in the same state, or says why not."""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from threading import Event, Thread
+
+import psutil
+import pytest
+from legpush import endpoints
+from legpush.episode import Episode, PlanRecord, StepRecord, read_episode
+from legpush.errors import JournalError, MotionError, PeerError
+from legpush.faults import Faults
+from legpush.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
+from legpush.messages import Motion, Outcome, Plan, PlanQuery, Role, Walk
+from legpush.patience import Patience
+from legpush.roster import LEASE_S
+
+from tests.shared.examples import QUERY, RESET
+from tests.shared.fakes import (
+    RUN,
+    FakeStepper,
+    agent,
+    bus,
+    crc_after,
+    eventually,
+    fake_plan,
+    mission,
+    opened,
+    planner,
+    sim,
+)
+
+SCRIPT = Path(__file__).with_name("fake_process.py")
+MISSION = mission()
+CRC = crc_after(MISSION)
+
+
+def command(directory: Path, role: Role, *flags: str) -> list[str]:
+    """How a fake process is started on the sockets in `directory`."""
+    at = endpoints.in_directory(directory, role)
+    return [
+        *(sys.executable, str(SCRIPT), role, "--run", RUN),
+        *("--listen", *at.listen, "--connect", *at.connect),
+        *flags,
+    ]
+
+
+@contextmanager
+def process(directory: Path, role: Role, *flags: str) -> Iterator[subprocess.Popen[str]]:
+    """A fake process, killed at the end if it still runs."""
+    started = subprocess.Popen(
+        command(directory, role, *flags), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.communicate()
+
+
+@contextmanager
+def process_that_dies_once(directory: Path, role: Role, die_at: int) -> Iterator[None]:
+    """A fake process that kills itself, and is then started again by somebody else, as a launcher would."""
+    with ExitStack() as stack:
+        first = stack.enter_context(process(directory, role, "--die-at", str(die_at)))
+
+        def start_again() -> None:
+            if first.wait(30.0) == -signal.SIGKILL:
+                stack.enter_context(process(directory, role))
+
+        watcher = Thread(target=start_again)
+        watcher.start()
+        stack.callback(watcher.join)
+        yield
+
+
+@pytest.mark.parametrize("die_at", [0, 3, 10], ids=["in the reset", "in a walk", "in a push"])
+def test_a_simulator_killed_in_a_step_comes_back_to_the_same_state(tmp_path: Path, die_at: int) -> None:
+    with process_that_dies_once(tmp_path, "sim", die_at), agent(tmp_path) as asking:
+        assert asking.do(MISSION) == CRC
+
+
+def test_a_simulator_killed_between_steps_and_over_a_bad_channel_comes_back_to_the_same_state(tmp_path: Path) -> None:
+    faults = Faults(probability=0.2, seed=1)
+    with agent(tmp_path, faults) as asking:
+        for n_steps in (1, 5, len(MISSION)):
+            with process(tmp_path, "sim", "--inject-faults", "0.2") as running:
+                asking.do(MISSION[len(asking.past) : n_steps])
+                running.kill()
+        assert asking.past[-1].state_crc == CRC
+        assert asking.bus.tally["late"] > 0
+
+
+def test_a_planner_killed_while_it_plans_gives_the_same_plan_when_it_is_back(tmp_path: Path) -> None:
+    with process_that_dies_once(tmp_path, "planner", 1), agent(tmp_path) as asking:
+        assert [asking.planner.plan(QUERY) for _ in range(3)] == [fake_plan(QUERY)] * 3
+
+
+def test_a_simulator_that_dies_each_time_in_the_same_step_is_given_up(tmp_path: Path) -> None:
+    with agent(tmp_path, patience=Patience(deadline_s=20.0, resend_s=0.02, max_restarts=2)) as asking:
+        over = Event()
+
+        def start_again_and_again() -> None:
+            while not over.is_set():
+                with process(tmp_path, "sim", "--die-at", "2") as running:
+                    while running.poll() is None and not over.wait(0.01):
+                        pass
+
+        starter = Thread(target=start_again_and_again)
+        starter.start()
+        try:
+            with pytest.raises(PeerError, match=r"sim/main was started anew 3 times .* step"):
+                asking.do(MISSION)
+        finally:
+            over.set()
+            starter.join()
+
+
+@pytest.mark.parametrize("die_when", ["asked", "answered"])
+@pytest.mark.parametrize("die_at", [0, 3, 10], ids=["reset", "walk", "push"])
+def test_an_agent_killed_in_a_step_goes_on_with_it_and_nothing_is_done_twice(
+    tmp_path: Path, die_at: int, die_when: str
+) -> None:
+    stepper = FakeStepper()
+    seeds: list[int] = []
+
+    def make_plan(query: PlanQuery) -> Plan:
+        seeds.append(query.seed)
+        return fake_plan(query)
+
+    journal = ("--journal", str(tmp_path / "episode-0000.journal"))
+    with sim(tmp_path, stepper), planner(tmp_path, make_plan):
+        with process(tmp_path, "agent", *journal, "--die-at", str(die_at), "--die-when", die_when) as first:
+            assert first.wait(30.0) == -signal.SIGKILL
+        with process(tmp_path, "agent", *journal) as second:
+            out, err = second.communicate(timeout=30.0)
+    assert second.returncode == 0, err
+    assert out == f"{QUERY.seed} {CRC}\n"
+    assert stepper.performed == MISSION
+    assert seeds == [QUERY.seed]
+
+
+def test_agent_and_simulator_killed_together_end_in_the_same_state(tmp_path: Path) -> None:
+    journal = ("--journal", str(tmp_path / "episode-0000.journal"))
+    with planner(tmp_path):
+        with (
+            process(tmp_path, "sim"),
+            process(tmp_path, "agent", *journal, "--die-at", "9", "--die-when", "answered") as first,
+        ):
+            assert first.wait(30.0) == -signal.SIGKILL
+        with process(tmp_path, "sim"), process(tmp_path, "agent", *journal) as second:
+            assert second.communicate(timeout=30.0)[0] == f"{QUERY.seed} {CRC}\n"
+
+
+def test_a_frozen_simulator_is_named_and_goes_on_when_it_thaws(tmp_path: Path) -> None:
+    with process(tmp_path, "sim") as running, agent(tmp_path, patience=Patience(deadline_s=LEASE_S + 1.0)) as asking:
+        asking.do(MISSION[:3])
+        running.send_signal(signal.SIGSTOP)
+        with pytest.raises(PeerError, match=r"step 3 \(walk\) within 3 s; sim/main is frozen or cut off"):
+            asking.do(MISSION[3:])
+        running.send_signal(signal.SIGCONT)
+        assert asking.do(MISSION[3:]) == CRC
+
+
+def test_a_killed_simulator_is_called_dead(tmp_path: Path) -> None:
+    with process(tmp_path, "sim") as running, agent(tmp_path, patience=Patience(deadline_s=0.3)) as asking:
+        assert eventually(lambda: asking.bus.roster.live("sim") != [])
+        asking.do(MISSION[:3])
+        running.kill()
+        with pytest.raises(PeerError, match=r"sim/main is dead: its link closed"):
+            asking.do(MISSION[3:])
+
+
+def test_a_second_simulator_on_the_same_socket_ends_with_one_line_and_the_first_goes_on(tmp_path: Path) -> None:
+    with process(tmp_path, "sim") as first, agent(tmp_path) as asking:
+        asking.do(MISSION[:3])
+        second = subprocess.run(command(tmp_path, "sim"), capture_output=True, text=True, timeout=30.0, check=False)
+        assert second.returncode == 2
+        assert second.stderr.count("\n") == 1
+        assert second.stderr.startswith("error: Expected to listen on unixsock-stream/")
+        assert asking.do(MISSION[3:]) == CRC
+        assert first.poll() is None
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_process_that_is_asked_to_stop_ends_well_and_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
+    with bus(tmp_path, "launcher") as watching, process(tmp_path, "sim") as running:
+        assert eventually(lambda: watching.roster.live("sim") != [])
+        running.send_signal(number)
+        _, err = running.communicate(timeout=10.0)
+        assert running.returncode == 0
+        assert "Traceback" not in err
+        assert not psutil.pid_exists(running.pid)
+        assert list(tmp_path.glob("*.sock*")) == []
+
+
+def test_an_agent_that_waits_and_is_asked_to_stop_ends_well(tmp_path: Path) -> None:
+    with bus(tmp_path, "launcher") as watching, process(tmp_path, "agent", "--journal", str(tmp_path / "j")) as running:
+        assert eventually(lambda: watching.roster.live("agent") != [])
+        running.send_signal(signal.SIGTERM)
+        _, err = running.communicate(timeout=10.0)
+        assert running.returncode == 0
+        assert "Asked to stop while waiting for the answer to plan request 0; the planner is not there" in err
+
+
+# -- the episode on its own ------------------------------------------------------------------------------------------
+
+
+def run_episode(directory: Path, journal_path: Path, n_steps: int) -> Outcome:
+    """Plan and carry out the first steps of the mission."""
+    with agent(directory) as asking, Journal(journal_path, opened()) as journal:
+        episode = Episode(journal, asking.sim, asking.planner)
+        assert episode.plan(QUERY) == fake_plan(QUERY)
+        return [episode.step(motion) for motion in MISSION[:n_steps]][-1]
+
+
+def test_an_episode_is_answered_by_its_journal_as_far_as_that_goes(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    stepper = FakeStepper()
+    with sim(tmp_path, stepper), planner(tmp_path):
+        run_episode(tmp_path, path, 5)
+        assert run_episode(tmp_path, path, 9).state_crc == crc_after(MISSION[:9])
+    assert stepper.performed == MISSION[:9]
+    assert run_episode(tmp_path, path, 9).state_crc == crc_after(MISSION[:9])
+
+
+def test_what_happened_can_be_read_back(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    with sim(tmp_path), planner(tmp_path):
+        run_episode(tmp_path, path, len(MISSION))
+    first, *steps = read_episode(path)
+    assert first == PlanRecord(QUERY, fake_plan(QUERY))
+    assert [step.motion for step in steps if isinstance(step, StepRecord)] == MISSION
+    assert isinstance(steps[-1], StepRecord)
+    assert steps[-1].outcome.state_crc == CRC
+    assert isinstance(next(read_entries(path)), Opened)
+
+
+def test_an_action_is_in_the_journal_before_it_is_sent(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    seen: list[bool] = []
+
+    class Witness(FakeStepper):
+        def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+            *_, last = read_entries(path)
+            seen.append(last == Acted(motion=motion, with_trace=with_trace))
+            return super().perform(motion, with_trace=with_trace)
+
+    with sim(tmp_path, Witness()), planner(tmp_path):
+        run_episode(tmp_path, path, 4)
+    assert seen == [True] * 4
+
+
+def test_a_mission_that_asks_something_else_than_its_journal_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    with sim(tmp_path), planner(tmp_path):
+        run_episode(tmp_path, path, 2)
+    with agent(tmp_path) as asking, Journal(path, opened()) as journal:
+        episode = Episode(journal, asking.sim, asking.planner)
+        episode.plan(QUERY)
+        episode.step(RESET)
+        with pytest.raises(
+            JournalError, match=r"expected acted Walk\(\) as entry \d, got acted Follow.* another mission"
+        ):
+            episode.step(Walk())
+
+
+def test_a_refused_motion_is_refused_again_from_the_journal(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    for serving in (True, False):
+        with ExitStack() as stack:
+            if serving:
+                stack.enter_context(sim(tmp_path))
+            asking = stack.enter_context(agent(tmp_path))
+            journal = stack.enter_context(Journal(path, opened()))
+            episode = Episode(journal, asking.sim, asking.planner)
+            episode.step(RESET)
+            with pytest.raises(MotionError, match="Step 1: Expected a follow before the first walk"):
+                episode.step(Walk())
+            assert episode.step(MISSION[1]).state_crc == crc_after(MISSION[:2])
+            assert episode.live == serving
+    assert [record.motion for record in read_episode(path) if isinstance(record, StepRecord)] == MISSION[:2]
+
+
+def test_an_episode_that_was_led_through_again_has_its_new_number_in_the_journal(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    with agent(tmp_path) as asking, Journal(path, opened()) as journal:
+        episode = Episode(journal, asking.sim, asking.planner)
+        for motion in MISSION[:4]:
+            with sim(tmp_path):
+                episode.step(motion)
+    entries = list(read_entries(path))
+    numbers = [entry.episode for entry in entries if isinstance(entry, Numbered)]
+    assert len(numbers) == 4
+    assert numbers == sorted(set(numbers))
+    observed = [entry for entry in entries if isinstance(entry, Observed)]
+    assert observed[-1].outcome.state_crc == crc_after(MISSION[:4])
