@@ -1,5 +1,6 @@
 """`compose.yaml` follows the compose specification, and its services, run as local processes, do a mission."""
 
+import json
 import re
 import signal
 import socket
@@ -13,7 +14,7 @@ from typing import Any
 import pytest
 import yaml
 
-VARIABLES = {"SCENARIO": "push"}
+VARIABLES = {"SCENARIO": "push", "SEED": "3"}
 """What a user sets: the shortest mission."""
 MISSION_LIMIT_S = 240.0
 STOP_LIMIT_S = 30.0
@@ -124,7 +125,8 @@ def test_the_services_do_a_mission_and_stop_when_told(
     (tmp_path / "runs").mkdir()
     running = {name: start(stack, command, tmp_path) for name, command in commands.items()}
     assert running["agent"].wait(MISSION_LIMIT_S) == 0
-    assert list((tmp_path / "runs").rglob("report.json")) != []
+    report = json.loads((tmp_path / "runs" / "push-seed3" / "report.json").read_text())
+    assert (report["success"], report["seed"]) == (True, 3)
     for name in ("planner", "sim"):
         running[name].send_signal(signal.Signals[services[name]["stop_signal"]])
         assert running[name].wait(STOP_LIMIT_S) == 0, name
