@@ -40,7 +40,8 @@ def work(config: Config, bus: Bus, stop: threading.Event) -> int:
             print(os.getpid(), file=file)
         if role != "agent" or config.does == "waits":
             beacon.say("waiting", 0.5, "for the end")
-            stop.wait()
+            while not stop.wait(0.05):  # a signal may wake another thread than this one
+                pass
             return 0
         while not {"planner", "sim"} <= {peer.role for peer in bus.roster.live()}:
             if stop.wait(0.01):

@@ -1,0 +1,126 @@
+"""The `legpush` command, as a user calls it."""
+
+import os
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from legpush import cli
+from legpush.launch.options import RunOptions
+from legpush.scenario_file import load_scenario, scenario_names
+
+HEAVY = ("zenoh", "mujoco", "ompl", "torch", "matplotlib", "rich.live", "legpush.bus")
+
+
+def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    code = "import sys; from legpush.cli import main; sys.exit(main())"
+    return subprocess.run(
+        [sys.executable, "-P", "-c", code, *arguments], capture_output=True, text=True, check=False, cwd=cwd
+    )
+
+
+def test_help_names_the_subcommands() -> None:
+    result = legpush("--help")
+    assert result.returncode == 0
+    for name in ("run", "scenarios", "render"):
+        assert f"• {name}" in result.stdout
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; from legpush.cli import main\n"
+        "try: main(['run', '--help'])\n"
+        f"except SystemExit: print([name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    result = legpush("--version")
+    assert (result.returncode, result.stdout) == (0, f"legpush {version('legpush')}\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "Expected one of {run, scenarios, render}"),
+        (["walk"], "walk"),
+        (["run", "--sed", "3"], "Unrecognized options: --sed, 3"),
+        (["run", "--seed", "three"], "three"),
+        (["run", "--seed", "-1"], "error: Expected a seed from 0 to 4294967295 for --seed, got -1\n"),
+        (["run", "--planner", "prm"], "prm"),
+        (["run", "--policy", "ppo"], "ppo"),
+        (["run", "--scenario", "nope"], "error: Expected the name of a scenario (default, published, "),
+        (["run", "--scenario", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
+        (["run", "--box-mass-kg", "-1"], "error: command line: at `box.mass_kg`: expected a number > 0.0, got -1.0\n"),
+        (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
+        (["run", "--scenario", "push", "--out", "full"], "error: full: expected a new or empty folder"),
+        (["scenarios", "show", "defalt"], "(did you mean `default`?)"),
+        (["scenarios", "copy", "default", "full/file"], "error: full/file: expected a new file"),
+        (["render", "full"], "error: Expected the folder of a run, with a scenario.toml in it, got full\n"),
+    ],
+)
+def test_bad_input_ends_with_2_and_one_message(arguments: list[str], words: str, tmp_path: Path) -> None:
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    result = legpush(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert words in result.stderr
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["full"]
+
+
+def test_scenarios_are_listed_with_what_they_are() -> None:
+    lines = legpush("scenarios", "list").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(scenario_names())
+    assert all(load_scenario(line.split()[0]).description in line for line in lines)
+
+
+def test_a_shown_scenario_is_a_scenario_file(tmp_path: Path) -> None:
+    path = tmp_path / "shown.toml"
+    path.write_text(legpush("scenarios", "show", "published").stdout)
+    assert load_scenario(path) == load_scenario("published")
+
+
+def test_a_copied_scenario_can_be_shown(tmp_path: Path) -> None:
+    copied = legpush("scenarios", "copy", "published", "mine.toml", cwd=tmp_path)
+    assert copied.stdout == "wrote mine.toml\nwrote published_map.csv\n"
+    assert legpush("scenarios", "show", "mine.toml", cwd=tmp_path).returncode == 0
+
+
+def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[RunOptions] = []
+
+    def run_mission(options: RunOptions, console: object) -> int:
+        taken.append(options)
+        return 1
+
+    monkeypatch.setattr("legpush.launch.run.run_mission", run_mission)
+    words = "run --scenario push --seed 3 --out here --planner rrt --box-mass-kg 0.9 --no-video --deadline 60"
+    assert cli.main([*words.split(), "--inject-faults", "0.2"]) == 1
+    assert cli.main(["run"]) == 1
+    assert taken == [
+        RunOptions(
+            scenario="push",
+            seed=3,
+            out=Path("here"),
+            planner="rrt",
+            box_mass_kg=0.9,
+            video=False,
+            deadline_s=60.0,
+            inject_faults=0.2,
+        ),
+        RunOptions(),
+    ]
+
+
+def test_render_becomes_the_film_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    became: list[tuple[str, ...]] = []
+    monkeypatch.setattr(os, "execv", lambda program, argv: became.append((program, *argv)))
+    (tmp_path / "scenario.toml").touch()
+    cli.main(["render", str(tmp_path)])
+    assert became == [(sys.executable, sys.executable, "-P", "-m", "sim_proc.video", str(tmp_path))]
