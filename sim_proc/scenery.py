@@ -30,7 +30,7 @@ def _add_looks(spec: mujoco.MjSpec) -> None:
     spec.visual.global_.offheight = 1080
     spec.visual.headlight.ambient[:] = (0.35, 0.35, 0.35)
     spec.visual.headlight.diffuse[:] = (0.35, 0.35, 0.35)
-    spec.visual.quality.shadowsize = 2048
+    spec.visual.quality.shadowsize = 4096
     spec.visual.quality.offsamples = 2
     spec.add_texture(
         name="tiles",

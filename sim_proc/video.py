@@ -72,7 +72,7 @@ def film_run(config: VideoConfig) -> int:
             "Install one (Debian: libegl1 and libgl1-mesa-dri, or libosmesa6) and run `legpush render` on the folder.\n"
         )
         return NO_OPENGL
-    os.environ["MUJOCO_GL"] = backend
+    os.environ.update(MUJOCO_GL=backend, LP_NUM_THREADS="1")  # one thread per worker for Mesa's software renderer
     speed = config.speed or max(LEAST_SPEED, film.duration_s / LONGEST_S)
     stride = max(1, round(speed / (config.fps * CONTROL_PERIOD_S)))
     ticks = list(range(0, len(film.qpos), stride))

@@ -1,0 +1,112 @@
+"""`python experiments/missions.py`: whole missions over seeds, each in three processes, and what they achieved.
+
+Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>.csv`, the summary (mean, 95 %
+interval by Student's t, worst) beside it as JSON. Seeds that have a row already are not run again.
+"""
+
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import tyro
+from rich.progress import track
+from scipy import stats
+
+RESULTS: Final = Path(__file__).parent / "results"
+MEASURES: Final = (
+    "box_position_error_m",
+    "box_angle_error_deg",
+    "walk_tracking_rms_m",
+    "trunk_max_abs_pitch_deg",
+    "trunk_max_abs_roll_deg",
+    "min_support_margin_m",
+    "n_push_cycles",
+    "n_footsteps",
+    "sim_time_s",
+    "real_time_factor",
+)
+COLUMNS: Final = ("seed", "success", "reason", "handover_distance_m", *MEASURES, "state_crc")
+LARGEST: Final = {"min_support_margin_m": np.min, "real_time_factor": np.min}
+"""The worst is the largest, but for these."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Which missions to run."""
+
+    scenario: str = "default"
+    """A built-in scenario or a scenario file."""
+    seeds: int = 10
+    """Seeds 0 to this, exclusive."""
+
+
+def main(config: Config) -> int:
+    """Run what is missing, then sum up; 1 if a mission failed."""
+    RESULTS.mkdir(exist_ok=True)
+    table = RESULTS / f"missions_{Path(config.scenario).stem}.csv"
+    rows = _read(table)
+    missing = [seed for seed in range(config.seeds) if seed not in rows]
+    for seed in track(missing, description=f"{config.scenario}: missions", disable=not missing):
+        rows[seed] = _mission(config.scenario, seed)
+        _write(table, rows)
+    summary = summarize([rows[seed] for seed in range(config.seeds)])
+    table.with_suffix(".json").write_text(json.dumps(summary, indent=2) + "\n")
+    print(json.dumps(summary, indent=2))
+    return 0 if summary["successes"] == summary["n"] else 1
+
+
+def _mission(scenario: str, seed: int) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory(prefix="legpush-missions-") as scratch:
+        out = Path(scratch) / f"seed-{seed}"
+        command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", scenario, "--seed", str(seed)]
+        done = subprocess.run(
+            [*command, "--out", str(out), "--no-video"], capture_output=True, text=True, check=False
+        )
+        if done.returncode not in (0, 1):
+            raise SystemExit(f"seed {seed}: legpush run exited with {done.returncode}: {done.stderr.strip()}")
+        report = json.loads((out / "report.json").read_text())
+    return {column: report[column] for column in COLUMNS}
+
+
+def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Counts, and mean, 95 % interval of the mean and worst value of each measure."""
+    summary: dict[str, Any] = {
+        "n": len(rows),
+        "seeds": [int(row["seed"]) for row in rows],
+        "successes": sum(str(row["success"]) == "True" for row in rows),
+        "falls": sum(row["reason"] == "fell" for row in rows),
+    }
+    for name in MEASURES:
+        values = np.array([float(row[name]) for row in rows])
+        half = float(stats.t.ppf(0.975, len(values) - 1) * stats.sem(values)) if len(values) > 1 else float("nan")
+        mean = float(values.mean())
+        summary[name] = {
+            "mean": round(mean, 5),
+            "interval_95": [round(mean - half, 5), round(mean + half, 5)],
+            "worst": round(float(LARGEST.get(name, np.max)(values)), 5),
+        }
+    return summary
+
+
+def _read(table: Path) -> dict[int, dict[str, Any]]:
+    if not table.exists():
+        return {}
+    with table.open(newline="") as file:
+        return {int(row["seed"]): row for row in csv.DictReader(file)}
+
+
+def _write(table: Path, rows: dict[int, dict[str, Any]]) -> None:
+    with table.open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(rows[seed] for seed in sorted(rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Config)))
