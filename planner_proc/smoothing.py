@@ -1,7 +1,7 @@
 """A smooth path along a polyline, verified: a spline inside the clearance tube, the polyline itself at worst.
 
 The spline goes through the knots of an elastic band. It is sampled densely and every segment between samples is
-measured; where one collides, the band is refitted, then the spline is drawn back to the polyline within a window
+measured; where one collides, the band is fitted again, then the spline is drawn back to the polyline within a window
 around the collision, and in the end everywhere.
 """
 
@@ -20,20 +20,19 @@ from planner_proc.occupancy import ClearanceField
 Floats = NDArray[np.float64]
 
 SPACING_M: Final = 0.05
-"""Distance between the points of a smooth path."""
+"""Greatest distance between the points of a smooth path."""
 _MAX_POINTS: Final = 20_000
 """Longer paths get a wider spacing."""
 _N_FITS: Final = 4
-_DRAW_BACK: Final = (0.5, 0.5, 0.0, 0.0, 0.0, 0.0)
-"""What is left of the spline's deviation in a colliding window, round after round."""
+_N_DRAW_BACKS: Final = 8
 _WINDOW_M: Final = 0.6
-"""Half the length of such a window."""
+"""Half the length of the window in which a colliding spline is drawn back; its middle half is the polyline."""
 _SHARP_RAD: Final = np.radians(15.0)
 """A sharper bend than this is turned on the spot."""
 
 
 class _Curve(NamedTuple):
-    """A dense curve, the places of its points along the polyline, and which of them are the polyline's corners."""
+    """A dense curve, the places of its points along the polyline, and which of them are corners to keep."""
 
     points_m: Floats
     at_m: Floats
@@ -57,28 +56,29 @@ def smooth(polyline_m: Floats, field: ClearanceField, clearance_m: float) -> lis
     for _ in range(_N_FITS):
         band.settle()
         spline_m = CubicSpline(band.knots_at_m, band.knots_m, bc_type="natural")(fine_at_m)
+        spline_m[[0, -1]] = polyline_m[[0, -1]]
         path = _resample(_Curve(spline_m, fine_at_m, nowhere), spacing_m)
-        collisions_at_m = _collisions(path, field, clearance_m)
-        if len(collisions_at_m) == 0:
-            return [path.points_m]
+        faults_at_m = _faults(path, field, clearance_m)
+        if len(faults_at_m) == 0:
+            return _stretches(path)
     share = np.ones(len(fine_at_m))
-    for left in _DRAW_BACK:
-        share *= 1.0 - (1.0 - left) * _window(fine_at_m, collisions_at_m)
+    for _ in range(_N_DRAW_BACKS):
+        share *= 1.0 - _window(fine_at_m, faults_at_m)
         blend_m = straight_m + share[:, None] * (spline_m - straight_m)
-        path = _resample(_Curve(blend_m, fine_at_m, is_corner & (share < 1.0)), spacing_m)
-        collisions_at_m = _collisions(path, field, clearance_m)
-        if len(collisions_at_m) == 0:
+        path = _resample(_Curve(blend_m, fine_at_m, is_corner & (share == 0.0)), spacing_m)
+        faults_at_m = _faults(path, field, clearance_m)
+        if len(faults_at_m) == 0:
             return _stretches(path)
     return _stretches(_resample(_Curve(straight_m, fine_at_m, is_corner), spacing_m))
 
 
 def _resample(curve: _Curve, spacing_m: float) -> _Curve:
-    """The same curve with points about as far apart as wanted, its corners among them."""
+    """The same curve with points at most so far apart, its corners among them."""
     travelled_m = polylines.arc_lengths(curve.points_m)
     kept = np.flatnonzero(curve.is_corner[1:-1]) + 1
     bounds_m = travelled_m[np.concatenate([[0], kept, [-1]])]
     parts = [
-        np.linspace(begin, end, max(1, round((end - begin) / spacing_m)), endpoint=False)
+        np.linspace(begin, end, max(1, ceil((end - begin) / spacing_m)), endpoint=False)
         for begin, end in pairwise(bounds_m)
     ]
     where_m = np.concatenate([*parts, bounds_m[-1:]])
@@ -88,10 +88,12 @@ def _resample(curve: _Curve, spacing_m: float) -> _Curve:
     return _Curve(polylines.at(curve.points_m, travelled_m, where_m), at_m, is_corner)
 
 
-def _collisions(path: _Curve, field: ClearanceField, clearance_m: float) -> Floats:
-    """Where along the polyline the segments are that do not keep the clearance, ascending."""
-    middles_m: Floats = 0.5 * (path.at_m[:-1] + path.at_m[1:])
-    return middles_m[~field.free_segments(path.points_m, clearance_m)]
+def _faults(path: _Curve, field: ClearanceField, clearance_m: float) -> Floats:
+    """Where along the polyline the path does not keep the clearance, or bends sharply but at a corner; ascending."""
+    middles_m = 0.5 * (path.at_m[:-1] + path.at_m[1:])
+    collides = ~field.free_segments(path.points_m, clearance_m)
+    bends = _is_sharp(path) & ~path.is_corner[1:-1]
+    return np.union1d(middles_m[collides], path.at_m[1:-1][bends])
 
 
 def _window(at_m: Floats, centres_m: Floats) -> Floats:
@@ -104,7 +106,12 @@ def _window(at_m: Floats, centres_m: Floats) -> Floats:
 
 
 def _stretches(path: _Curve) -> list[Floats]:
-    """The path cut at its sharp corners."""
-    is_sharp = path.is_corner[1:-1] & (np.abs(polylines.turns(path.points_m)) > _SHARP_RAD)
-    cuts = [0, *(np.flatnonzero(is_sharp) + 1).tolist(), len(path.points_m) - 1]
+    """The path cut where it bends sharply."""
+    cuts = [0, *(np.flatnonzero(_is_sharp(path)) + 1).tolist(), len(path.points_m) - 1]
     return [path.points_m[begin : end + 1] for begin, end in pairwise(cuts)]
+
+
+def _is_sharp(path: _Curve) -> NDArray[np.bool_]:
+    """Which inner points are bends to turn on the spot."""
+    sharp: NDArray[np.bool_] = np.abs(polylines.turns(path.points_m)) > _SHARP_RAD
+    return sharp
