@@ -180,8 +180,8 @@ def test_a_process_that_dies_is_started_again_and_that_is_said(stage: Stage, rol
     orders["agent"] += " await=again exit=0"
     assert stage.run(orders) == Verdict(0)
     (notice,) = stage.display.notices
-    assert notice.startswith(f"the {role} was killed by SIGKILL; starting it again (1 of 3); the end of ")
-    assert f"    life 0 of the {role}" in notice
+    log = stage.folder / f"{role}.log"
+    assert notice == f"the {role} was killed by SIGKILL; starting it again (1 of 3); its log is {log}"
     assert stage.orphans() == []
 
 
@@ -216,7 +216,10 @@ def test_each_process_has_its_own_restarts(stage: Stage) -> None:
 
 def test_a_peer_that_ends_before_the_mission_does_is_started_again_even_if_it_is_content(stage: Stage) -> None:
     assert stage.run({"sim": "ready die=1:0 mark=again", "agent": "ready await=again exit=0"}) == Verdict(0)
-    assert stage.display.notices[0].startswith("the sim exited with 0; starting it again (1 of 3)")
+    log = stage.folder / "sim.log"
+    assert stage.display.notices == [
+        f"the sim exited with 0; starting it again (1 of 3); the end of {log}:\n    life 0 of the sim"
+    ]
 
 
 @pytest.mark.parametrize("role", ["planner", "agent"])
@@ -340,10 +343,20 @@ def test_a_stubborn_process_that_ignores_int_and_term_is_killed_with_what_it_sta
     assert stage.orphans() == []
 
 
-def test_a_frozen_process_ends_as_well(stage: Stage) -> None:
+def test_a_frozen_process_may_end_by_itself_as_well(stage: Stage) -> None:
     interrupt_when(stage, "sim.freezes", signal.SIGTERM)
-    assert stage.run({"sim": "freeze", "agent": ""}).exit_code == 130
+    assert stage.run({"sim": "tidy freeze", "agent": ""}).exit_code == 130
+    assert (stage.folder / "tidied").exists()
     assert stage.orphans() == []
+
+
+def test_why_a_mission_had_no_success_is_what_the_agent_said_last(stage: Stage) -> None:
+    def on_progress() -> None:
+        stage.said = [status("agent", "reporting", detail="there is no way to the box")]
+
+    stage.display.on_progress = on_progress
+    verdict = stage.run({"sim": "ready", "agent": "ready await=sim exit=1"})
+    assert verdict == Verdict(1, "there is no way to the box")
 
 
 def test_a_second_interrupt_does_not_wait_for_the_stubborn(stage: Stage) -> None:

@@ -98,6 +98,8 @@ def run_mission(options: RunOptions, console: Console, programs: Programs | None
         elif verdict.exit_code == INTERRUPTED:
             console.print(Text(f"{verdict.reason}; to go on: {_again(options, folder)}"), soft_wrap=True)
         else:
+            if verdict.reason:
+                console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
             print_summary(console, folder, read_report(folder))
     return verdict.exit_code
 

@@ -1,5 +1,6 @@
 """Watches over the processes of a mission: waits until each is ready, restarts what dies, names what hangs."""
 
+import signal
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from time import monotonic
@@ -35,7 +36,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Verdict:
-    """How the mission ended, and why where it did not end by itself."""
+    """How the mission ended, and why where it was no success."""
 
     exit_code: int
     reason: str = ""
@@ -115,7 +116,7 @@ class Supervisor:
             raise ValueError(f"Expected a process that ended, got the running {role}")
         if role == self._leader and exit_code in (SUCCESS, NO_SUCCESS):
             self._show()
-            return Verdict(exit_code)
+            return Verdict(exit_code, self._last.detail if exit_code == NO_SUCCESS and self._last is not None else "")
         if exit_code == BAD_INPUT:
             said = process.last_words(1)
             error = said[0].removeprefix("error: ") if said else describe_exit(exit_code)
@@ -188,7 +189,9 @@ class Supervisor:
 
 
 def _said(process: Process, n_lines: int = TAIL_LINES) -> str:
-    """The end of a process's log, to follow a sentence about it."""
+    """The end of a process's log, to follow a sentence about it; whom SIGKILL ends has no last words."""
+    if process.exit_code == -signal.SIGKILL:
+        return f"; its log is {process.command.log}"
     words = process.last_words(n_lines)
     if not words:
         return f"; it wrote nothing to {process.command.log}"
