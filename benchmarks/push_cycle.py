@@ -74,7 +74,7 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
         controls.append(recording.ctrl)
         return recording
 
-    physics.Physics.run = run_and_collect  # type: ignore[method-assign]
+    physics.Physics.run = run_and_collect  # type: ignore[method-assign, assignment]
 
 
 def _spread(values: np.ndarray) -> str:

@@ -206,9 +206,9 @@ def test_the_order_in_which_the_processes_start_changes_nothing(tmp_path: Path, 
         _, words = started["agent"].communicate(timeout=LIMIT_S)
         assert started["agent"].returncode == 0, words
         for role in ("planner", "sim"):
-            started[role].send_signal(signal.SIGTERM)  # type: ignore[index]
-            _, words = started[role].communicate(timeout=30.0)  # type: ignore[index]
-            assert started[role].returncode == 0, words  # type: ignore[index]
+            started[role].send_signal(signal.SIGTERM)
+            _, words = started[role].communicate(timeout=30.0)
+            assert started[role].returncode == 0, words
         crcs[order] = report_of(sockets / "out")["state_crc"]
     assert len(crcs) == 6
     assert len(set(crcs.values())) == 1, crcs

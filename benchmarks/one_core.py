@@ -1,0 +1,44 @@
+"""`python benchmarks/one_core.py`: whole missions in three processes that share one core, against real time."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import tyro
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Which mission, how often."""
+
+    scenario: str = "default"
+    """A built-in scenario or a scenario file."""
+    missions: int = 5
+    """Seeds 0 to this, exclusive."""
+
+
+def main(config: Config) -> None:
+    """Pin this process, and so all that it starts, to one core; run and print."""
+    core = min(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {core})
+    factors, simulated = [], []
+    for seed in range(config.missions):
+        with tempfile.TemporaryDirectory(prefix="legpush-one-core-") as scratch:
+            out = Path(scratch) / "run"
+            legpush = Path(sys.executable).with_name("legpush")
+            command = [legpush, "run", "--scenario", config.scenario, "--seed", str(seed), "--out", out, "--no-video"]
+            subprocess.run(command, check=True, capture_output=True)
+            report = json.loads((out / "report.json").read_text())
+        factors.append(report["real_time_factor"])
+        simulated.append(report["sim_time_s"])
+    print(f"{config.scenario}: {np.mean(simulated):.0f} simulated seconds a mission, n {len(factors)}")
+    print(f"times real time on one core: median {np.median(factors):.1f}, least {min(factors):.1f}")
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))
