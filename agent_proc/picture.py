@@ -2,6 +2,7 @@
 
 from math import ceil, degrees
 from pathlib import Path
+from textwrap import shorten
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -41,6 +42,7 @@ FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0
 BOX, GOAL, BLUE = "#8d6748", "#2b8a4b", "#3a6ea5"
 PHASES: Final = (("walk", "#f3f5f8"), ("push", "#f6efe6"))
 DPI: Final = 160
+HEADLINE_LENGTH: Final = 140
 MAX_POINTS: Final = 4000
 """Longer lines are thinned: more cannot be seen."""
 WORLD: Final = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
@@ -75,7 +77,7 @@ def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> No
 
 def _headline(record: MissionRecord, result: MissionResult) -> str:
     outcome = "success" if result.success else result.reason.replace("_", " ")
-    return f"{record.scenario.name}, seed {record.seed}: {outcome} · box error {record.box_error(record.steps[-1])}"
+    return shorten(f"{record.scenario.name}, seed {record.seed}: {outcome} · {result.detail}", HEADLINE_LENGTH)
 
 
 def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None:
@@ -224,10 +226,7 @@ def _legend_above(axes: Axes) -> None:
 
 def _draw_series(axes: Axes, time_s: Floats, values: Floats, color: str, label: str) -> None:
     """A line over time that keeps its extremes however long it is: the band between them, chunk by chunk."""
-    n_chunks = min(len(values), MAX_POINTS // 4)
-    if not n_chunks:
-        return
-    starts = np.linspace(0, len(values), n_chunks, endpoint=False).astype(int)
+    starts = np.linspace(0, len(values), min(len(values), MAX_POINTS // 4), endpoint=False).astype(int)
     low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
     axes.fill_between(time_s[starts], low, high, color=color, lw=0.6, alpha=0.85, label=label)
 
@@ -248,7 +247,7 @@ def _shade_phases(axes: Axes, record: MissionRecord) -> None:
                 color="#6b717b",
             )
     axes.margins(y=0.25)
-    axes.set_xlim(0.0, max(record.steps[-1].world.tick, 1) * CONTROL_PERIOD_S)
+    axes.set_xlim(0.0, max(record.steps[-1].world.tick * CONTROL_PERIOD_S, 1.0))
 
 
 def _box_at(record: MissionRecord, step: Step) -> Footprint:

@@ -4,28 +4,35 @@ It looks at nothing but the box and its goal, and is the baseline that learned p
 """
 
 from itertools import product
+from math import copysign
 from typing import Final
 
 import numpy as np
-from legpush.geometry import Pose2
 from legpush.messages import Push, WorldState
-from legpush.robot import FRONT_LEGS
+from legpush.robot import FRONT_LEGS, FrontLeg
 from legpush.scenario import Goal, Scenario
+from msgspec.structs import replace
 
 from agent_proc.poses import planar_pose
 from agent_proc.push_model import Floats, PushModel
 
 MIRROR: Final = {"FL": 1.0, "FR": -1.0}
+OTHER_LEG: Final[dict[FrontLeg, FrontLeg]] = {"FL": "FR", "FR": "FL"}
 FIRST_DEPTHS_M: Final = (0.02, 0.04, 0.06, 0.08, 0.10)
 LATER_DEPTHS_M: Final = (0.04, 0.06, 0.08, 0.10)
 LOOK_AHEADS_M: Final = (0.1, 0.2, 0.35, 0.6)
 LEAST_DEPTH_M: Final = 0.02
+N_DIGITS: Final = 9
+"""The box's pose is looked at to this many decimals of metres and radians."""
 MAX_CYCLES: Final = 60
 """How many push cycles are predicted at most."""
 REAL_OVER_MODEL: Final = ((1.0, 1.0), (1.2, 0.6), (1.2, 1.4), (0.8, 0.6), (0.8, 1.4))
 """Travel and turn of the box as shares of the model's: each candidate has to do well on average over these."""
 CYCLE_COST: Final = 0.02
 """What each push cycle has to gain, in tolerances of the final error."""
+WEAVING_COST: Final = 0.2
+"""The same per radian that the box is turned away from the goal's heading after it: all ways to shift the box sideways
+cost alike, needless turning to and fro costs more."""
 LEAST_GAIN: Final = 0.1
 """What pushing on has to gain at all, in tolerances: less is within what the model knows."""
 
@@ -52,10 +59,16 @@ class ScriptedPolicy:
     def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
         """The first push of the best candidate, or None where pushing on is not worth it."""
         goal = scenario.goal
-        box = _row(goal.pose.pose().inverse() @ planar_pose(world.box))
-        costs = self._costs(box, goal)
+        box = goal.pose.pose().inverse() @ planar_pose(world.box)
+        # Decided for the box left of the line, so that mirror images get mirrored answers however numbers are rounded.
+        mirror = copysign(1.0, box.y_m or box.yaw_rad)
+        row = np.round([[box.x_m, mirror * box.y_m, mirror * box.yaw_rad]], N_DIGITS)
+        costs = self._costs(row, goal)
         best = int(costs.argmin())
-        return None if costs[best] > _error(box, goal)[0] - LEAST_GAIN else self._pushes[best]
+        if costs[best] > _error(row, goal)[0] - LEAST_GAIN:
+            return None
+        push = self._pushes[best]
+        return push if mirror > 0.0 else replace(push, leg=OTHER_LEG[push.leg])
 
     def _costs(self, box: Floats, goal: Goal) -> Floats:
         """Of each candidate: least error on its predicted way and what its cycles cost, mean over the models, (n,).
@@ -64,10 +77,11 @@ class ScriptedPolicy:
         """
         pose = np.repeat(box, len(self._mirror), axis=0)
         mirror, depth = self._mirror, self._first_depth
-        costs = np.full(len(pose), np.inf)
-        for n_cycles in range(1, MAX_CYCLES + 1):
+        costs, spent = np.full(len(pose), np.inf), np.zeros(len(pose))
+        for _ in range(MAX_CYCLES):
             pose = self._model.push(pose, mirror, depth, self._travel_scale, self._turn_scale)
-            costs = np.minimum(costs, _error(pose, goal) + CYCLE_COST * n_cycles)
+            spent += CYCLE_COST + WEAVING_COST * np.abs(pose[:, 2])
+            costs = np.minimum(costs, _error(pose, goal) + spent)
             if (pose[:, 0] >= 0.0).all():
                 break
             heading_error = np.arctan2(-pose[:, 1], self._look_ahead) - pose[:, 2]
@@ -78,13 +92,7 @@ class ScriptedPolicy:
         return mean
 
 
-def _row(pose: Pose2) -> Floats:
-    """The pose as x, y, yaw, (1, 3)."""
-    return np.array([[pose.x_m, pose.y_m, pose.yaw_rad]])
-
-
 def _error(pose: Floats, goal: Goal) -> Floats:
     """Position and angle errors of poses in the goal frame, each in tolerances, as one number, (n, 3) to (n,)."""
     position = np.hypot(pose[:, 0], pose[:, 1]) / goal.position_tolerance_m
-    angle = np.degrees(np.arctan2(np.sin(pose[:, 2]), np.cos(pose[:, 2]))) / goal.angle_tolerance_deg
-    return np.hypot(position, angle)
+    return np.hypot(position, np.degrees(pose[:, 2]) / goal.angle_tolerance_deg)

@@ -27,6 +27,7 @@ from legpush.messages import (
 )
 from legpush.robot import foot_rectangle_b
 from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.push_model import PushModel
@@ -115,11 +116,17 @@ class FakeWorld:
     noise: np.random.Generator | None = None
     records: list[StepRecord | PlanRecord] = field(default_factory=list)
     told: list[tuple[str, float | None, str]] = field(default_factory=list)
+    _tick: int = 0
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """As a simulator that serves actions."""
+        outcome = self.step(motion)
+        return outcome if with_trace else replace(outcome, trace=None)
 
     def step(self, motion: Motion) -> Outcome:
         """Carry out one motion."""
         n_before = len(self.motions(type(motion)))
-        before = (self._trunk, self._box) if n_before or not isinstance(motion, Reset) else None
+        before = None if isinstance(motion, Reset) else (self._trunk, self._box)
         n_ticks = self._move(motion)
         fallen = self.falls_in(motion, n_before + 1)
         begin, self._tick = self._tick, self._tick + n_ticks
@@ -204,9 +211,7 @@ class _Path:
     def progress(self) -> PathProgress:
         """How far along."""
         length_m = float(self._at_m[-1])
-        return PathProgress(
-            travelled_m=self._travelled_m, length_m=length_m, done=self._travelled_m >= length_m - 1e-9
-        )
+        return PathProgress(travelled_m=self._travelled_m, length_m=length_m, done=self._travelled_m >= length_m - 1e-9)
 
 
 def _trace(begin_tick: int, n_ticks: int, before: tuple[Pose2, Pose2], after: tuple[Pose2, Pose2]) -> Trace:

@@ -1,0 +1,10 @@
+"""The agent as a process of its own: `python -m agent_proc`."""
+
+import sys
+
+from legpush.service import run_process
+
+from agent_proc.service import AgentConfig, work
+
+if __name__ == "__main__":
+    sys.exit(run_process("agent", AgentConfig, work))

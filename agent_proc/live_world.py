@@ -1,0 +1,58 @@
+"""The world of a mission that is really run: an episode in lockstep, told to whoever watches."""
+
+import threading
+
+from legpush.bus import Bus
+from legpush.episode import Episode
+from legpush.journal import Journal
+from legpush.lockstep_client import SimLink
+from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.patience import Patience
+from legpush.plan_client import PlanLink
+from legpush.status import StatusBeacon
+
+
+class LiveWorld:
+    """Steps and plans through the bus, or from the journal as long as that has answers."""
+
+    def __init__(
+        self,
+        bus: Bus,
+        journal: Journal,
+        beacon: StatusBeacon,
+        *,
+        sim: str,
+        patience: Patience,
+        stop: threading.Event,
+    ) -> None:
+        """Connect to the simulator named `sim` and to the planner; neither has to be there yet."""
+        self._beacon = beacon
+        self._told: tuple[str, float | None, str] = ("starting", None, "")
+        self._episode = Episode(
+            journal,
+            SimLink(bus, sim, stop=stop, patience=patience, on_wait=self._wait),
+            PlanLink(bus, stop=stop, patience=patience, on_wait=self._wait),
+        )
+
+    @property
+    def is_live(self) -> bool:
+        """Whether anything was asked that the journal did not answer."""
+        return self._episode.live
+
+    def step(self, motion: Motion) -> Outcome:
+        """Carry out one motion; its trace goes to the journal."""
+        return self._episode.step(motion, with_trace=True)
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """Ask the planner."""
+        return self._episode.plan(query)
+
+    def tell(self, phase: str, fraction: float | None, detail: str) -> None:
+        """Publish what goes on."""
+        self._told = (phase, fraction, detail)
+        self._beacon.say(phase, fraction, detail)
+
+    def _wait(self, text: str) -> None:
+        """Publish whom the mission waits for, with what it was doing; empty when it goes on."""
+        phase, fraction, detail = self._told
+        self._beacon.say(phase, fraction, detail, waiting_for=text)
