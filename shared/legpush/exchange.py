@@ -30,8 +30,9 @@ def no_report(_: str) -> None:
 class _Resend:
     """When a question has to be sent: at once on each new link, then again at growing intervals."""
 
-    def __init__(self, patience: Patience) -> None:
+    def __init__(self, patience: Patience, clock: Callable[[], float]) -> None:
         self._patience = patience
+        self._clock = clock
         self._link: tuple[str, int] | None = None
         self._interval_s = patience.resend_s
         self._at: float | None = None
@@ -41,15 +42,15 @@ class _Resend:
         link = (peer.incarnation, peer.n_links)
         if link != self._link:
             self._link, self._interval_s = link, self._patience.resend_s
-        elif self._at is not None and monotonic() < self._at:
+        elif self._at is not None and self._clock() < self._at:
             return False
-        self._at = monotonic() + self._interval_s
+        self._at = self._clock() + self._interval_s
         self._interval_s = min(2.0 * self._interval_s, self._patience.resend_at_most_s)
         return True
 
     def pause_s(self) -> float:
         """How long to listen before looking around again."""
-        left_s = 0.0 if self._at is None else self._at - monotonic()
+        left_s = 0.0 if self._at is None else self._at - self._clock()
         return min(SLICE_S, left_s) if left_s > 0.0 else SLICE_S
 
 
@@ -64,6 +65,7 @@ class Exchange(Generic[M]):
         patience: Patience,
         stop: threading.Event,
         on_wait: OnWait = no_report,
+        clock: Callable[[], float] = monotonic,
     ) -> None:
         self._bus = bus
         self._answers = answers
@@ -72,6 +74,7 @@ class Exchange(Generic[M]):
         self._patience = patience
         self._stop = stop
         self._on_wait = on_wait
+        self._clock = clock
         self._peer: str | None = None
         self._n_restarts = 0
         self._reported_at: float | None = None
@@ -82,7 +85,8 @@ class Exchange(Generic[M]):
         `what` is the question in words, for messages. Time does not count while this process is paused, and starts
         again with each new incarnation of the peer.
         """
-        watch, rivalry, resend = Stopwatch(), Stopwatch(), _Resend(self._patience)
+        watch, rivalry = Stopwatch(self._clock), Stopwatch(self._clock)
+        resend = _Resend(self._patience, self._clock)
         try:
             while not self._stop.is_set():
                 live = self._bus.roster.live(self._role, self._name)
@@ -113,8 +117,8 @@ class Exchange(Generic[M]):
             raise PeerError(f"Expected {self.peer} to be one process, to ask it for {what}; {self._state()}")
         if waited_s > self._patience.deadline_s:
             raise PeerError(f"No answer to {what} within {self._patience.deadline_s:g} s; {self._state()}")
-        if waited_s >= REPORT_EVERY_S and monotonic() - (self._reported_at or -inf) >= REPORT_EVERY_S:
-            self._reported_at = monotonic()
+        if waited_s >= REPORT_EVERY_S and self._clock() - (self._reported_at or -inf) >= REPORT_EVERY_S:
+            self._reported_at = self._clock()
             self._on_wait(f"{what}: {self._state()}")
 
     def settle(self) -> None:

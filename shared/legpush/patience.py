@@ -39,7 +39,7 @@ class Patience:
     """Give up after this long without an answer from one incarnation of the peer."""
     resend_s: float = 0.25
     """Ask again after this long; each further time after twice as long."""
-    resend_at_most_s: float = 2.0
+    resend_at_most_s: float = 1.0
     """Ask again at least this often."""
     max_restarts: int = 5
     """Give up when the peer was started anew this many times without answering a single time."""

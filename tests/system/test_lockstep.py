@@ -1,7 +1,7 @@
 """The lockstep between services on real links: once each, whatever the channel does, and nobody waits without end."""
 
 from pathlib import Path
-from threading import Event
+from threading import Event, Thread
 
 import pytest
 from legpush import channels
@@ -14,7 +14,7 @@ from legpush.messages import Action, Motion, Observation, Outcome, Plan, PlanQue
 from legpush.patience import Patience
 from msgspec.structs import replace
 
-from tests.shared.examples import QUERY, RESET, TRACE
+from tests.shared.examples import QUERY, RESET, TRACE, WORLD
 from tests.shared.fakes import (
     IMPATIENT,
     RUN,
@@ -216,6 +216,31 @@ def test_two_simulators_of_one_name_are_an_error_and_neither_is_used(tmp_path: P
         asking = Agent(agent_bus, Patience(rival_s=0.2))
         with pytest.raises(PeerError, match=r"Expected sim/main to be one process.* there are 2 of them \(\w+, \w+\)"):
             asking.do(MISSION)
+
+
+def test_an_answer_to_another_agent_is_not_taken_for_ones_own(tmp_path: Path) -> None:
+    stepper = Stuck()
+    with sim(tmp_path, stepper) as serving, agent(tmp_path) as asking:
+        asking.do(MISSION[:2])
+        forger = serving.publisher(channels.answers(RUN, "main"))
+        outcome = Outcome(world=WORLD, state_crc=1)
+
+        def forge() -> None:
+            stepper.began.wait(10.0)
+            forger.send(
+                lambda header: Observation(
+                    header=header, agent_incarnation="another", episode=asking.sim.episode, step=2, outcome=outcome
+                )
+            )
+            eventually(lambda: asking.bus.tally["late"] == 1)
+            stepper.release.set()
+
+        forging = Thread(target=forge)
+        forging.start()
+        assert asking.do(MISSION[2:]) == crc_after(MISSION)
+        forging.join()
+        assert asking.past[2].state_crc == crc_after(MISSION[:3])
+        assert asking.bus.tally["late"] == 1
 
 
 def test_a_wait_ends_when_the_process_is_asked_to_stop(tmp_path: Path) -> None:
