@@ -30,9 +30,9 @@ def main(config: Config) -> None:
     for seed in range(config.missions):
         with tempfile.TemporaryDirectory(prefix="legpush-one-core-") as scratch:
             out = Path(scratch) / "run"
-            legpush = Path(sys.executable).with_name("legpush")
-            command = [legpush, "run", "--scenario", config.scenario, "--seed", str(seed), "--out", out, "--no-video"]
-            subprocess.run(command, check=True, capture_output=True)
+            legpush = str(Path(sys.executable).with_name("legpush"))
+            command = [legpush, "run", "--scenario", config.scenario, "--seed", str(seed)]
+            subprocess.run([*command, "--out", str(out), "--no-video"], check=True, capture_output=True)
             report = json.loads((out / "report.json").read_text())
         factors.append(report["real_time_factor"])
         simulated.append(report["sim_time_s"])
