@@ -37,9 +37,9 @@ class Patience:
 
     deadline_s: float = 60.0
     """Give up after this long without an answer from one incarnation of the peer."""
-    resend_s: float = 0.25
+    resend_s: float = 0.1
     """Ask again after this long; each further time after twice as long."""
-    resend_at_most_s: float = 1.0
+    resend_at_most_s: float = 0.5
     """Ask again at least this often."""
     max_restarts: int = 5
     """Give up when the peer was started anew this many times without answering a single time."""

@@ -1,12 +1,17 @@
 """The agent's end of planning: one query at a time, answered by whichever planner lives."""
 
 import threading
+from dataclasses import replace
+from typing import Final
 
 from legpush import channels
 from legpush.bus import Bus
 from legpush.exchange import Exchange, OnWait, no_report
 from legpush.messages import Plan, PlanQuery, PlanRequest
 from legpush.patience import Patience
+
+RESEND_AT_MOST_S: Final = 2.0
+"""A query carries a map of up to megabytes, and they queue up while the planner plans: not too often."""
 
 
 class PlanLink:
@@ -18,7 +23,8 @@ class PlanLink:
         self._bus = bus
         results = bus.subscribe(channels.plan_results(bus.run, bus.name))
         self._requests = bus.publisher(channels.plan_requests(bus.run, bus.name))
-        self._exchange = Exchange(bus, results, ("planner", None), patience or Patience(), stop, on_wait)
+        patience = replace(patience or Patience(), resend_at_most_s=RESEND_AT_MOST_S)
+        self._exchange = Exchange(bus, results, ("planner", None), patience, stop, on_wait)
         self._n_asked = 0
 
     def plan(self, query: PlanQuery) -> Plan:

@@ -1,10 +1,11 @@
 """Real processes that are killed, frozen and started again: the episode ends in the same state, or says why not."""
 
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from threading import Event, Thread
 
@@ -34,7 +35,7 @@ from tests.shared.fakes import (
     sim,
 )
 
-SCRIPT = Path(__file__).with_name("fake_process.py")
+RUN_SCRIPT = (sys.executable, str(Path(__file__).with_name("fake_process.py")))
 MISSION = mission()
 CRC = crc_after(MISSION)
 
@@ -42,24 +43,23 @@ CRC = crc_after(MISSION)
 def command(directory: Path, role: Role, *flags: str) -> list[str]:
     """How a fake process is started on the sockets in `directory`."""
     at = endpoints.in_directory(directory, role)
-    return [
-        *(sys.executable, str(SCRIPT), role, "--run", RUN),
-        *("--listen", *at.listen, "--connect", *at.connect),
-        *flags,
-    ]
+    return [*RUN_SCRIPT, role, "--run", RUN, "--listen", *at.listen, "--connect", *at.connect, *flags]
 
 
 @contextmanager
-def process(directory: Path, role: Role, *flags: str) -> Iterator[subprocess.Popen[str]]:
-    """A fake process, killed at the end if it still runs."""
-    started = subprocess.Popen(
-        command(directory, role, *flags), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+def running(command: list[str]) -> Iterator[subprocess.Popen[str]]:
+    """The process of this command, killed at the end if it still runs."""
+    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         yield started
     finally:
         started.kill()
         started.communicate()
+
+
+def process(directory: Path, role: Role, *flags: str) -> AbstractContextManager[subprocess.Popen[str]]:
+    """A fake process on the sockets in `directory`, killed at the end if it still runs."""
+    return running(command(directory, role, *flags))
 
 
 @contextmanager
@@ -88,9 +88,9 @@ def test_a_simulator_killed_between_steps_and_over_a_bad_channel_comes_back_to_t
     faults = Faults(probability=0.2, seed=1)
     with agent(tmp_path, faults) as asking:
         for n_steps in (1, 5, len(MISSION)):
-            with process(tmp_path, "sim", "--inject-faults", "0.2") as running:
+            with process(tmp_path, "sim", "--inject-faults", "0.2") as started:
                 asking.do(MISSION[len(asking.past) : n_steps])
-                running.kill()
+                started.kill()
         assert asking.past[-1].state_crc == CRC
         assert asking.bus.tally["late"] > 0
 
@@ -106,8 +106,8 @@ def test_a_simulator_that_dies_each_time_in_the_same_step_is_given_up(tmp_path: 
 
         def start_again_and_again() -> None:
             while not over.is_set():
-                with process(tmp_path, "sim", "--die-at", "2") as running:
-                    while running.poll() is None and not over.wait(0.01):
+                with process(tmp_path, "sim", "--die-at", "2") as started:
+                    while started.poll() is None and not over.wait(0.01):
                         pass
 
         starter = Thread(target=start_again_and_again)
@@ -157,20 +157,20 @@ def test_agent_and_simulator_killed_together_end_in_the_same_state(tmp_path: Pat
 
 
 def test_a_frozen_simulator_is_named_and_goes_on_when_it_thaws(tmp_path: Path) -> None:
-    with process(tmp_path, "sim") as running, agent(tmp_path, patience=Patience(deadline_s=LEASE_S + 1.0)) as asking:
+    with process(tmp_path, "sim") as started, agent(tmp_path, patience=Patience(deadline_s=LEASE_S + 1.0)) as asking:
         asking.do(MISSION[:3])
-        running.send_signal(signal.SIGSTOP)
+        started.send_signal(signal.SIGSTOP)
         with pytest.raises(PeerError, match=r"step 3 \(walk\) within 3 s; sim/main is frozen or cut off"):
             asking.do(MISSION[3:])
-        running.send_signal(signal.SIGCONT)
+        started.send_signal(signal.SIGCONT)
         assert asking.do(MISSION[3:]) == CRC
 
 
 def test_a_killed_simulator_is_called_dead(tmp_path: Path) -> None:
-    with process(tmp_path, "sim") as running, agent(tmp_path, patience=Patience(deadline_s=0.3)) as asking:
+    with process(tmp_path, "sim") as started, agent(tmp_path, patience=Patience(deadline_s=0.3)) as asking:
         assert eventually(lambda: asking.bus.roster.live("sim") != [])
         asking.do(MISSION[:3])
-        running.kill()
+        started.kill()
         with pytest.raises(PeerError, match=r"sim/main is dead: its link closed"):
             asking.do(MISSION[3:])
 
@@ -186,24 +186,50 @@ def test_a_second_simulator_on_the_same_socket_ends_with_one_line_and_the_first_
         assert first.poll() is None
 
 
+def free_port() -> int:
+    """A port of this machine that nobody listens on."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port: int = server.getsockname()[1]
+    return port
+
+
+@pytest.mark.parametrize("order", [("agent", "sim", "planner"), ("planner", "agent", "sim")], ids="-".join)
+def test_processes_find_each_other_over_tcp_in_whatever_order_they_are_started(
+    tmp_path: Path, order: tuple[Role, ...]
+) -> None:
+    locators = {role: f"tcp/127.0.0.1:{free_port()}" for role in order}
+    links: dict[str, list[str]] = {"agent": [locators["planner"], locators["sim"]], "sim": [], "planner": []}
+    with ExitStack() as stack:
+        for role in order:
+            flags = ["--run", RUN, "--listen", locators[role], "--connect", *links[role]]
+            started = stack.enter_context(running([*RUN_SCRIPT, role, *flags, "--journal", str(tmp_path / "j")]))
+            assert started.stderr is not None
+            assert "listening on" in started.stderr.readline()
+            if role == "agent":
+                asking = started
+        out, err = asking.communicate(timeout=30.0)
+    assert asking.returncode == 0, err
+    assert out == f"{QUERY.seed} {CRC}\n"
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_process_that_is_asked_to_stop_ends_well_and_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
-    with bus(tmp_path, "launcher") as watching, process(tmp_path, "sim") as running:
+    with bus(tmp_path, "launcher") as watching, process(tmp_path, "sim") as started:
         assert eventually(lambda: watching.roster.live("sim") != [])
-        running.send_signal(number)
-        _, err = running.communicate(timeout=10.0)
-        assert running.returncode == 0
+        started.send_signal(number)
+        _, err = started.communicate(timeout=10.0)
+        assert started.returncode == 0
         assert "Traceback" not in err
-        assert not psutil.pid_exists(running.pid)
+        assert not psutil.pid_exists(started.pid)
         assert list(tmp_path.glob("*.sock*")) == []
 
 
 def test_an_agent_that_waits_and_is_asked_to_stop_ends_well(tmp_path: Path) -> None:
-    with bus(tmp_path, "launcher") as watching, process(tmp_path, "agent", "--journal", str(tmp_path / "j")) as running:
+    with bus(tmp_path, "launcher") as watching, process(tmp_path, "agent", "--journal", str(tmp_path / "j")) as started:
         assert eventually(lambda: watching.roster.live("agent") != [])
-        running.send_signal(signal.SIGTERM)
-        _, err = running.communicate(timeout=10.0)
-        assert running.returncode == 0
+        started.send_signal(signal.SIGTERM)
+        _, err = started.communicate(timeout=10.0)
+        assert started.returncode == 0
         assert "Asked to stop while waiting for the answer to plan request 0; the planner is not there" in err
 
 
