@@ -65,9 +65,7 @@ def _mission(scenario: str, seed: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="legpush-missions-") as scratch:
         out = Path(scratch) / f"seed-{seed}"
         command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", scenario, "--seed", str(seed)]
-        done = subprocess.run(
-            [*command, "--out", str(out), "--no-video"], capture_output=True, text=True, check=False
-        )
+        done = subprocess.run([*command, "--out", str(out), "--no-video"], capture_output=True, text=True, check=False)
         if done.returncode not in (0, 1):
             raise SystemExit(f"seed {seed}: legpush run exited with {done.returncode}: {done.stderr.strip()}")
         report = json.loads((out / "report.json").read_text())
