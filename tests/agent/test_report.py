@@ -14,6 +14,7 @@ from msgspec.structs import replace
 
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.picture import save_picture
+from agent_proc.poses import planar_pose
 from agent_proc.record import MissionRecord, read_record
 from agent_proc.report import distances_m, installed_versions, make_report, tracking_rms_m
 from agent_proc.scripted import ScriptedPolicy
@@ -127,6 +128,22 @@ def test_each_gait_cycle_is_measured_against_the_path_that_was_followed_then() -
     walks = [step for step in record.steps if isinstance(step.motion, Walk)]
     assert tracking_rms_m(walks) == pytest.approx(sqrt((0.03**2 + 0.04**2 + 0.5**2) / 3))
     assert tracking_rms_m([]) is None
+
+
+def test_the_ticks_of_a_mission_end_where_its_state_does() -> None:
+    world = FakeWorld(box_offset=(0.02, 0.03, 0.05))
+    run_mission(world, SCENARIO, 5, ScriptedPolicy())
+
+    record = read_record(world.records)
+
+    ticks, last = record.ticks(), record.steps[-1].world
+    box = planar_pose(last.box)
+    assert len(ticks.time_s) == last.tick
+    assert ticks.time_s[-1] == pytest.approx(last.tick * 0.02)
+    np.testing.assert_allclose(ticks.box[-1], [box.x_m, box.y_m, box.yaw_rad])
+    np.testing.assert_allclose(ticks.trunk_m[-1], last.trunk.position_m[:2])
+    np.testing.assert_allclose(ticks.tips_m[-1], last.tips_m)
+    assert record.pushing()[0].world.box.position_m[:2] == (6.02, 3.03)
 
 
 @pytest.mark.parametrize(
