@@ -78,10 +78,7 @@ def measure(name: str, path: Sequence[Pose2]) -> dict[str, Any]:
         "cruising_speed_m_s": round((s1 - s0) / (t1 - t0), 3),
         "tracking_rms_m": round(float(np.sqrt((off**2).mean())), 4),
         "end_error_m": round(float(np.hypot(last.position_m[0] - path[-1].x_m, last.position_m[1] - path[-1].y_m)), 4),
-        "end_yaw_error_deg": round(
-            abs(degrees(_pose(0, 0, float(rpy_from_quaternion(last.orientation_wxyz)[2]) - path[-1].yaw_rad).yaw_rad)),
-            2,
-        ),
+        "end_yaw_error_deg": round(abs(degrees(wrap_angle(end_yaw_rad - path[-1].yaw_rad))), 2),
         "trunk_max_abs_tilt_deg": round(degrees(tilt), 2),
         "min_support_margin_m": round(min(min(trace.support_margin_m) for trace in traces), 4),
     }
