@@ -361,7 +361,7 @@ def test_why_a_mission_had_no_success_is_what_the_agent_said_last(stage: Stage) 
 
 def test_a_second_interrupt_does_not_wait_for_the_stubborn(stage: Stage) -> None:
     before = signal.getsignal(signal.SIGINT)
-    with Crew([(signal.SIGINT, 1000.0), (signal.SIGTERM, 1000.0), (signal.SIGKILL, 20.0)]) as crew:
+    with Crew([(signal.SIGINT, 200.0), (signal.SIGTERM, 200.0), (signal.SIGKILL, 20.0)]) as crew:
         argv = (
             sys.executable,
             "-I",
