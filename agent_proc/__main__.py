@@ -2,9 +2,8 @@
 
 import sys
 
-from legpush.service import run_process
-
 from agent_proc.service import AgentConfig, work
+from legpush.service import run_process
 
 if __name__ == "__main__":
     sys.exit(run_process("agent", AgentConfig, work))

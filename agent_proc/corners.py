@@ -1,10 +1,11 @@
 """The two corners of the box that observation and reward look at: front left and front right."""
 
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.geometry import rectangle_corners, rotation_from_rpy, rpy_from_quaternion
 from legpush.messages import BoxState
 from legpush.scenario import Box, Scenario
-from numpy.typing import NDArray
 
 FRONT = [0, 3]
 """Where `rectangle_corners` has front left and front right."""

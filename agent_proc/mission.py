@@ -8,16 +8,15 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
+from agent_proc.policy import Policy
+from agent_proc.poses import BoxError, box_error, distance_m, planar_pose
+from agent_proc.routes import query_to_measured_box, query_to_nominal_box
+from agent_proc.station import at_station, last_stretch
 from legpush.errors import PeerError
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Reset, Walk, WorldState
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scenario import Scenario
-
-from agent_proc.policy import Policy
-from agent_proc.poses import BoxError, box_error, distance_m, planar_pose
-from agent_proc.routes import query_to_measured_box, query_to_nominal_box
-from agent_proc.station import at_station, last_stretch
 
 STILL_CYCLES: Final = 5
 """The robot is stuck when this many cycles in a row change too little."""

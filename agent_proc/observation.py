@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from legpush.messages import WorldState
-from legpush.robot import LEGS
-from legpush.scenario import Scenario
 from numpy.typing import NDArray
 
 from agent_proc.corners import goal_corners_m, tracked_corners_m
+from legpush.messages import WorldState
+from legpush.robot import LEGS
+from legpush.scenario import Scenario
 
 Floats = NDArray[np.float64]
 

@@ -7,10 +7,6 @@ from typing import Any, Final
 
 import matplotlib as mpl
 import numpy as np
-from legpush.geometry import Pose2
-from legpush.messages import Follow, Push, Walk
-from legpush.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
-from legpush.room_shapes import Footprint, box_footprint, obstacle_footprint
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
@@ -22,6 +18,10 @@ from matplotlib.ticker import MaxNLocator
 from agent_proc.mission import MissionResult
 from agent_proc.poses import planar_pose
 from agent_proc.record import Floats, MissionRecord, Step
+from legpush.geometry import Pose2
+from legpush.messages import Follow, Push, Walk
+from legpush.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
+from legpush.room_shapes import Footprint, box_footprint, obstacle_footprint
 
 STYLE: Final[dict[Any, Any]] = {
     "font.size": 9.0,

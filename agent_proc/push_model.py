@@ -12,18 +12,19 @@ Floats = NDArray[np.float64]
 class PushModel:
     """Displacement of the box by one push cycle of FL, by depth; FR does the mirror image.
 
-    Rows begin at depth 0 and are interpolated linearly. Measured with a box of 0.4 m x 0.5 m at friction 0.5.
+    Rows begin at depth 0 and are interpolated linearly. Measured by `experiments/push_effect.py` with a box of 0.1 kg
+    at friction 0.5.
     """
 
     w1: float = 0.5
     w2: float = 0.5
     """The curve that the rows were measured with."""
-    depth_m: tuple[float, ...] = (0.0, 0.02, 0.03, 0.05, 0.08, 0.10, 0.12)
-    forward_m: tuple[float, ...] = (0.0, 0.0134, 0.0211, 0.0362, 0.0590, 0.0736, 0.0898)
+    depth_m: tuple[float, ...] = (0.0, 0.02, 0.03, 0.05, 0.08, 0.1, 0.12)
+    forward_m: tuple[float, ...] = (0.0, 0.0129, 0.021, 0.0361, 0.0593, 0.0744, 0.0891)
     """Of the box's centre along the x axis that the box had before."""
-    left_m: tuple[float, ...] = (0.0, -0.0022, -0.0032, -0.0071, -0.0113, -0.0178, -0.0153)
+    left_m: tuple[float, ...] = (0.0, -0.0032, -0.004, -0.0071, -0.0107, -0.0166, -0.0176)
     """The same along its y axis."""
-    turn_deg: tuple[float, ...] = (0.0, -1.65, -2.54, -4.47, -7.33, -9.28, -11.18)
+    turn_deg: tuple[float, ...] = (0.0, -1.7, -2.47, -4.44, -7.18, -9, -11.22)
 
     def push(
         self,

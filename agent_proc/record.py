@@ -5,15 +5,15 @@ from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from agent_proc.poses import BoxError, box_error
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages import Follow, Motion, Push, Reset, Trace, WorldState
 from legpush.robot import CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario
-from numpy.typing import ArrayLike, NDArray
-
-from agent_proc.poses import BoxError, box_error
 
 Floats = NDArray[np.float64]
 

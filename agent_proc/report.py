@@ -6,13 +6,13 @@ from math import degrees, sqrt
 from typing import Final
 
 import numpy as np
-from legpush.messages import PROTOCOL_VERSION, Push, Walk
-from legpush.robot import CONTROL_PERIOD_S
 from msgspec import Struct
 from numpy.typing import NDArray
 
 from agent_proc.mission import MissionResult
 from agent_proc.record import MissionRecord, Step
+from legpush.messages import PROTOCOL_VERSION, Push, Walk
+from legpush.robot import CONTROL_PERIOD_S
 
 Floats = NDArray[np.float64]
 

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Final
 
-from legpush.messages import WorldState
-from legpush.scenario import Scenario
-
 from agent_proc.corners import goal_corners_m, tracked_corners_m
 from agent_proc.poses import box_error
+from legpush.messages import WorldState
+from legpush.scenario import Scenario
 
 POSITION_WEIGHT: Final = 10.0
 ANGLE_WEIGHT: Final = 2.0

@@ -1,14 +1,14 @@
 """The two questions to the planner: the way to where the box should be, and the way to where it is."""
 
 import numpy as np
+
+from agent_proc.station import nominal_obstacle, stand_off
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid, PlanQuery
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
 from legpush.scenario import Scenario
-
-from agent_proc.station import nominal_obstacle, stand_off
 
 SLACK_M = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""

@@ -8,13 +8,13 @@ from math import copysign
 from typing import Final
 
 import numpy as np
-from legpush.messages import Push, WorldState
-from legpush.robot import FRONT_LEGS, FrontLeg
-from legpush.scenario import Goal, Scenario
 from msgspec.structs import replace
 
 from agent_proc.poses import planar_pose
 from agent_proc.push_model import Floats, PushModel
+from legpush.messages import Push, WorldState
+from legpush.robot import FRONT_LEGS, FrontLeg
+from legpush.scenario import Goal, Scenario
 
 MIRROR: Final = {"FL": 1.0, "FR": -1.0}
 OTHER_LEG: Final[dict[FrontLeg, FrontLeg]] = {"FL": "FR", "FR": "FL"}

@@ -13,6 +13,12 @@ from typing import Annotated, Final, Literal
 
 import msgspec
 import tyro
+
+from agent_proc.live_world import LiveWorld
+from agent_proc.mission import MissionResult, run_mission
+from agent_proc.policy import Policy
+from agent_proc.record import read_record
+from agent_proc.report import installed_versions, make_report
 from legpush.bus import Bus
 from legpush.episode import read_episode
 from legpush.errors import ConfigError
@@ -23,12 +29,6 @@ from legpush.patience import Patience
 from legpush.scenario_file import load_scenario
 from legpush.service import DEFAULT_NAME, ServiceConfig
 from legpush.status import StatusBeacon
-
-from agent_proc.live_world import LiveWorld
-from agent_proc.mission import MissionResult, run_mission
-from agent_proc.policy import Policy
-from agent_proc.record import read_record
-from agent_proc.report import installed_versions, make_report
 
 log = logging.getLogger(__name__)
 

@@ -3,12 +3,11 @@
 from math import ceil, hypot, radians, sin
 from typing import Final
 
+from agent_proc.poses import distance_m
 from legpush.geometry import Pose2, wrap_angle
 from legpush.room import clearance_m
-from legpush.room_shapes import Footprint, box_footprint
+from legpush.room_shapes import Footprint, behind_box, box_footprint
 from legpush.scenario import STAND_OFF_M, STATION_M, Box, Randomization, Scenario
-
-from agent_proc.poses import distance_m
 
 AT_STATION_M: Final = 0.15
 AT_STATION_RAD: Final = radians(15.0)
@@ -18,7 +17,7 @@ LAST_STRETCH_STEP_M: Final = 0.05
 
 def station(box: Box, box_pose: Pose2) -> Pose2:
     """The trunk's pose from which a box at `box_pose` is pushed along its x axis."""
-    return _behind(box, box_pose, STATION_M)
+    return behind_box(box, box_pose, STATION_M)
 
 
 def at_station(trunk: Pose2, box: Box, box_pose: Pose2) -> bool:
@@ -35,7 +34,7 @@ def stand_off(scenario: Scenario, box_pose: Pose2) -> Pose2:
     """
     cells_m = 2 * scenario.room.resolution_m
     needed_m = clearance_m(scenario.planning) + box_reach_m(scenario.box, scenario.randomization) + cells_m
-    return _behind(scenario.box, box_pose, max(STAND_OFF_M, needed_m))
+    return behind_box(scenario.box, box_pose, max(STAND_OFF_M, needed_m))
 
 
 def last_stretch(scenario: Scenario, box_pose: Pose2) -> tuple[Pose2, ...]:
@@ -64,8 +63,3 @@ def nominal_obstacle(scenario: Scenario) -> Footprint:
     reach_m = box_reach_m(scenario.box, scenario.randomization)
     nominal = box_footprint(scenario.box, scenario.box.pose.pose())
     return Footprint(pose=nominal.pose, length_m=nominal.length_m + 2 * reach_m, width_m=nominal.width_m + 2 * reach_m)
-
-
-def _behind(box: Box, box_pose: Pose2, distance_m: float) -> Pose2:
-    """The pose with the box's heading whose centre lies `distance_m` behind the rear face."""
-    return box_pose @ Pose2(x_m=-box.size_m[0] / 2 - distance_m, y_m=0.0, yaw_rad=0.0)

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 import tyro
+
 from legpush.messages import Push, Reset
 from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scenario_file import load_scenario
-
 from sim_proc import physics
 from sim_proc.simulator import Simulator
 

@@ -42,8 +42,9 @@ class Config:
 
     scenario: str = "default"
     """A built-in scenario or a scenario file."""
-    seeds: int = 10
-    """Seeds 0 to this, exclusive."""
+    first_seed: int = 500
+    n_seeds: int = 20
+    """Seeds that nothing was tuned on."""
 
 
 def main(config: Config) -> int:
@@ -51,11 +52,12 @@ def main(config: Config) -> int:
     RESULTS.mkdir(exist_ok=True)
     table = RESULTS / f"missions_{Path(config.scenario).stem}.csv"
     rows = _read(table)
-    missing = [seed for seed in range(config.seeds) if seed not in rows]
+    seeds = range(config.first_seed, config.first_seed + config.n_seeds)
+    missing = [seed for seed in seeds if seed not in rows]
     for seed in track(missing, description=f"{config.scenario}: missions", disable=not missing):
         rows[seed] = _mission(config.scenario, seed)
         _write(table, rows)
-    summary = summarize([rows[seed] for seed in range(config.seeds)])
+    summary = summarize([rows[seed] for seed in seeds])
     table.with_suffix(".json").write_text(json.dumps(summary, indent=2) + "\n")
     print(json.dumps(summary, indent=2))
     return 0 if summary["successes"] == summary["n"] else 1
@@ -101,7 +103,7 @@ def _read(table: Path) -> dict[int, dict[str, Any]]:
 
 def _write(table: Path, rows: dict[int, dict[str, Any]]) -> None:
     with table.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows[seed] for seed in sorted(rows))
 

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from legpush.geometry import Pose2, rpy_from_quaternion
+from msgspec.structs import replace
+
+from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
 from legpush.messages import Follow, PathProgress, Reset, Trace, Walk
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Room, Scenario
 from legpush.scenario_file import load_scenario
-from msgspec.structs import replace
-
 from sim_proc.simulator import Simulator
 
 TABLE: Final = Path(__file__).parent / "results" / "walking.csv"
@@ -42,7 +42,7 @@ def main() -> None:
     rows = [measure(name, path) for name, path in paths().items()]
     TABLE.parent.mkdir(exist_ok=True)
     with TABLE.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
     print(TABLE.read_text(), end="")

@@ -9,10 +9,10 @@ from math import hypot, sqrt
 from typing import Final
 
 import numpy as np
-from legpush.messages import OccupancyGrid
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from legpush.messages import OccupancyGrid
 from planner_proc.squares import point_square_offsets, segment_distance
 
 Floats = NDArray[np.float64]

@@ -4,10 +4,10 @@ from math import hypot
 from typing import Final
 
 import numpy as np
-from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import MAX_CELLS, MAX_WAYPOINTS, OccupancyGrid, Plan, PlanQuery, Point2, Tree
 from numpy.typing import NDArray
 
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages import MAX_CELLS, MAX_WAYPOINTS, OccupancyGrid, Plan, PlanQuery, Point2, Tree
 from planner_proc import polylines
 from planner_proc.occupancy import ROUNDING_M, ClearanceField
 from planner_proc.route import Route, search

@@ -6,13 +6,13 @@ from math import hypot
 from typing import Final
 
 import numpy as np
-from legpush.messages import MAX_WAYPOINTS, PlanQuery, Point2
-from legpush.scenario import PlannerName
 from numpy.typing import NDArray
 from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
+from legpush.messages import MAX_WAYPOINTS, PlanQuery, Point2
+from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
 
 _PLANNERS: Final[dict[PlannerName, type]] = {"rrt": og.RRT, "rrt_connect": og.RRTConnect, "rrt_star": og.RRTstar}

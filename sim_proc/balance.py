@@ -10,8 +10,9 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from legpush.robot import CONTROL_PERIOD_S
 from numpy.typing import NDArray
+
+from legpush.robot import CONTROL_PERIOD_S
 
 GRAVITY_M_S2: Final = 9.81
 JERK_WEIGHT: Final = 1e-6

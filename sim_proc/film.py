@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages import Follow, Reset
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Scenario
-from numpy.typing import NDArray
-
 from sim_proc.world_state import LOADED_N
 
 Array = NDArray[np.float64]

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.geometry import Pose2
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M, LEGS, Leg, foot_rectangle_b
-from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 

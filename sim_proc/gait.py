@@ -5,11 +5,11 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.geometry import Pose2
 from legpush.messages import PathProgress
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RADIUS_M, LEGS
-from numpy.typing import NDArray
-
 from sim_proc.footsteps import GAIT_ORDER, CycleTargets, PosePath, next_cycle
 from sim_proc.physics import Recording
 from sim_proc.steps import Step, Steps, Swing

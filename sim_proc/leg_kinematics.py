@@ -6,8 +6,9 @@ points backward).
 """
 
 import numpy as np
-from legpush.robot import HIP_X_M, HIP_Y_M, JOINT_LIMITS_RAD, JOINTS, L1_M, L2_M, L3_M, LEGS
 from numpy.typing import ArrayLike, NDArray
+
+from legpush.robot import HIP_X_M, HIP_Y_M, JOINT_LIMITS_RAD, JOINTS, L1_M, L2_M, L3_M, LEGS
 
 SIDE = np.array([1.0 if leg.endswith("L") else -1.0 for leg in LEGS])
 """+1 for left legs, -1 for right legs, (4,)."""

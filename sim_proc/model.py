@@ -9,6 +9,8 @@ from typing import Final
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.robot import (
     FOOT_RADIUS_M,
     HIP_X_M,
@@ -22,8 +24,6 @@ from legpush.robot import (
     foot_rectangle_b,
 )
 from legpush.scenario import Box, Scenario
-from numpy.typing import NDArray
-
 from sim_proc.leg_kinematics import HIPS_B, SIDE, inverse
 from sim_proc.scenery import add_scenery
 

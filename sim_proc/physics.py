@@ -7,12 +7,12 @@ from typing import Final
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.robot import CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario
-from numpy.typing import NDArray
-
 from sim_proc.model import PHYSICS_STEP_S, POSITION_GAIN_N_M_RAD, STANDING_HEIGHT_M, build_model, standing_joints_rad
 
 Array = NDArray[np.float64]

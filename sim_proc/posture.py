@@ -1,9 +1,9 @@
 """What the robot is commanded to do at present: feet, trunk, centre of mass, joints; and how it is kept honest."""
 
 import numpy as np
-from legpush.robot import CONTROL_PERIOD_S
 from numpy.typing import NDArray
 
+from legpush.robot import CONTROL_PERIOD_S
 from sim_proc.balance import foot_forces
 from sim_proc.leg_kinematics import HIPS_B, SIDE, inverse, jacobian
 from sim_proc.model import STANDING_HEIGHT_M, VELOCITY_GAIN_N_M_S_RAD

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.geometry import Pose2
 from legpush.messages import Push
 from legpush.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
+from legpush.room_shapes import behind_box
 from legpush.scenario import STATION_M, Box
-from numpy.typing import NDArray
-
 from sim_proc.gait import TOUCHDOWN_M, rest, swing_to
 from sim_proc.physics import Recording
 from sim_proc.steps import Step, Steps, Swing
@@ -29,11 +30,6 @@ CONTACT_SIDE_SHARE: Final = 0.3
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
 """The rest of the crawl's lateral sequence after the pushing leg, mirrored for the right side."""
-
-
-def station(box: Pose2, length_m: float) -> Pose2:
-    """Where the trunk stands to push: `STATION_M` behind the rear face of the box."""
-    return box @ Pose2(x_m=-length_m / 2 - STATION_M, y_m=0.0, yaw_rad=0.0)
 
 
 def contact_point(box: Pose2, size_m: tuple[float, float, float], leg: FrontLeg, depth_m: float) -> Array:
@@ -71,12 +67,12 @@ class Pusher:
         here = posture.feet_m[:, :2].mean(axis=0)
         ahead = [
             self._push_step(push.leg, here, posture.yaw_rad),
-            *self._return_steps(push.leg, station(box @ expected, self._box.size_m[0]))[:2],
+            *self._return_steps(push.leg, behind_box(self._box, box @ expected, STATION_M))[:2],
         ]
         recordings = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
         peak = float(np.linalg.norm(recordings[0].box_forces_n[:, leg], axis=1).max())
         if not physics.fallen:
-            follow = self._return_steps(push.leg, station(physics.box_pose(), self._box.size_m[0]))
+            follow = self._return_steps(push.leg, behind_box(self._box, physics.box_pose(), STATION_M))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)

@@ -4,6 +4,7 @@ from math import cos, radians, sin
 from typing import Final
 
 import mujoco
+
 from legpush.scenario import Box, Goal, Room, Scenario
 
 WALL_GREY: Final = (0.62, 0.65, 0.69, 1.0)

@@ -3,11 +3,11 @@
 from math import radians
 
 import numpy as np
+
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages import Follow, Motion, Outcome, Push, PushReport, Reset, Walk
 from legpush.scenario import Scenario
-
 from sim_proc.gait import PathWalk
 from sim_proc.physics import Physics, Recording
 from sim_proc.posture import Posture

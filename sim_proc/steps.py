@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from legpush.geometry import wrap_angle
-from legpush.robot import CONTROL_PERIOD_S, LEGS, Leg
 from numpy.typing import NDArray
 
+from legpush.geometry import wrap_angle
+from legpush.robot import CONTROL_PERIOD_S, LEGS, Leg
 from sim_proc.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.model import STANDING_HEIGHT_M
 from sim_proc.physics import Recording

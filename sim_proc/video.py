@@ -17,11 +17,11 @@ from typing import Annotated, Final
 
 import imageio_ffmpeg
 import tyro
+from rich.progress import track
+
 from legpush.episode import read_episode
 from legpush.errors import ConfigError, LegpushError
 from legpush.robot import CONTROL_PERIOD_S
-from rich.progress import track
-
 from sim_proc.film import Film, film_of
 
 BACKENDS: Final = ("egl", "osmesa")

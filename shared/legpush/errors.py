@@ -7,7 +7,7 @@ class LegpushError(Exception):
     """Something the user, a peer process or a file got wrong; its text says what was expected, what came and where."""
 
     exit_code: ClassVar[int] = 3
-    """What the process ends with: 2 for bad input, 3 where a process failed, 0 where it was asked to stop."""
+    """What the process ends with: 2 for bad input, 3 where a process failed, 130 where it was interrupted."""
 
 
 class ConfigError(LegpushError):
@@ -51,6 +51,6 @@ class MotionError(LegpushError):
 
 
 class StopRequestedError(LegpushError):
-    """The user or the launcher asked this process to stop while it was waiting."""
+    """The user or the launcher asked this process to stop while it was waiting, with its work not done."""
 
-    exit_code = 0
+    exit_code = 130

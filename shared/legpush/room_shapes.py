@@ -25,6 +25,11 @@ def box_footprint(box: Box, pose: Pose2) -> Footprint:
     return Footprint(pose=pose, length_m=box.size_m[0], width_m=box.size_m[1])
 
 
+def behind_box(box: Box, pose: Pose2, distance_m: float) -> Pose2:
+    """The place `distance_m` behind the rear face of the box at `pose`, heading like it."""
+    return pose @ Pose2(x_m=-box.size_m[0] / 2 - distance_m, y_m=0.0, yaw_rad=0.0)
+
+
 def obstacle_footprint(obstacle: Rectangle) -> Footprint:
     """The same rectangle, as a footprint."""
     return Footprint(

@@ -14,6 +14,7 @@ from legpush.robot import FOOT_RADIUS_M, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE
 from legpush.room import clearance_m, grid_shape
 from legpush.room_shapes import (
     Footprint,
+    behind_box,
     box_footprint,
     distance_m,
     distance_to_border_m,
@@ -64,10 +65,10 @@ def _check(scenario: Scenario) -> None:
         (STAND_OFF_M, "the robot's place where walking ends"),
         (STATION_M, "the robot's place to push"),
     ):
-        behind = box_pose @ Pose2(x_m=-box.size_m[0] / 2 - back_m, y_m=0.0, yaw_rad=0.0)
+        behind = behind_box(box, box_pose, back_m)
         swing = _turn_reach(box.size_m[0] / 2 + back_m, offsets.box_yaw_deg) + hypot(offsets.box_xy_m, offsets.box_xy_m)
         _check_circle(room, behind, clear, swing, "box.pose", f"{what}, {back_m:.2f} m behind the box,")
-    behind = goal_pose @ Pose2(x_m=-box.size_m[0] / 2 - STATION_M, y_m=0.0, yaw_rad=0.0)
+    behind = behind_box(box, goal_pose, STATION_M)
     _check_circle(
         room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", "the robot's place behind the box at its goal"
     )

@@ -1,6 +1,7 @@
 """What every process has in common: its command line, its log, how it stops, and what it ends with.
 
-Exit codes: 0 done or asked to stop, 2 bad input, 3 a peer or this process failed.
+Exit codes: 0 done, or asked to stop where there is no end to come to; 2 bad input; 3 a peer or this process failed; 130
+interrupted with the work not done.
 """
 
 import logging
@@ -93,10 +94,7 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
             code = work(config, bus, stop) or 0
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
     except LegpushError as error:
-        if error.exit_code == 0:
-            log.info("%s", error)
-        else:
-            sys.stderr.write(f"error: {one_line(str(error))}\n")
+        sys.stderr.write(f"error: {one_line(str(error))}\n")
         return error.exit_code
     return code
 

@@ -6,6 +6,12 @@ from math import cos, pi, radians, sin
 from zlib import crc32
 
 import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from agent_proc.push_model import PushModel
+from agent_proc.scripted import MIRROR
+from agent_proc.station import station
 from legpush import codec
 from legpush.episode import PlanRecord, StepRecord
 from legpush.geometry import Pose2
@@ -27,12 +33,6 @@ from legpush.messages import (
 )
 from legpush.robot import foot_rectangle_b
 from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
-from msgspec.structs import replace
-from numpy.typing import NDArray
-
-from agent_proc.push_model import PushModel
-from agent_proc.scripted import MIRROR
-from agent_proc.station import station
 
 STRIDE_M = 0.4
 WALK_TICKS = 80

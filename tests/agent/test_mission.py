@@ -3,11 +3,6 @@
 from math import hypot, radians
 
 import pytest
-from legpush.errors import PeerError
-from legpush.geometry import Pose2
-from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Walk, WorldState
-from legpush.room import clearance_m
-from legpush.scenario import Box, Goal, Mission, PoseDeg, Randomization, Rectangle, Room, Scenario
 from msgspec.structs import replace
 
 from agent_proc.mission import STILL_CYCLES, MissionResult, run_mission
@@ -15,6 +10,11 @@ from agent_proc.poses import box_error, planar_pose
 from agent_proc.routes import distance_to_occupied_m
 from agent_proc.scripted import ScriptedPolicy
 from agent_proc.station import stand_off, station
+from legpush.errors import PeerError
+from legpush.geometry import Pose2
+from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Walk, WorldState
+from legpush.room import clearance_m
+from legpush.scenario import Box, Goal, Mission, PoseDeg, Randomization, Rectangle, Room, Scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
 
 

@@ -1,11 +1,11 @@
 """The observation of Eq. 18: the vector says what its table says."""
 
 import numpy as np
-from legpush.geometry import Pose2
-from legpush.robot import LEGS
 from msgspec.structs import replace
 
 from agent_proc.observation import PAPER, as_markdown, bounds, observe
+from legpush.geometry import Pose2
+from legpush.robot import LEGS
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

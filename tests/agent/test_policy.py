@@ -1,17 +1,19 @@
 """The scripted policy in a world that follows its push model, or nearly."""
 
+import csv
 from dataclasses import dataclass
 from math import cos, degrees, hypot, radians, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from legpush.geometry import Pose2
-from legpush.scenario import Goal, PoseDeg, Scenario
 
 from agent_proc.push_model import PushModel
 from agent_proc.scripted import MIRROR, ScriptedPolicy
+from legpush.geometry import Pose2
+from legpush.scenario import Goal, PoseDeg, Scenario
 from tests.agent.fake_world import make_scenario, make_state
 
 POLICY = ScriptedPolicy()
@@ -177,3 +179,15 @@ def test_the_depth_for_a_travel_is_the_inverse_of_the_model() -> None:
     travel = MODEL.push(np.zeros((3, 3)), np.ones(3), depth)[:, 0]
 
     np.testing.assert_allclose(MODEL.depth_for(travel), depth)
+
+
+def test_the_push_model_holds_what_was_measured() -> None:
+    table = Path(__file__).parents[2] / "experiments" / "results" / "push_effect.csv"
+    with table.open(newline="") as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    model = PushModel()
+    curve = {"mass_kg": 0.1, "friction": 0.5, "w1": model.w1, "w2": model.w2}
+    measured = [row for row in rows if curve.items() <= row.items()]
+    assert len(measured) == 6
+    for name in ("depth_m", "forward_m", "left_m", "turn_deg"):
+        assert getattr(model, name) == (0.0, *(row[name] for row in measured))

@@ -6,10 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from legpush.episode import PlanRecord, StepRecord
-from legpush.errors import JournalError
-from legpush.geometry import Pose2
-from legpush.messages import Follow, Outcome, Plan, PlanQuery, Push, Reset, Trace, Tree, Walk
 from msgspec.structs import replace
 
 from agent_proc.mission import MissionResult, run_mission
@@ -18,6 +14,10 @@ from agent_proc.poses import planar_pose
 from agent_proc.record import MissionRecord, read_record
 from agent_proc.report import distances_m, installed_versions, make_report, tracking_rms_m
 from agent_proc.scripted import ScriptedPolicy
+from legpush.episode import PlanRecord, StepRecord
+from legpush.errors import JournalError
+from legpush.geometry import Pose2
+from legpush.messages import Follow, Outcome, Plan, PlanQuery, Push, Reset, Trace, Tree, Walk
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan
 
 SCENARIO = make_scenario()

@@ -3,10 +3,10 @@
 from math import hypot, pi, radians, sin
 
 import pytest
-from legpush.geometry import Pose2
-from legpush.scenario import Goal, PoseDeg
 
 from agent_proc.reward import paper_reward
+from legpush.geometry import Pose2
+from legpush.scenario import Goal, PoseDeg
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

@@ -8,11 +8,11 @@ from math import inf
 from pathlib import Path
 
 import pytest
+
+from agent_proc.service import AgentConfig, work, writable_folder
 from legpush.errors import ConfigError, JournalError, StopRequestedError
 from legpush.messages import Motion, Outcome, Plan
 from legpush.scenario_file import dump_scenario
-
-from agent_proc.service import AgentConfig, work, writable_folder
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.shared.fakes import bus, planner, sim
 

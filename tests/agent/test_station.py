@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+from agent_proc.routes import distance_to_occupied_m, query_to_measured_box
+from agent_proc.station import at_station, last_stretch, nominal_obstacle, stand_off, station
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid
 from legpush.robot import FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_RADIUS_M, PUSH_GAP_M, foot_rectangle_b
 from legpush.room_shapes import box_footprint, distance_to_point_m
 from legpush.scenario import Randomization, Rectangle, Room
-
-from agent_proc.routes import distance_to_occupied_m, query_to_measured_box
-from agent_proc.station import at_station, last_stretch, nominal_obstacle, stand_off, station
 from tests.agent.fake_world import make_scenario
 
 poses = st.builds(Pose2, x_m=st.floats(3.0, 9.0), y_m=st.floats(2.0, 4.0), yaw_rad=st.floats(-pi, pi))

@@ -6,8 +6,8 @@ Only on purpose: a change of these bytes is a change of the protocol, and raises
 from pathlib import Path
 
 import msgspec
-from legpush import codec
 
+from legpush import codec
 from tests.shared.examples import MESSAGES
 
 if __name__ == "__main__":

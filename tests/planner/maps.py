@@ -4,9 +4,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid, Plan, PlanQuery
-from numpy.typing import NDArray
 
 CLEARANCE_M = 0.44
 

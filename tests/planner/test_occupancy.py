@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from legpush.messages import OccupancyGrid
 from numpy.typing import NDArray
 
+from legpush.messages import OccupancyGrid
 from planner_proc.occupancy import ClearanceField
 from tests.planner import maps
 

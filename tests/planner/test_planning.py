@@ -9,11 +9,11 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
+
 from legpush.codec import decode, encode
 from legpush.geometry import wrap_angle
 from legpush.messages import Plan, PlanQuery
 from legpush.scenario import PlannerName
-
 from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
 from tests.planner import maps

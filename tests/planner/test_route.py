@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from legpush.scenario import PlannerName
 
+from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
 from planner_proc.route import Route, _thin, search
 from tests.planner import maps

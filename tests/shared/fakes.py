@@ -21,7 +21,6 @@ from legpush.messages import PROTOCOL_VERSION, Follow, Motion, Outcome, Plan, Pl
 from legpush.patience import Patience
 from legpush.plan_client import PlanLink
 from legpush.plan_server import MakePlan, serve_plans
-
 from tests.shared.examples import RESET, TRACE, WORLD
 
 RUN = "test"

@@ -3,8 +3,9 @@
 from typing import Any, TypeVar
 
 from hypothesis import strategies as st
-from legpush.scenario import Rectangle
 from msgspec import inspect
+
+from legpush.scenario import Rectangle
 
 T = TypeVar("T")
 

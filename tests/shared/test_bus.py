@@ -14,13 +14,13 @@ from typing import Any
 import msgpack
 import pytest
 import zenoh
+
 from legpush import bus as bus_module
 from legpush import channels, codec, keys
 from legpush.bus import Bus
 from legpush.endpoints import Endpoints, in_directory
 from legpush.errors import EndpointError, MessageError
 from legpush.messages import PROTOCOL_VERSION, Header, Status
-
 from tests.shared.examples import MESSAGES
 from tests.shared.fakes import RUN, bus, eventually
 

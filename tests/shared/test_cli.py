@@ -7,6 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+
 from legpush import cli
 from legpush.launch.options import RunOptions
 from legpush.scenario_file import load_scenario, scenario_names

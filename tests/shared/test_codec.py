@@ -4,11 +4,11 @@ import msgpack
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from legpush import codec
 from legpush.channels import Answer, Message
 from legpush.errors import MessageError
 from legpush.messages import Action, Observation, PlanRequest, PlanResult, Refusal, Status
-
 from tests.shared.examples import MESSAGES, header
 from tests.shared.strategies import records
 

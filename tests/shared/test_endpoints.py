@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from legpush import endpoints
 from legpush.endpoints import Endpoints
 from legpush.errors import EndpointError

@@ -6,6 +6,8 @@ from itertools import pairwise
 from threading import Event
 
 import pytest
+from msgspec.structs import replace
+
 from legpush.channels import Answer
 from legpush.errors import PeerError, StopRequestedError
 from legpush.exchange import Exchange
@@ -13,8 +15,6 @@ from legpush.messages import Refusal, Role
 from legpush.patience import Patience
 from legpush.roster import Roster
 from legpush.tally import Tally
-from msgspec.structs import replace
-
 from tests.shared.examples import MESSAGES
 from tests.shared.fakes import Clock
 

@@ -3,6 +3,7 @@
 from threading import Event
 
 import pytest
+
 from legpush.errors import ConfigError
 from legpush.faults import BadChannel, Fate, Faults, fate_table
 

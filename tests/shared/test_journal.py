@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
+
 from legpush.errors import JournalError
 from legpush.journal import Acted, Entry, Journal, Numbered, Observed, Opened, Planned, Queried, Refused, read_entries
 from legpush.messages import PROTOCOL_VERSION, Outcome, Walk
-
 from tests.shared.examples import PLAN, QUERY, RESET, TRACE, WORLD
 
 OPENED = Opened(protocol=PROTOCOL_VERSION, run="test", seed=3, versions={"legpush": "0.1.0"}, began_unix_s=1.7e9)

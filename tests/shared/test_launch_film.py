@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from legpush.launch.crew import Crew
 from legpush.launch.processes import Command
 from legpush.launch.supervisor import Verdict

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from rich.console import Console
+
 from legpush.errors import ConfigError, ScenarioError
 from legpush.launch.display import LiveDisplay, PlainDisplay, make_display
 from legpush.launch.folder import default_folder, run_folder
@@ -20,7 +22,6 @@ from legpush.launch.summary import ROWS, ReportError, print_summary, read_report
 from legpush.messages import Name
 from legpush.scenario import Scenario
 from legpush.scenario_file import load_scenario
-from rich.console import Console
 
 
 @pytest.fixture(scope="module")

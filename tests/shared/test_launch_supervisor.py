@@ -12,6 +12,7 @@ from time import monotonic
 
 import psutil
 import pytest
+
 from legpush.launch.crew import STOP_STAGES, Crew
 from legpush.launch.processes import Command
 from legpush.launch.supervisor import Limits, Supervisor, Verdict
@@ -351,10 +352,7 @@ def test_a_frozen_process_may_end_by_itself_as_well(stage: Stage) -> None:
 
 
 def test_why_a_mission_had_no_success_is_what_the_agent_said_last(stage: Stage) -> None:
-    def on_progress() -> None:
-        stage.said = [status("agent", "reporting", detail="there is no way to the box")]
-
-    stage.display.on_progress = on_progress
+    stage.said = [status("agent", "reporting", detail="there is no way to the box")]
     verdict = stage.run({"sim": "ready", "agent": "ready await=sim exit=1"})
     assert verdict == Verdict(1, "there is no way to the box")
 

@@ -5,12 +5,12 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
+
 from legpush.errors import LegpushError, ScenarioError
 from legpush.lockstep_server import ActionDesk, Denial
 from legpush.messages import Action, Motion, Outcome, Plan, PlanQuery, PlanRequest, Push, Walk
 from legpush.plan_server import MAX_CLIENTS, PlanDesk, newest_per_client
-from msgspec.structs import replace
-
 from tests.shared.examples import QUERY, RESET, header
 from tests.shared.fakes import FakeStepper, crc_after, fake_plan, mission
 

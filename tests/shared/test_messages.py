@@ -5,10 +5,10 @@ from pathlib import Path
 import msgpack
 import msgspec
 import pytest
+
 from legpush import codec
 from legpush.channels import Message
 from legpush.messages import PROTOCOL_VERSION, Action, Name, Observation, PlanRequest, PlanResult, Refusal, Status
-
 from tests.shared.examples import MESSAGES
 
 GOLDEN = Path(__file__).parents[1] / "golden"

@@ -1,8 +1,8 @@
 """How waiting time is measured."""
 
 import pytest
-from legpush.patience import LONGEST_SLICE_S, Stopwatch
 
+from legpush.patience import LONGEST_SLICE_S, Stopwatch
 from tests.shared.fakes import Clock
 
 

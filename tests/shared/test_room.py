@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
+
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
@@ -13,7 +15,6 @@ from legpush.room import clearance_m, grid_shape, occupancy_grid
 from legpush.room_shapes import Footprint, distance_m, distance_to_point_m, obstacle_footprint
 from legpush.scenario import Planning, Rectangle, Room
 from legpush.scenario_file_grid import merged_rectangles
-from numpy.typing import NDArray
 
 LENGTH = st.floats(0.1, 3.0)
 COORDINATE = st.floats(-1.0, 6.0)

@@ -1,8 +1,8 @@
 """Who is there, and in which state, as liveliness tokens and messages tell it."""
 
 import pytest
-from legpush.roster import KEEP_GONE, LEASE_S, Roster
 
+from legpush.roster import KEEP_GONE, LEASE_S, Roster
 from tests.shared.fakes import Clock
 
 

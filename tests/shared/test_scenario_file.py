@@ -9,6 +9,7 @@ import pytest
 import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
+
 from legpush.errors import ScenarioError
 from legpush.scenario import Box, Goal, Planning, PoseDeg, Rectangle, Room, Scenario
 from legpush.scenario_file import copy_scenario, dump_scenario, load_scenario, scenario_names

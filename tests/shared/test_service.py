@@ -7,6 +7,7 @@ import threading
 from dataclasses import dataclass
 
 import pytest
+
 from legpush import service
 from legpush.bus import Bus
 from legpush.errors import ConfigError, EndpointError, LegpushError, PeerError, ScenarioError, StopRequestedError
@@ -75,7 +76,7 @@ def test_a_process_can_have_flags_of_its_own() -> None:
         (ConfigError("no"), 2),
         (PeerError("nobody"), 3),
         (LegpushError("qpos is not finite\nat tick 7"), 3),
-        (StopRequestedError("asked to stop"), 0),
+        (StopRequestedError("asked to stop"), 130),
     ],
 )
 def test_an_error_ends_the_process_with_one_line_and_its_code(
@@ -89,7 +90,7 @@ def test_an_error_ends_the_process_with_one_line_and_its_code(
 
     assert run_process("sim", ServiceConfig, work) == code
     shown = capsys.readouterr().err
-    assert shown == ("" if code == 0 else f"error: {one_line(str(error))}\n")
+    assert shown == f"error: {one_line(str(error))}\n"
 
 
 def test_what_the_work_returns_is_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 import logging
 
 import pytest
+
 from legpush.tally import Tally
 
 

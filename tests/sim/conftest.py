@@ -1,6 +1,7 @@
 """Worlds to test the simulator in."""
 
 import pytest
+
 from legpush.robot import FOOT_RECTANGLE_LENGTH_M, PUSH_GAP_M
 from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
 

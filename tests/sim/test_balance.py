@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from legpush.robot import CONTROL_PERIOD_S, foot_rectangle_b
 
+from legpush.robot import CONTROL_PERIOD_S, foot_rectangle_b
 from sim_proc.balance import GRAVITY_M_S2, foot_forces, plan_com, shifted_reference, support_margin
 
 ALL = np.ones((1, 4), dtype=bool)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from legpush.geometry import Pose2
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M, foot_rectangle_b
-
 from sim_proc.footsteps import MAX_STEP_M, MAX_TURN_RAD, STRIDE_M, PosePath, next_cycle
 
 

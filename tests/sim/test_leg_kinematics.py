@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+
 from legpush.robot import L2_M, L3_M, LEGS
 from legpush.scenario import Scenario
-
 from sim_proc.leg_kinematics import HIPS_B, LOWER_LIMITS, SIDE, UPPER_LIMITS, forward, inverse, jacobian
 from sim_proc.model import build_model
 

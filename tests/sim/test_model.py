@@ -3,10 +3,10 @@
 import mujoco
 import numpy as np
 import pytest
-from legpush.robot import JOINT_LIMITS_RAD, JOINTS, LEGS
-from legpush.scenario import Rectangle, Room, Scenario
 from msgspec.structs import replace
 
+from legpush.robot import JOINT_LIMITS_RAD, JOINTS, LEGS
+from legpush.scenario import Rectangle, Room, Scenario
 from sim_proc.model import build_model, leg_joint_names
 from sim_proc.physics import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS, Physics
 

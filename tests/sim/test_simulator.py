@@ -5,14 +5,14 @@ from math import cos, degrees, pi, sin
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
+
 from legpush import codec
 from legpush.errors import MotionError
 from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.messages import Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.robot import FRONT_LEGS, FrontLeg, foot_rectangle_b
 from legpush.scenario import Randomization, Rectangle, Room, Scenario
-from msgspec.structs import replace
-
 from sim_proc.simulator import Simulator, drawn_poses
 
 

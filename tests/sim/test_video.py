@@ -8,13 +8,13 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+
 from legpush.episode import read_episode
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.journal import Acted, Journal, Observed, Opened
 from legpush.messages import Follow, Motion, Push, Reset, Walk
 from legpush.scenario import Scenario
-
 from sim_proc.film import film_of
 from sim_proc.simulator import Simulator
 from sim_proc.video import NO_OPENGL, working_backend

@@ -22,7 +22,6 @@ from legpush.messages import Motion, Outcome, Plan, PlanQuery
 from legpush.plan_client import PlanLink
 from legpush.plan_server import serve_plans
 from legpush.service import ServiceConfig, run_process
-
 from tests.shared.examples import QUERY
 from tests.shared.fakes import FakeStepper, fake_plan, mission, opened
 

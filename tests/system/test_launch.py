@@ -11,12 +11,13 @@ from pathlib import Path
 
 import psutil
 import pytest
+from rich.console import Console
+
 from legpush.launch.options import RunOptions
 from legpush.launch.run import Place, Programs, run_mission
 from legpush.launch.summary import ReportError
 from legpush.messages import Role
 from legpush.scenario_file import load_scenario
-from rich.console import Console
 
 PROCESS = r"""
 import json, os, sys, threading

@@ -4,6 +4,8 @@ from pathlib import Path
 from threading import Event, Thread
 
 import pytest
+from msgspec.structs import replace
+
 from legpush import channels
 from legpush.bus import Bus
 from legpush.endpoints import Endpoints, in_directory
@@ -12,8 +14,6 @@ from legpush.faults import Faults
 from legpush.lockstep_client import PastStep
 from legpush.messages import Action, Motion, Observation, Outcome, Plan, PlanQuery, Walk
 from legpush.patience import Patience
-from msgspec.structs import replace
-
 from tests.shared.examples import QUERY, RESET, TRACE, WORLD
 from tests.shared.fakes import (
     IMPATIENT,

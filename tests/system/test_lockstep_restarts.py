@@ -11,6 +11,7 @@ from threading import Event, Thread
 
 import psutil
 import pytest
+
 from legpush import endpoints
 from legpush.episode import Episode, PlanRecord, StepRecord, read_episode
 from legpush.errors import JournalError, MotionError, PeerError
@@ -19,7 +20,6 @@ from legpush.journal import Acted, Journal, Numbered, Observed, Opened, read_ent
 from legpush.messages import Motion, Outcome, Plan, PlanQuery, Role, Walk
 from legpush.patience import Patience
 from legpush.roster import LEASE_S
-
 from tests.shared.examples import QUERY, RESET
 from tests.shared.fakes import (
     RUN,
@@ -224,12 +224,12 @@ def test_a_process_that_is_asked_to_stop_ends_well_and_leaves_nothing(tmp_path: 
         assert list(tmp_path.glob("*.sock*")) == []
 
 
-def test_an_agent_that_waits_and_is_asked_to_stop_ends_well(tmp_path: Path) -> None:
+def test_an_agent_that_is_asked_to_stop_while_it_waits_ends_as_interrupted(tmp_path: Path) -> None:
     with bus(tmp_path, "launcher") as watching, process(tmp_path, "agent", "--journal", str(tmp_path / "j")) as started:
         assert eventually(lambda: watching.roster.live("agent") != [])
         started.send_signal(signal.SIGTERM)
         _, err = started.communicate(timeout=10.0)
-        assert started.returncode == 0
+        assert started.returncode == 130
         assert "Asked to stop while waiting for the answer to plan request 0; the planner is not there" in err
 
 

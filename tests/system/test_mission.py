@@ -14,12 +14,12 @@ from typing import Any
 
 import psutil
 import pytest
+
 from legpush import endpoints
 from legpush.episode import StepRecord, read_episode
 from legpush.journal import Acted, Entry, Queried, read_entries
 from legpush.messages import Push, Role, Walk
 from legpush.scenario_file import dump_scenario, load_scenario, override
-
 from sim_proc.simulator import Simulator
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))

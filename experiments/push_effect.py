@@ -1,0 +1,93 @@
+"""`python experiments/push_effect.py`: what one push cycle does to the box, by depth, curve, mass and friction.
+
+One simulator in this process, on the `push` scenario. Each row of `results/push_effect.csv` is over the same series of
+left and right pushes from three drawn starts; right pushes are mirrored. The rows at 0.1 kg, friction 0.5 and
+w1 = w2 = 0.5 are what the scripted policy's `PushModel` holds.
+"""
+
+import csv
+from math import degrees
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from rich.progress import track
+
+from agent_proc.poses import planar_pose
+from legpush.messages import Push, Reset
+from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
+from legpush.scenario import Scenario
+from legpush.scenario_file import load_scenario, override
+from sim_proc.simulator import Simulator
+
+TABLE: Final = Path(__file__).parent / "results" / "push_effect.csv"
+DEPTHS_M: Final = (0.02, 0.03, 0.05, 0.08, 0.10, 0.12)
+CURVES: Final = ((0.5, 0.5), (0.2, 0.2), (0.8, 0.8))
+BOXES: Final = ((0.1, 0.5), (0.1, 0.3), (0.1, 0.8), (0.9, 0.5))
+"""Mass in kg and friction coefficient."""
+SEEDS: Final = (1000, 1001, 1002)
+SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
+"""0 is a push with FL, 1 with FR."""
+
+
+def main() -> None:
+    """Measure all combinations."""
+    cases = [(box, (0.5, 0.5), depth) for box in BOXES for depth in DEPTHS_M]
+    cases += [(BOXES[0], curve, depth) for curve in CURVES[1:] for depth in DEPTHS_M]
+    rows = [measure(*case) for case in track(cases, description="push effect")]
+    with TABLE.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(TABLE.read_text(), end="")
+
+
+def measure(box: tuple[float, float], curve: tuple[float, float], depth_m: float) -> dict[str, Any]:
+    """One row: means and standard deviations over the series."""
+    mass_kg, friction = box
+    scenario = override(load_scenario("push"), {"box.mass_kg": mass_kg, "box.friction": friction})
+    samples = np.array([sample for seed in SEEDS for sample in push_series(scenario, seed, curve, depth_m)])
+    mean, spread = samples.mean(axis=0), samples.std(axis=0, ddof=1)
+    return {
+        "mass_kg": mass_kg,
+        "friction": friction,
+        "w1": curve[0],
+        "w2": curve[1],
+        "depth_m": depth_m,
+        "n": len(samples),
+        "forward_m": round(mean[0], 4),
+        "forward_sd_m": round(spread[0], 4),
+        "left_m": round(mean[1], 4),
+        "left_sd_m": round(spread[1], 4),
+        "turn_deg": round(mean[2], 2),
+        "turn_sd_deg": round(spread[2], 2),
+        "largest_tilt_deg": round(samples[:, 3].max(), 2),
+        "least_margin_m": round(samples[:, 4].min(), 4),
+        "longest_s": round(samples[:, 5].max(), 2),
+    }
+
+
+def push_series(
+    scenario: Scenario, seed: int, curve: tuple[float, float], depth_m: float
+) -> list[tuple[float, float, float, float, float, float]]:
+    """Per push: forward and left [m], turn [deg] as of FL; tilt [deg], support margin [m], duration [s]."""
+    simulator = Simulator()
+    box = planar_pose(simulator.perform(Reset(scenario=scenario, seed=seed), with_trace=False).world.box)
+    samples = []
+    for index in SERIES:
+        push = Push(w1=curve[0], w2=curve[1], leg=FRONT_LEGS[index], depth_m=depth_m)
+        outcome = simulator.perform(push, with_trace=True)
+        if outcome.trace is None or outcome.world.fallen:
+            raise RuntimeError(f"The robot fell at depth {depth_m}")
+        before, box = box, planar_pose(outcome.world.box)
+        moved = before.inverse() @ box
+        mirror = 1.0 if index == 0 else -1.0
+        tilt = degrees(np.abs(outcome.trace.roll_pitch_rad).max())
+        duration_s = len(outcome.trace.tick) * CONTROL_PERIOD_S
+        margin_m = min(outcome.trace.support_margin_m)
+        samples.append((moved.x_m, mirror * moved.y_m, mirror * degrees(moved.yaw_rad), tilt, margin_m, duration_s))
+    return samples
+
+
+if __name__ == "__main__":
+    main()
