@@ -75,7 +75,7 @@ def _mission(scenario: str, seed: int) -> dict[str, Any]:
 
 
 def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Counts, and mean, 95 % interval of the mean and worst value of each measure."""
+    """Counts, and mean, 95 % interval of the mean and worst value of each measure that was taken."""
     summary: dict[str, Any] = {
         "n": len(rows),
         "seeds": [int(row["seed"]) for row in rows],
@@ -83,7 +83,9 @@ def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "falls": sum(row["reason"] == "fell" for row in rows),
     }
     for name in MEASURES:
-        values = np.array([float(row[name]) for row in rows])
+        values = np.array([float(row[name]) for row in rows if row[name] not in (None, "")])
+        if not values.size:
+            continue
         half = float(stats.t.ppf(0.975, len(values) - 1) * stats.sem(values)) if len(values) > 1 else float("nan")
         mean = float(values.mean())
         summary[name] = {

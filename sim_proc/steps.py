@@ -25,8 +25,8 @@ RAMP_TICKS: Final = 5
 LIFTED_SHARE: Final = 0.02
 LEAST_MARGIN_M: Final = 0.01
 """Planned distance of the CoM's ground projection inside the support polygon, below which a leg is not lifted yet."""
-LONGER_SHIFT_TICKS: Final = (0, 5, 10, 15)
-"""How much longer the shift before a step may take, until it gives that margin."""
+CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 0.015), (15, 0.03))
+"""By how many ticks the shift before a step is made longer, and the ZMP's margin wider [m], until that is planned."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,8 +111,8 @@ class Steps:
         if first.leg is None or first.shift_ticks == 0:
             return first, self._plan_com(ahead)
         support = np.delete(self.posture.feet_m[:, :2], LEGS.index(first.leg), axis=0)
-        for longer in LONGER_SHIFT_TICKS:
-            step = replace(first, shift_ticks=first.shift_ticks + longer)
+        for longer, wider_m in CAUTION:
+            step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider_m)
             plan = self._plan_com([step, *ahead[1:]])
             if triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks], support).min() >= LEAST_MARGIN_M:
                 break
