@@ -17,7 +17,6 @@ from typing import Annotated, Final
 
 import imageio_ffmpeg
 import tyro
-from rich.progress import track
 
 from legpush.episode import read_episode
 from legpush.errors import ConfigError, LegpushError
@@ -107,8 +106,10 @@ def _render_segments(film: Film, config: VideoConfig, ticks: list[int], scratch:
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, context, initializer=_open_camera, initargs=(film, config)) as pool:
         done = as_completed([pool.submit(_render_segment, job) for job in jobs])
-        for segment in track(done, total=n_segments, description="Rendering mission.mp4", transient=True):
+        for n_done, segment in enumerate(done, start=1):
             segment.result()
+            sys.stdout.write(f"{n_done} of {n_segments} segments rendered\n")
+            sys.stdout.flush()
     return [path for path, _ in jobs]
 
 

@@ -64,11 +64,13 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
         if field in report:
             value = "-" if report[field] is None else read(report[field])
             numbers.add_row(Text(title, style="dim"), Text(value, style=_style(field, report)))
-    files = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    files = Table(box=None, show_header=False, padding=(0, 2, 0, 2))
     for name, what in FILES.items():
         if (folder / name).exists():
-            files.add_row(Text(str(folder / name), style="cyan", overflow="fold"), Text(what, style="dim"))
-    console.print("", numbers, "", files, sep="\n")
+            files.add_row(Text(name, style="cyan"), Text(what, style="dim"))
+    console.print("", numbers, "", sep="\n")
+    console.print(Text(f"In {folder}:"), soft_wrap=True)
+    console.print(files)
 
 
 def _style(field: str, report: dict[str, Any]) -> str:

@@ -25,8 +25,8 @@ def film(command: Command, crew: Crew, display: Display, longest_s: float = LONG
     """Make the film, or say why there is none; only an interrupt changes how the run ended."""
     process = crew.start(command)
     stopwatch = Stopwatch()
-    display.progress("filming", None, "", "")
     while process.exit_code is None:
+        display.progress("filming", None, "".join(process.last_words(1)), "")
         event = crew.next_event(SLICE_S)
         if isinstance(event, Interrupted):
             crew.stop()
