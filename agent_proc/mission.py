@@ -6,10 +6,11 @@ was interrupted goes on from the journal of what it was answered before.
 
 from collections import deque
 from dataclasses import dataclass
+from math import degrees, radians
 from typing import Final, Literal, Protocol
 
 from agent_proc.policy import Policy
-from agent_proc.poses import BoxError, box_error, distance_m, planar_pose
+from agent_proc.poses import BoxError, box_error, box_tilt_rad, distance_m, planar_pose
 from agent_proc.routes import query_to_measured_box, query_to_nominal_box
 from agent_proc.station import at_station, last_stretch
 from legpush.errors import PeerError
@@ -24,8 +25,12 @@ LEAST_WALK_M: Final = 0.02
 """That is: the trunk, or its place on the path, moved less than this in all of them."""
 LEAST_PUSH_M: Final = 0.005
 """Or the box did."""
+MAX_BOX_TILT_RAD: Final = radians(15.0)
+"""A box that leans farther is tipping over, or has."""
 
-Reason = Literal["success", "fell", "no_path", "stuck", "missed_station", "max_push_cycles", "tolerance_missed"]
+Reason = Literal[
+    "success", "fell", "box_tipped", "no_path", "stuck", "missed_station", "max_push_cycles", "tolerance_missed"
+]
 
 
 class World(Protocol):
@@ -48,8 +53,9 @@ class MissionResult:
     success: bool
     """The box is within the tolerances of its goal and the robot stands."""
     reason: Reason
-    """`success`, or what ended it without: the robot `fell` or is `stuck`, the planner knew `no_path`, the approach
-    `missed_station`, `max_push_cycles` were not enough, or the policy stopped with the `tolerance_missed`."""
+    """`success`, or what ended it without: the robot `fell` or is `stuck`, the `box_tipped` over, the planner knew
+    `no_path`, the approach `missed_station`, `max_push_cycles` were not enough, or the policy stopped with the
+    `tolerance_missed`."""
     detail: str
     """One sentence for people."""
     handover_distance_m: float | None
@@ -136,6 +142,8 @@ class _Mission:
                 return self._require_goal("tolerance_missed", f"the policy stopped at box error {error}")
             if self._n_push_cycles == max_cycles:
                 return self._require_goal("max_push_cycles", f"box error {error} after {max_cycles} push cycles")
+            if not self._at_station():
+                self._approach()
             self._n_push_cycles += 1
             self._step(push)
             boxes.append(self._box())
@@ -178,10 +186,12 @@ class _Mission:
         return plan
 
     def _step(self, motion: Motion) -> None:
-        """Move; a fall ends the mission."""
+        """Move; a fall, of robot or box, ends the mission."""
         self._state = self._world.step(motion).world
         if self._state.fallen:
             raise _EndedError("fell", f"the robot fell during {type(motion).__name__.lower()}, tick {self._state.tick}")
+        if (tilt_rad := box_tilt_rad(self._state)) > MAX_BOX_TILT_RAD:
+            raise _EndedError("box_tipped", f"the box leans by {degrees(tilt_rad):.0f}° at tick {self._state.tick}")
 
     def _trunk(self) -> Pose2:
         return planar_pose(self._state.trunk)

@@ -1,7 +1,7 @@
 """What the agent reads out of a world state: planar poses and how far the box is from its goal."""
 
 from dataclasses import dataclass
-from math import degrees, hypot
+from math import acos, degrees, hypot
 
 from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
 from legpush.messages import BoxState, TrunkState, WorldState
@@ -29,6 +29,12 @@ def planar_pose(body: TrunkState | BoxState) -> Pose2:
     """The pose of a body, projected to the floor, world frame."""
     x_m, y_m, _ = body.position_m
     return Pose2(x_m=x_m, y_m=y_m, yaw_rad=float(rpy_from_quaternion(body.orientation_wxyz)[2]))
+
+
+def box_tilt_rad(world: WorldState) -> float:
+    """Angle between the box's upward axis and the vertical."""
+    _, x, y, _ = world.box.orientation_wxyz
+    return acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
 
 
 def distance_m(a: Pose2, b: Pose2) -> float:

@@ -20,11 +20,11 @@ class PushModel:
     w2: float = 0.5
     """The curve that the rows were measured with."""
     depth_m: tuple[float, ...] = (0.0, 0.02, 0.03, 0.05, 0.08, 0.1, 0.12)
-    forward_m: tuple[float, ...] = (0.0, 0.0129, 0.021, 0.036, 0.0594, 0.0746, 0.0892)
+    forward_m: tuple[float, ...] = (0.0, 0.0135, 0.0212, 0.0366, 0.0596, 0.0747, 0.0899)
     """Of the box's centre along the x axis that the box had before."""
-    left_m: tuple[float, ...] = (0.0, -0.0032, -0.0039, -0.0071, -0.0105, -0.0154, -0.0172)
+    left_m: tuple[float, ...] = (0.0, -0.0033, -0.0059, -0.0104, -0.0151, -0.0215, -0.0268)
     """The same along its y axis."""
-    turn_deg: tuple[float, ...] = (0.0, -1.7, -2.46, -4.45, -7.16, -8.95, -11.23)
+    turn_deg: tuple[float, ...] = (0.0, -1.43, -2.31, -4.07, -6.77, -8.41, -10.04)
 
     def push(
         self,

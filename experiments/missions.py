@@ -1,7 +1,7 @@
 """`python experiments/missions.py`: whole missions over seeds, each in three processes, and what they achieved.
 
 Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>.csv`, the summary (mean, 95 %
-interval by Student's t, worst) beside it as JSON. Seeds that have a row already are not run again.
+interval by Student's t, worst) beside it as JSON.
 """
 
 import csv
@@ -45,13 +45,15 @@ class Config:
     first_seed: int = 500
     n_seeds: int = 20
     """Seeds that nothing was tuned on."""
+    keep: bool = False
+    """Run only the seeds that have no row yet, such as after an interruption."""
 
 
 def main(config: Config) -> int:
     """Run what is missing, then sum up; 1 if a mission failed."""
     RESULTS.mkdir(exist_ok=True)
     table = RESULTS / f"missions_{Path(config.scenario).stem}.csv"
-    rows = _read(table)
+    rows = _read(table) if config.keep else {}
     seeds = range(config.first_seed, config.first_seed + config.n_seeds)
     missing = [seed for seed in seeds if seed not in rows]
     for seed in track(missing, description=f"{config.scenario}: missions", disable=not missing):

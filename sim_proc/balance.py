@@ -149,8 +149,9 @@ def _edge_distances(points_m: Array, support_feet_m: Array) -> Array:
 def foot_forces(feet_m: Array, load_share: Array, zmp_m: Array, acceleration_m_s2: Array, mass_kg: float) -> Array:
     """Ground reaction forces (n, 4, 3) that carry the weight with the ZMP (n, 2) and accelerate the robot (n, 2).
 
-    The vertical forces have the least norm, weighted by `load_share` (n, 4), that balances about the ZMP (Eq. 9; the
-    push is at most a few newtons and left to the servos); the horizontal force is shared in proportion to them.
+    The vertical forces have the least norm, weighted by `load_share` (n, 4), that balances about the ZMP (Eq. 9; what
+    pushing the box takes is small beside the weight and left to the servos). The horizontal force is shared in
+    proportion to them.
     """
     n = len(zmp_m)
     lever = feet_m[:, :, :2] - zmp_m[:, None]

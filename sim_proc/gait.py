@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import degrees, hypot, radians
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages import PathProgress
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RADIUS_M, LEGS
@@ -25,6 +27,9 @@ SETTLE_TICKS: Final = 24
 """After the last step, to bring the weight back to the middle."""
 STEP_HEIGHT_M: Final = 0.05
 WALK_MARGIN_M: Final = 0.055
+MAX_OFF_M: Final = 0.35
+MAX_OFF_RAD: Final = radians(45.0)
+"""How far from the trunk a path may begin, or the place to push from be: farther, the first steps are out of reach."""
 TOUCHDOWN_M: Final = FOOT_RADIUS_M - 0.001
 """Commanded height of a landing foot's centre: a little pressed into the floor."""
 
@@ -33,7 +38,8 @@ class PathWalk:
     """Walks a path cycle by cycle."""
 
     def __init__(self, steps: Steps, waypoints: Sequence[Pose2]) -> None:
-        """Take the path up from where the robot stands or walks."""
+        """Take the path up from where the robot stands or walks; `MotionError` if it begins elsewhere."""
+        require_within_reach("a path that begins", steps.posture.physics.trunk_pose(), waypoints[0])
         self._steps = steps
         self._path = PosePath(waypoints)
         self._travelled = np.zeros(4)
@@ -90,6 +96,17 @@ class PathWalk:
     def _rest(self) -> Step:
         end = self._path.poses(np.array(self._path.length_m))
         return rest(end[:2], float(end[2]))
+
+
+def require_within_reach(what: str, trunk: Pose2, place: Pose2) -> None:
+    """`MotionError` unless the trunk is near enough to `place` for the feet to step there."""
+    away = trunk.inverse() @ place
+    distance_m, turn_rad = hypot(away.x_m, away.y_m), abs(away.yaw_rad)
+    if distance_m > MAX_OFF_M or turn_rad > MAX_OFF_RAD:
+        raise MotionError(
+            f"Expected {what} at most {MAX_OFF_M:g} m and {degrees(MAX_OFF_RAD):.0f}° from the trunk, "
+            f"got {distance_m:.2f} m and {degrees(turn_rad):.0f}°"
+        )
 
 
 def rest(nominal_xy_m: Array, yaw_rad: float) -> Step:

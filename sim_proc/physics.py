@@ -29,7 +29,7 @@ JOINT_QVEL: Final = slice(6, 18)
 
 @dataclass(frozen=True, kw_only=True)
 class Recording:
-    """What was measured at the end of each tick, one row per tick."""
+    """What was measured at each tick, one row per tick; all but `qpos` as of 2 ms before its end."""
 
     qpos: Array
     """(n, 26): trunk (7), joints (12), box (7)."""
@@ -96,8 +96,8 @@ class Physics:
             if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < FALL_HEIGHT_M:
                 self.fallen = True
                 break
+        self._check(qpos[:done])
         self.tick += done
-        self._check_warnings(qpos[:done])
         return Recording(
             qpos=qpos[:done],
             tips_m=tips[:done],
@@ -107,12 +107,14 @@ class Physics:
             ctrl=ctrls[:done],
         )
 
-    def _check_warnings(self, qpos: Array) -> None:
+    def _check(self, qpos: Array) -> None:
+        """`LegpushError` if MuJoCo warned, or the state stopped being finite, in these ticks."""
+        when = f"between ticks {self.tick} and {self.tick + len(qpos)}: the episode cannot go on"
         for warning in mujoco.mjtWarning.__members__.values():
             if warning != mujoco.mjtWarning.mjNWARNING and self.data.warning[warning].number:
-                raise LegpushError(f"MuJoCo warns of {warning.name} at tick {self.tick}: the episode cannot go on")
+                raise LegpushError(f"MuJoCo warned of {warning.name} {when}")
         if not np.isfinite(qpos).all():
-            raise LegpushError(f"qpos is not finite at tick {self.tick}: the episode cannot go on")
+            raise LegpushError(f"qpos stopped being finite {when}")
 
     def sensor(self, name: str) -> Array:
         """A copy of what a sensor of the model reads."""

@@ -1,6 +1,7 @@
 """The push cycle: a front foot along a Bezier curve into the box and back, then every foot to its marker at the box."""
 
 from dataclasses import dataclass
+from math import hypot
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,7 @@ from legpush.messages import Push
 from legpush.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
 from legpush.room_shapes import behind_box
 from legpush.scenario import STATION_M, Box
-from sim_proc.gait import TOUCHDOWN_M, rest, swing_to
+from sim_proc.gait import MAX_OFF_M, MAX_OFF_RAD, TOUCHDOWN_M, require_within_reach, rest, swing_to
 from sim_proc.physics import Recording
 from sim_proc.steps import Step, Steps, Swing
 from sim_proc.swing import bezier, control_points, gentle_stop, parabola
@@ -42,7 +43,7 @@ def contact_point(box: Pose2, size_m: tuple[float, float, float], leg: FrontLeg,
 
 @dataclass(frozen=True, kw_only=True)
 class PushRecording:
-    """What a push cycle recorded, and with which leg."""
+    """What a push cycle recorded."""
 
     recordings: list[Recording]
     peak_force_n: float
@@ -57,11 +58,12 @@ class Pusher:
         self._box = box
 
     def cycle(self, push: Push) -> PushRecording:
-        """Push, return, re-step; stops short at a fall."""
+        """Push, return, re-step; stops short at a fall. `MotionError` where the robot does not stand at the box."""
         posture = self._steps.posture
         physics = posture.physics
         leg = LEGS.index(push.leg)
         box = physics.box_pose()
+        require_within_reach("the place to push from", physics.trunk_pose(), behind_box(self._box, box, STATION_M))
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
         goal = contact_point(box, self._box.size_m, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
@@ -72,7 +74,7 @@ class Pusher:
         recordings = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
         peak = float(np.linalg.norm(recordings[0].box_forces_n[:, leg], axis=1).max())
         if not physics.fallen:
-            follow = self._return_steps(push.leg, behind_box(self._box, physics.box_pose(), STATION_M))
+            follow = self._return_steps(push.leg, self._next_station())
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
@@ -80,6 +82,14 @@ class Pusher:
                 if physics.fallen:
                     break
         return PushRecording(recordings=recordings, peak_force_n=peak)
+
+    def _next_station(self) -> Pose2:
+        """Where the feet go after the push: to the box, or back to where they were if it slid out of their reach."""
+        here = self._steps.posture.physics.trunk_pose()
+        station = behind_box(self._box, self._steps.posture.physics.box_pose(), STATION_M)
+        away = here.inverse() @ station
+        near = hypot(away.x_m, away.y_m) <= MAX_OFF_M and abs(away.yaw_rad) <= MAX_OFF_RAD
+        return station if near else here
 
     def _push_step(self, leg: FrontLeg, here: Array, yaw_rad: float) -> Step:
         return Step(
@@ -127,7 +137,7 @@ class Pusher:
 
     @staticmethod
     def _return_swing(target_m: Array) -> Swing:
-        """Straight back from the box, then down."""
+        """Straight from the box down to the marker."""
 
         def curve(start_m: Array) -> Array:
             return parabola(start_m, [*target_m, TOUCHDOWN_M], 0.0, RETURN_TICKS)

@@ -22,10 +22,11 @@ SHIFT_WEIGHT: Final = 0.02
 """How much the ZMP reference counts while four feet stand, against 1 while three do."""
 RAMP_TICKS: Final = 5
 """A foot is loaded, and unloaded, over this long."""
-LIFTED_SHARE: Final = 0.02
+LIFTED_SHARE: Final = 0.05
+"""Of its full load, planned for a foot in the air: a foot that was planned to carry nothing bounces when it lands."""
 LEAST_MARGIN_M: Final = 0.01
 """Planned distance of the CoM's ground projection inside the support polygon, below which a leg is not lifted yet."""
-CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 0.015), (15, 0.03))
+CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 0.015), (15, 0.03), (15, 0.06))
 """By how many ticks the shift before a step is made longer, and the ZMP's margin wider [m], until that is planned."""
 
 

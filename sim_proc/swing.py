@@ -21,7 +21,7 @@ def minimum_jerk(n_ticks: int) -> Array:
 
 
 def gentle_stop(n_ticks: int) -> Array:
-    """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), that slows down over two thirds of the way.
+    """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), that slows down over two thirds of the time.
 
     Its greatest deceleration is 4 / T^2, against 5.8 / T^2 of minimum jerk: a pushed box that friction can slow down as
     fast stays at the foot and is not thrown.

@@ -63,8 +63,9 @@ def trace(recordings: Sequence[Recording], last_tick: int) -> Trace:
     floor = np.concatenate([r.floor_forces_n for r in recordings])
     box = np.concatenate([r.box_forces_n for r in recordings])
     load = floor[:, :, 2]
-    total = np.maximum(load.sum(axis=1), LOADED_N)
-    zmp = (load[:, :, None] * tips[:, :, :2]).sum(axis=1) / total[:, None]
+    total = load.sum(axis=1, keepdims=True)
+    pressure = (load[:, :, None] * tips[:, :, :2]).sum(axis=1) / np.maximum(total, LOADED_N)
+    zmp = np.where(total >= LOADED_N, pressure, com[:, :2])
     return Trace(
         tick=tuple(range(last_tick - len(qpos) + 1, last_tick + 1)),
         qpos=_plain(qpos),

@@ -139,10 +139,9 @@ def _copy_scenario(command: CopyScenario) -> int:
 
 @execute.register
 def _render(command: Render) -> int:
-    from legpush.launch.folder import SCENARIO_FILE
     from legpush.launch.video import film_arguments
 
-    if not (command.run_folder / SCENARIO_FILE).is_file():
-        raise ConfigError(f"Expected the folder of a run, with a {SCENARIO_FILE} in it, got {command.run_folder}")
+    if not any(command.run_folder.glob("episode-*.journal")):
+        raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
     argv = film_arguments(command.run_folder)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted

@@ -206,7 +206,7 @@ class PushReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     touched: bool
     """Whether the pushing foot met the box."""
     peak_force_n: float
-    """Largest contact force between foot and box."""
+    """Largest contact force between foot and box, of those at the end of each tick."""
 
 
 class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -221,7 +221,7 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tips_m: tuple[Point3, Point3, Point3, Point3]
     """Centres of the foot spheres: FL, FR, RL, RR."""
     foot_forces_n: tuple[float, float, float, float]
-    """Normal forces that the foot sensors read."""
+    """Magnitudes of the contact forces that the foot sensors read, of floor and box together."""
     imu: Imu
     box: BoxState
     n_footsteps: Count
@@ -241,7 +241,7 @@ class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     foot_forces_n: tuple[tuple[float, float, float, float], ...]
     com_m: tuple[Point3, ...]
     zmp_m: tuple[Point2, ...]
-    """Zero-moment point on the floor: the centre of pressure of the feet."""
+    """Zero-moment point on the floor: the centre of pressure of the feet; below the CoM where no foot carries load."""
     support_margin_m: tuple[float, ...]
     """Signed distance from the CoM's ground projection to the border of the support polygon, inside positive."""
 

@@ -70,7 +70,7 @@ class Roster:
             matching = self._matching(role, name)
             living = [s for s in matching if s.alive]
             if len(living) > 1:
-                return f"there are {len(living)} of them ({', '.join(sorted(s.incarnation for s in living))})"
+                return f"several processes, {len(living)} of them ({', '.join(sorted(s.incarnation for s in living))})"
             if living:
                 said = f', it says "{living[0].doing}"' if living[0].doing else ""
                 return f"slow: it is alive, {self._last_heard(living[0])}{said}"

@@ -9,6 +9,7 @@ from legpush.geometry import Pose2
 from legpush.robot import HIP_X_M, PUSH_GAP_M
 
 Positive = Annotated[float, Meta(gt=0.0)]
+BoxSide = Annotated[float, Meta(ge=0.01)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
 STATION_M: Final = HIP_X_M + PUSH_GAP_M
@@ -39,7 +40,7 @@ class PoseDeg(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     x_m: float
     y_m: float
-    yaw_deg: float
+    yaw_deg: Annotated[float, Meta(ge=-360.0, le=360.0)]
 
     def pose(self) -> Pose2:
         """The same pose in radians."""
@@ -62,9 +63,9 @@ class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     pose: PoseDeg
     """Nominal pose; x points in the direction in which the box is pushed."""
-    size_m: tuple[Positive, Positive, Positive] = (0.4, 0.5, 0.4)
+    size_m: tuple[BoxSide, BoxSide, BoxSide] = (0.4, 0.5, 0.4)
     """Full length (x), width (y) and height."""
-    mass_kg: Positive = 0.1
+    mass_kg: Annotated[float, Meta(ge=0.001)] = 0.1
     friction: Positive = 0.5
     """Sliding friction coefficient, both with the floor and with the foot."""
 

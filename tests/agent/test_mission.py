@@ -1,6 +1,6 @@
 """The mission from reset to report, in a world without physics."""
 
-from math import hypot, radians
+from math import cos, hypot, pi, radians, sin
 
 import pytest
 from msgspec.structs import replace
@@ -169,6 +169,21 @@ def test_a_fall_with_the_box_at_its_goal_is_no_success() -> None:
 
     assert box_error(last_state(world), at_goal).within(at_goal.goal)
     assert (result.success, result.reason) == (False, "fell")
+
+
+def test_a_box_that_tips_over_ends_the_mission_even_at_its_goal() -> None:
+    class TippingWorld(FakeWorld):
+        def step(self, motion: Motion) -> Outcome:
+            outcome = super().step(motion)
+            if isinstance(motion, Push):
+                lying = replace(outcome.world.box, orientation_wxyz=(cos(pi / 8), 0.0, sin(pi / 8), 0.0))
+                outcome = replace(outcome, world=replace(outcome.world, box=lying))
+            return outcome
+
+    result = run(TippingWorld(), scenario_at_station())
+
+    assert (result.success, result.reason, result.n_push_cycles) == (False, "box_tipped", 1)
+    assert "leans by 45°" in result.detail
 
 
 def test_the_push_cycles_are_limited() -> None:

@@ -56,12 +56,15 @@ def test_the_version_is_that_of_the_package() -> None:
         (["run", "--policy", "ppo"], "ppo"),
         (["run", "--scenario", "nope"], "error: Expected the name of a scenario (default, published, "),
         (["run", "--scenario", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
-        (["run", "--box-mass-kg", "-1"], "error: command line: at `box.mass_kg`: expected a number > 0.0, got -1.0\n"),
+        (
+            ["run", "--box-mass-kg", "-1"],
+            "error: command line: at `box.mass_kg`: expected a number >= 0.001",
+        ),
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
         (["run", "--scenario", "push", "--out", "full"], "error: full: expected a new or empty folder"),
         (["scenarios", "show", "defalt"], "(did you mean `default`?)"),
         (["scenarios", "copy", "default", "full/file"], "error: full/file: expected a new file"),
-        (["render", "full"], "error: Expected the folder of a run, with a scenario.toml in it, got full\n"),
+        (["render", "full"], "error: Expected the folder of a run, with an episode-*.journal in it, got full\n"),
     ],
 )
 def test_bad_input_ends_with_2_and_one_message(arguments: list[str], words: str, tmp_path: Path) -> None:
@@ -122,6 +125,6 @@ def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyP
 def test_render_becomes_the_film_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     became: list[tuple[str, ...]] = []
     monkeypatch.setattr(os, "execv", lambda program, argv: became.append((program, *argv)))
-    (tmp_path / "scenario.toml").touch()
+    (tmp_path / "episode-0000.journal").touch()
     cli.main(["render", str(tmp_path)])
     assert became == [(sys.executable, sys.executable, "-P", "-m", "sim_proc.video", str(tmp_path))]

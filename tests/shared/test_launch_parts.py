@@ -234,7 +234,7 @@ def test_options_replace_what_the_scenario_says() -> None:
 
 
 def test_a_replaced_value_is_checked_as_in_a_file() -> None:
-    with pytest.raises(ScenarioError, match=r"command line: at `box\.mass_kg`: expected a number > 0\.0, got -1\.0"):
+    with pytest.raises(ScenarioError, match=r"command line: at `box\.mass_kg`: expected a number >= 0\.001, got -1\.0"):
         resolve_scenario(RunOptions(scenario="push", box_mass_kg=-1.0))
 
 

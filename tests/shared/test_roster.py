@@ -53,7 +53,7 @@ def test_several_live_peers_of_one_name_are_named(roster: Roster) -> None:
     for incarnation in ("b", "a"):
         roster.token("sim", "main", incarnation, alive=True)
     roster.token("sim", "other", "c", alive=True)
-    assert roster.describe("sim", "main") == "there are 2 of them (a, b)"
+    assert roster.describe("sim", "main") == "several processes, 2 of them (a, b)"
     assert {sighting.incarnation for sighting in roster.live("sim")} == {"a", "b", "c"}
 
 

@@ -74,7 +74,7 @@ def test_a_built_in_scenario_survives_being_written_and_read(name: str, tmp_path
 
 
 @given(
-    mass_kg=st.floats(min_value=0.0, exclude_min=True, allow_infinity=False, allow_nan=False),
+    mass_kg=st.floats(min_value=0.001, allow_infinity=False, allow_nan=False),
     margin_m=st.floats(min_value=0.0, max_value=0.3),
     description=st.text(st.characters(exclude_categories=["Cs"])),
 )
@@ -146,7 +146,7 @@ SCHEMA_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
         r"at `room\.grid`: unknown field .*valid here: size_m, .*, grid_file, cell_m, first_row",
     ),
     "missing field": (drop("start", "x_m"), r"at `start\.x_m`: expected a value, got nothing"),
-    "negative mass": (put("box", "mass_kg", value=-1.0), r"at `box\.mass_kg`: expected a number > 0\.0, got -1\.0"),
+    "negative mass": (put("box", "mass_kg", value=-1.0), r"at `box\.mass_kg`: expected a number >= 0\.001, got -1\.0"),
     "mistyped number": (put("start", "y_m", value="1"), r"at `start\.y_m`: expected a number, got a text '1'"),
     "truth value for a number": (
         put("box", "friction", value=True),

@@ -13,6 +13,7 @@ from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.messages import Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.robot import FRONT_LEGS, FrontLeg, foot_rectangle_b
 from legpush.scenario import Randomization, Rectangle, Room, Scenario
+from sim_proc.physics import JOINT_QPOS
 from sim_proc.simulator import Simulator, drawn_poses
 
 
@@ -210,3 +211,42 @@ def test_a_wall_stops_the_box(at_the_box: Scenario) -> None:
         last = simulator.perform(push, with_trace=False)
     corners = box_pose(last).apply([[0.2, 0.25], [0.2, -0.25]])
     assert corners[:, 0].max() < wall.x_min_m + 0.005
+
+
+def test_a_path_that_begins_elsewhere_and_a_push_from_afar_are_refused(at_the_box: Scenario) -> None:
+    simulator = Simulator()
+    perform(simulator, [Reset(scenario=at_the_box, seed=0)])
+    before = simulator.perform(Follow(waypoints=(pose(2, 5, 0),)), with_trace=False)
+    with pytest.raises(MotionError, match=r"path that begins at most 0\.35 m and 45° from the trunk, got 4\.00 m"):
+        simulator.perform(Follow(waypoints=(pose(6, 5, 0),)), with_trace=False)
+    far = replace(at_the_box, box=replace(at_the_box.box, pose=replace(at_the_box.box.pose, x_m=9.0)))
+    away = Simulator()
+    perform(away, [Reset(scenario=far, seed=0)])
+    with pytest.raises(MotionError, match=r"Expected the place to push from at most 0\.35 m"):
+        away.perform(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05), with_trace=False)
+    assert simulator.perform(Follow(waypoints=(pose(2, 5, 0),)), with_trace=False).state_crc == before.state_crc
+
+
+@pytest.mark.parametrize("heading_deg", [0.0, 15.0, 30.0, 45.0, 90.0])
+def test_the_floor_slows_the_box_down_alike_in_every_direction(at_the_box: Scenario, heading_deg: float) -> None:
+    simulator = Simulator()
+    perform(simulator, [Reset(scenario=at_the_box, seed=0)])
+    assert simulator.episode is not None
+    physics = simulator.episode.physics
+    heading = np.radians(heading_deg)
+    physics.data.qvel[18:20] = [cos(heading), sin(heading)]
+    targets = np.repeat(physics.data.qpos[JOINT_QPOS][None], 5, axis=0)
+    physics.run(targets, np.zeros_like(targets))
+    speed = float(np.hypot(*physics.data.qvel[18:20]))
+    assert (1.0 - speed) / (5 * 0.02 * 9.81) == pytest.approx(0.5, rel=0.1)
+    assert degrees(np.arctan2(physics.data.qvel[19], physics.data.qvel[18])) == pytest.approx(heading_deg, abs=3.0)
+
+
+def test_a_box_that_slides_out_of_reach_is_not_followed(at_the_box: Scenario) -> None:
+    slippery = replace(at_the_box, box=replace(at_the_box.box, friction=0.01))
+    simulator = Simulator()
+    perform(simulator, [Reset(scenario=slippery, seed=0)])
+    push = simulator.perform(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.15), with_trace=False)
+    assert box_pose(push).x_m - slippery.box.pose.x_m > 0.4
+    assert not push.world.fallen
+    assert abs(push.world.trunk.position_m[0] - 2.0) < 0.1

@@ -121,7 +121,7 @@ def require_libraries() -> None:
     if missing:
         raise ConfigError(
             f"Expected the libraries of all three processes, but {', '.join(missing)} is not installed; "
-            "pip install 'legpush[all]' installs them"
+            "pip install '.[all]' in its checkout installs them"
         )
 
 
@@ -183,4 +183,11 @@ def child_environment(environment: Mapping[str, str]) -> dict[str, str]:
 def _again(options: RunOptions, folder: Path) -> str:
     """The command that goes on with an interrupted run."""
     words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
-    return shlex.join([*words, "--out", str(folder)])
+    words += ["--out", str(folder), "--policy", options.policy]
+    if not options.video:
+        words += ["--no-video"]
+    if options.inject_faults > 0.0:
+        words += ["--inject-faults", str(options.inject_faults)]
+    if options.deadline_s is not None:
+        words += ["--deadline", str(options.deadline_s)]
+    return shlex.join(words)
