@@ -1,0 +1,161 @@
+"""Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
+
+from dataclasses import dataclass
+from math import degrees
+from typing import Any, ClassVar, Final, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from agent_proc.action_space import action_space, no_push_helps, to_push
+from agent_proc.observation import PAPER, Table, bounds, observe
+from agent_proc.observation_relative import RELATIVE
+from agent_proc.poses import box_error
+from agent_proc.reward import paper_reward
+from agent_proc.reward_tuned import errors_in_tolerances, tuned_reward
+from agent_proc.task import TaskConfig
+from agent_proc.worlds import SteppingWorld
+from legpush.errors import ConfigError
+from legpush.messages import Push, Reset, WorldState
+from legpush.scenario import Scenario
+
+TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}
+ASTRAY: Final = 5.0
+"""An episode of the `tuned` profile ends when the errors add up to this many tolerances more than at its start."""
+
+Ending = Literal["success", "fell", "missed", "astray", "max_steps"]
+
+
+class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
+    """Push the box of a scenario to its goal.
+
+    `terminated`: the robot fell, or the box is where the profile of the reward ends an episode. `truncated`: after
+    `max_steps`. The `info` of a step holds the terms of its reward by name under `reward_terms`, `is_success`, `fell`,
+    `position_error_m`, `angle_error_deg` and, at the end, `ending`.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+
+    def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
+        self.task = task
+        self.action_space = action_space(task)
+        self._table = TABLES[task.observation]
+        low, high = bounds(task.scenario, self._table)
+        self.observation_space = spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
+        self._world = world
+        self._episode: _Episode | None = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begin an episode, drawn from the generator that the last `seed` set up.
+
+        Options: `scenario_seed` and `scenario` replace what is drawn and the scenario of the task, for this episode.
+        """
+        super().reset(seed=seed)
+        drawn_seed = int(self.np_random.integers(2**32))
+        drawn_scenario = self._drawn_scenario()
+        options = options or {}
+        if not options.keys() <= {"scenario", "scenario_seed"}:
+            raise ConfigError(f"Expected the options `scenario` and `scenario_seed`, got {', '.join(options)}")
+        scenario = options.get("scenario", drawn_scenario)
+        scenario_seed = options.get("scenario_seed", drawn_seed)
+        state = self._world.step(Reset(scenario=scenario, seed=scenario_seed)).world
+        self._episode = _Episode(scenario=scenario, first=state, state=state)
+        return self._observe(self._episode), {"scenario_seed": scenario_seed, **_errors(state, scenario)}
+
+    def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """One push cycle."""
+        episode = self._going_on()
+        push = to_push(action, self.task, episode.state, episode.scenario)
+        before, episode.state = episode.state, self._world.step(push).world
+        episode.n_steps += 1
+        ending = self._ending(episode)
+        episode.over = ending is not None
+        terms = self._reward(before, episode, ending)
+        info: dict[str, Any] = {
+            "reward_terms": terms,
+            "is_success": ending == "success",
+            **_errors(episode.state, episode.scenario),
+        }
+        if ending is not None:
+            info["ending"] = ending
+        truncated = ending == "max_steps"
+        return self._observe(episode), sum(terms.values()), episode.over and not truncated, truncated, info
+
+    def _going_on(self) -> "_Episode":
+        if self._episode is None or self._episode.over:
+            raise ConfigError("Expected a reset before this step: there is no episode, or it is over")
+        return self._episode
+
+    def _drawn_scenario(self) -> Scenario:
+        domain, scenario = self.task.domain, self.task.scenario
+        drawn = {
+            name: float(self.np_random.uniform(*interval))
+            for name, interval in (("mass_kg", domain.mass_kg), ("friction", domain.friction))
+            if interval is not None
+        }
+        return replace(scenario, box=replace(scenario.box, **drawn))
+
+    def _ending(self, episode: "_Episode") -> Ending | None:
+        state, scenario = episode.state, episode.scenario
+        if state.fallen:
+            return "fell"
+        if is_done(self.task, state, scenario):
+            return "success" if box_error(state, scenario).within(scenario.goal) else "missed"
+        if self.task.reward == "tuned":
+            now, first = (sum(errors_in_tolerances(world, scenario)) for world in (state, episode.first))
+            if now > first + ASTRAY:
+                return "astray"
+        return "max_steps" if episode.n_steps >= self.task.max_steps else None
+
+    def _reward(self, before: WorldState, episode: "_Episode", ending: Ending | None) -> dict[str, float]:
+        if self.task.reward == "paper":
+            reward = paper_reward(episode.state, episode.scenario)
+            return {"position": reward.position, "angle": reward.angle, "fall": reward.fall}
+        arrived = ending in ("success", "missed")
+        return tuned_reward(episode.first, before, episode.state, episode.scenario, arrived=arrived)
+
+    def _observe(self, episode: "_Episode") -> NDArray[np.float32]:
+        return observe(episode.state, episode.scenario, self._table).astype(np.float32)
+
+
+@dataclass
+class _Episode:
+    """An episode on its way."""
+
+    scenario: Scenario
+    first: WorldState
+    """Its state after the reset."""
+    state: WorldState
+    n_steps: int = 0
+    over: bool = False
+
+
+def is_done(task: TaskConfig, world: WorldState, scenario: Scenario) -> bool:
+    """Whether a policy that learned this task has nothing left to do here, be it good or bad."""
+    if task.reward == "paper":
+        return box_error(world, scenario).within(scenario.goal)
+    return no_push_helps(task, world, scenario)
+
+
+def policy_observation(task: TaskConfig, world: WorldState, scenario: Scenario) -> NDArray[np.float32]:
+    """What the environment shows a policy of this task in this state, (n,)."""
+    return observe(world, scenario, TABLES[task.observation]).astype(np.float32)
+
+
+def policy_push(task: TaskConfig, action: NDArray[Any], world: WorldState, scenario: Scenario) -> Push:
+    """What the environment makes of the action of a policy of this task."""
+    return to_push(action, task, world, scenario)
+
+
+def _errors(world: WorldState, scenario: Scenario) -> dict[str, Any]:
+    error = box_error(world, scenario)
+    return {
+        "fell": world.fallen,
+        "position_error_m": error.position_m,
+        "angle_error_deg": degrees(error.angle_rad),
+    }
