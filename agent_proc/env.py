@@ -1,8 +1,9 @@
 """Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import degrees
-from typing import Any, ClassVar, Final, Literal
+from typing import Any, Final, Literal
 
 import gymnasium
 import numpy as np
@@ -18,8 +19,8 @@ from agent_proc.reward import paper_reward
 from agent_proc.reward_tuned import errors_in_tolerances, tuned_reward
 from agent_proc.task import TaskConfig
 from agent_proc.worlds import SteppingWorld
-from legpush.errors import ConfigError
-from legpush.messages import Push, Reset, WorldState
+from legpush.errors import ConfigError, PeerError
+from legpush.messages import Outcome, Push, Reset, WorldState
 from legpush.scenario import Scenario
 
 TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}
@@ -27,6 +28,17 @@ ASTRAY: Final = 5.0
 """An episode of the `tuned` profile ends when the errors add up to this many tolerances more than at its start."""
 
 Ending = Literal["success", "fell", "missed", "astray", "max_steps"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvSnapshot:
+    """An environment in the middle of an episode: enough to go on with it, bit for bit, in another process."""
+
+    generator: Mapping[str, Any]
+    """State of the generator that later episodes are drawn from."""
+    reset: Reset
+    pushes: tuple[Push, ...]
+    state_crc: int
 
 
 class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
@@ -37,7 +49,7 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
     `position_error_m`, `angle_error_deg` and, at the end, `ending`.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it so
 
     def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
         self.task = task
@@ -63,16 +75,15 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
             raise ConfigError(f"Expected the options `scenario` and `scenario_seed`, got {', '.join(options)}")
         scenario = options.get("scenario", drawn_scenario)
         scenario_seed = options.get("scenario_seed", drawn_seed)
-        state = self._world.step(Reset(scenario=scenario, seed=scenario_seed)).world
-        self._episode = _Episode(scenario=scenario, first=state, state=state)
-        return self._observe(self._episode), {"scenario_seed": scenario_seed, **_errors(state, scenario)}
+        episode = self._episode = self._begin(Reset(scenario=scenario, seed=scenario_seed))
+        return self._observe(episode), {"scenario_seed": scenario_seed, **_errors(episode.state, scenario)}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """One push cycle."""
         episode = self._going_on()
         push = to_push(action, self.task, episode.state, episode.scenario)
-        before, episode.state = episode.state, self._world.step(push).world
-        episode.n_steps += 1
+        before, outcome = episode.state, self._world.step(push)
+        episode.advance(push, outcome)
         ending = self._ending(episode)
         episode.over = ending is not None
         terms = self._reward(before, episode, ending)
@@ -85,6 +96,37 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
             info["ending"] = ending
         truncated = ending == "max_steps"
         return self._observe(episode), sum(terms.values()), episode.over and not truncated, truncated, info
+
+    def snapshot(self) -> EnvSnapshot:
+        """What `restore` needs to go on from here."""
+        episode = self._going_on()
+        return EnvSnapshot(
+            generator=self.np_random.bit_generator.state,
+            reset=episode.reset,
+            pushes=tuple(episode.pushes),
+            state_crc=episode.state_crc,
+        )
+
+    def restore(self, snapshot: EnvSnapshot) -> NDArray[np.float32]:
+        """Go on where the snapshot was taken, by doing all of its episode again; returns the observation.
+
+        `PeerError` where that leads to another state.
+        """
+        super().reset(seed=0)
+        self.np_random.bit_generator.state = dict(snapshot.generator)
+        episode = self._episode = self._begin(snapshot.reset)
+        for push in snapshot.pushes:
+            episode.advance(push, self._world.step(push))
+        if episode.state_crc != snapshot.state_crc:
+            raise PeerError(
+                f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
+                f"{episode.state_crc:08x}: the simulator computes something else"
+            )
+        return self._observe(episode)
+
+    def _begin(self, reset: Reset) -> "_Episode":
+        outcome = self._world.step(reset)
+        return _Episode(reset=reset, first=outcome.world, state=outcome.world, state_crc=outcome.state_crc)
 
     def _going_on(self) -> "_Episode":
         if self._episode is None or self._episode.over:
@@ -110,7 +152,7 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
             now, first = (sum(errors_in_tolerances(world, scenario)) for world in (state, episode.first))
             if now > first + ASTRAY:
                 return "astray"
-        return "max_steps" if episode.n_steps >= self.task.max_steps else None
+        return "max_steps" if len(episode.pushes) >= self.task.max_steps else None
 
     def _reward(self, before: WorldState, episode: "_Episode", ending: Ending | None) -> dict[str, float]:
         if self.task.reward == "paper":
@@ -127,12 +169,23 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
 class _Episode:
     """An episode on its way."""
 
-    scenario: Scenario
+    reset: Reset
     first: WorldState
     """Its state after the reset."""
     state: WorldState
-    n_steps: int = 0
+    state_crc: int
+    pushes: list[Push] = field(default_factory=list)
     over: bool = False
+
+    @property
+    def scenario(self) -> Scenario:
+        """Its own, with what was drawn for it."""
+        return self.reset.scenario
+
+    def advance(self, push: Push, outcome: Outcome) -> None:
+        """A push was carried out."""
+        self.pushes.append(push)
+        self.state, self.state_crc = outcome.world, outcome.state_crc
 
 
 def is_done(task: TaskConfig, world: WorldState, scenario: Scenario) -> bool:

@@ -35,18 +35,22 @@ class BusWorld:
     """A simulator on the bus, which may die at any time: the one that takes its name is led to the same state.
 
     An episode is never truncated for that. Its past motions are all that it takes to do it again, bit for bit, so what
-    a learner sees does not depend on whether a simulator died.
+    a learner sees does not depend on whether a simulator died. In the same way two worlds may share a link, one at a
+    time: whoever steps after the other has its episode done again first.
     """
 
     def __init__(self, link: SimLink) -> None:
         self._link = link
         self._past: list[PastStep] = []
+        self._episode = -1
 
     def step(self, motion: Motion) -> Outcome:
         """Carry out one motion; `PeerError` where no simulator answers to the name in time."""
         if isinstance(motion, Reset):
-            self._link.begin()
             self._past = []
+        if isinstance(motion, Reset) or self._link.episode != self._episode:
+            self._link.begin()
         outcome = self._link.step(motion, self._past)
+        self._episode = self._link.episode
         self._past.append(PastStep(motion, outcome.state_crc))
         return outcome
