@@ -20,7 +20,9 @@ CYCLE_COST: Final = 0.02
 SUCCESS_BONUS: Final = 3.0
 """For an end within the tolerances."""
 PRECISION_BONUS: Final = 3.0
-"""For an end without any error; less by a Gaussian of both errors in tolerances."""
+"""For an end without any error; it decays with both errors."""
+PRECISION_DECAY: Final = 2.0
+"""Per tolerance of either error."""
 FALL_PENALTY: Final = 10.0
 """Besides all progress that was made: it is taken back."""
 
@@ -48,6 +50,6 @@ def tuned_reward(
         "angle": ANGLE_WEIGHT * (angle - angle_after),
         "cycle": -CYCLE_COST,
         "success": SUCCESS_BONUS if arrived and within else 0.0,
-        "precision": PRECISION_BONUS * exp(-(position_after**2 + angle_after**2)) if arrived else 0.0,
+        "precision": PRECISION_BONUS * exp(-PRECISION_DECAY * (position_after + angle_after)) if arrived else 0.0,
         "fall": -FALL_PENALTY if after.fallen else 0.0,
     }
