@@ -41,7 +41,7 @@ class EnvSnapshot:
     state_crc: int
 
 
-class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
+class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     """Push the box of a scenario to its goal.
 
     `terminated`: the robot fell, or the box is where the profile of the reward ends an episode. `truncated`: after
@@ -54,9 +54,8 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
     def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
         self.task = task
         self.action_space = action_space(task)
-        self._table = TABLES[task.observation]
-        low, high = bounds(task.scenario, self._table)
-        self.observation_space = spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
+        self.table = TABLES[task.observation]
+        self.observation_space = observation_space(task)
         self._world = world
         self._episode: _Episode | None = None
 
@@ -96,6 +95,13 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
             info["ending"] = ending
         truncated = ending == "max_steps"
         return self._observe(episode), sum(terms.values()), episode.over and not truncated, truncated, info
+
+    @property
+    def here(self) -> tuple[WorldState, Scenario]:
+        """The present state of the world, and the scenario of the episode."""
+        if self._episode is None:
+            raise ConfigError("Expected a reset first: there is no episode")
+        return self._episode.state, self._episode.scenario
 
     def snapshot(self) -> EnvSnapshot:
         """What `restore` needs to go on from here."""
@@ -162,7 +168,7 @@ class PushEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
         return tuned_reward(episode.first, before, episode.state, episode.scenario, arrived=arrived)
 
     def _observe(self, episode: "_Episode") -> NDArray[np.float32]:
-        return observe(episode.state, episode.scenario, self._table).astype(np.float32)
+        return observe(episode.state, episode.scenario, self.table).astype(np.float32)
 
 
 @dataclass
@@ -186,6 +192,12 @@ class _Episode:
         """A push was carried out."""
         self.pushes.append(push)
         self.state, self.state_crc = outcome.world, outcome.state_crc
+
+
+def observation_space(task: TaskConfig) -> spaces.Box:
+    """What the environment shows: bounds of each element, (n,)."""
+    low, high = bounds(task.scenario, TABLES[task.observation])
+    return spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
 
 
 def is_done(task: TaskConfig, world: WorldState, scenario: Scenario) -> bool:

@@ -18,7 +18,7 @@ from legpush.messages import WorldState
 from legpush.scenario import Scenario
 
 NEAR_M: Final = 0.05
-"""Distances around this length are told apart best by `box_near`."""
+"""From about this length on, `box_near` grows with the logarithm of a distance."""
 AROUND_M: Final = 1.0
 """Bounds of what is measured from the box."""
 
@@ -55,6 +55,11 @@ def _room_limits(scenario: Scenario) -> tuple[Floats, Floats]:
     return -high, high
 
 
+def _near_limits(scenario: Scenario) -> tuple[Floats, Floats]:
+    low, high = _room_limits(scenario)
+    return np.arcsinh(low / NEAR_M), np.arcsinh(high / NEAR_M)
+
+
 def _limits(*high: float) -> Callable[[Scenario], tuple[Floats, Floats]]:
     return lambda _: (-np.array(high), np.array(high))
 
@@ -73,11 +78,11 @@ RELATIVE: Final[Table] = (
         name="box_near",
         axes="xy",
         size=2,
-        read=lambda world, scenario: np.tanh(_box(world, scenario) / NEAR_M),
-        meaning=f"tanh of the same over {NEAR_M:g} m: the last centimetres",
+        read=lambda world, scenario: np.arcsinh(_box(world, scenario) / NEAR_M),
+        meaning=f"asinh of the same over {NEAR_M:g} m: the last centimetres count most",
         unit="1",
         frame="goal",
-        limits=_limits(1.0, 1.0),
+        limits=_near_limits,
     ),
     Entry(
         name="box_heading",

@@ -26,9 +26,9 @@ class LocalWorld:
     def __init__(self, stepper: Stepper) -> None:
         self._stepper = stepper
 
-    def step(self, motion: Motion) -> Outcome:
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         """Carry out one motion."""
-        return self._stepper.perform(motion, with_trace=False)
+        return self._stepper.perform(motion, with_trace=with_trace)
 
 
 class BusWorld:
@@ -40,17 +40,23 @@ class BusWorld:
     """
 
     def __init__(self, link: SimLink) -> None:
+        self.name = link.sim
+        """Of the simulator."""
         self._link = link
         self._past: list[PastStep] = []
         self._episode = -1
 
-    def step(self, motion: Motion) -> Outcome:
+    def beside(self) -> "BusWorld":
+        """Another world of the same simulator."""
+        return BusWorld(self._link)
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         """Carry out one motion; `PeerError` where no simulator answers to the name in time."""
         if isinstance(motion, Reset):
             self._past = []
         if isinstance(motion, Reset) or self._link.episode != self._episode:
             self._link.begin()
-        outcome = self._link.step(motion, self._past)
+        outcome = self._link.step(motion, self._past, with_trace=with_trace)
         self._episode = self._link.episode
         self._past.append(PastStep(motion, outcome.state_crc))
         return outcome

@@ -32,14 +32,26 @@ class SimPool:
     raises a `PeerError` with its last words.
     """
 
-    def __init__(self, n: int, logs: Path, stop: threading.Event, run: str = "train") -> None:
-        """`logs` is the folder for what the simulators write; it is made if needed."""
+    def __init__(
+        self,
+        n: int,
+        logs: Path,
+        stop: threading.Event,
+        *,
+        run: str = "train",
+        program: tuple[str, ...] = ("-m", "sim_proc"),
+    ) -> None:
+        """`logs` is the folder for what the simulators write; it is made if needed.
+
+        `program` is what Python runs as a simulator, with the flags of one.
+        """
         if n < 1:
             raise ConfigError(f"Expected at least 1 simulator to start, got {n}")
         self.run = run
         self.names = tuple(f"sim{index}" for index in range(n))
         self._logs = logs
         self._stop = stop
+        self._program = program
         self._over = threading.Event()
         self._closing = ExitStack()
 
@@ -83,7 +95,7 @@ class SimPool:
         return Command(
             role=name,
             # -P: what lies in the working directory is no part of the program.
-            argv=(sys.executable, "-P", "-m", "sim_proc", *flags),
+            argv=(sys.executable, "-P", *self._program, *flags),
             log=self._logs / f"{name}.log",
             environment=child_environment(os.environ),
         )
