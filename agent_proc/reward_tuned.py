@@ -13,13 +13,13 @@ from legpush.scenario import Scenario
 
 POSITION_WEIGHT: Final = 0.1
 """Per tolerance of the position that the error shrinks."""
-ANGLE_WEIGHT: Final = 0.1
+ANGLE_WEIGHT: Final = 0.3
 """Per tolerance of the angle."""
 CYCLE_COST: Final = 0.02
 """Of each push cycle."""
 SUCCESS_BONUS: Final = 3.0
 """For an end within the tolerances."""
-PRECISION_BONUS: Final = 3.0
+PRECISION_BONUS: Final = 6.0
 """For an end without any error; it decays with both errors."""
 PRECISION_DECAY: Final = 2.0
 """Per tolerance of either error."""
