@@ -121,6 +121,25 @@ def test_no_simulator_is_left_behind_not_even_a_frozen_one(tmp_path: Path) -> No
     assert not any(process.is_running() for process in started)
 
 
+LEARNER = """
+import sys
+from pathlib import Path
+from threading import Event
+from legpush.launch.sims import SimPool
+with SimPool(2, Path(sys.argv[1]), Event()):
+    Event().wait()
+"""
+
+
+def test_no_simulator_outlives_a_learner_that_was_killed(tmp_path: Path) -> None:
+    with subprocess.Popen([sys.executable, "-c", LEARNER, str(tmp_path)]) as learner:
+        process = psutil.Process(learner.pid)
+        assert eventually(lambda: len(process.children(recursive=True)) == 2)
+        started = process.children(recursive=True)
+        learner.kill()
+    assert eventually(lambda: not any(child.is_running() for child in started))
+
+
 def learn_until(stop: Event) -> None:
     """As a link that waits for its simulator."""
     assert stop.wait(30.0)
