@@ -2,6 +2,7 @@
 
 import io
 import pickle
+import threading
 import zipfile
 from typing import Any, Final
 
@@ -42,6 +43,8 @@ class LearnedPolicy:
                 f"`{self._task.observation}`, got {len(self._normalizer.mean)}"
             )
         self._networks = _networks(folder, seen, name)
+        # Networks of Stable-Baselines3 keep the distribution of their last action: one thread at a time.
+        self._lock = threading.Lock()
 
     def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
         """The next push, or None where an episode of training would have ended."""
@@ -50,7 +53,8 @@ class LearnedPolicy:
         observation = policy_observation(self._task, world, scenario)
         if self._normalizer is not None:
             observation = self._normalizer.apply(observation)
-        action, _ = self._networks.predict(observation, deterministic=True)
+        with self._lock:
+            action, _ = self._networks.predict(observation, deterministic=True)
         return policy_push(self._task, action, world, scenario)
 
 

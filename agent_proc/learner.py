@@ -3,6 +3,7 @@
 import io
 import pickle
 import random
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
@@ -53,6 +54,11 @@ class Learner:
 def use_one_thread() -> None:
     """Networks are small: more threads only get in each other's way, and change the order of sums."""
     torch.set_num_threads(1)
+
+
+def undisturbed_draws() -> AbstractContextManager[None]:
+    """What torch draws inside, such as weights that are then replaced, changes nothing of what it draws after."""
+    return torch.random.fork_rng(devices=[])
 
 
 def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str | None) -> Learner:

@@ -18,7 +18,16 @@ from stable_baselines3.common.vec_env import VecEnv
 from agent_proc.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from agent_proc.evaluation import TracingWorld, evaluate, summarize
 from agent_proc.learned import LearnedPolicy
-from agent_proc.learner import Learner, capture, make_learner, observation_moments, policy_zip, restore, use_one_thread
+from agent_proc.learner import (
+    Learner,
+    capture,
+    make_learner,
+    observation_moments,
+    policy_zip,
+    restore,
+    undisturbed_draws,
+    use_one_thread,
+)
 from agent_proc.policy_folder import Card, Check, CurvePoint, Normalizer, PolicyFolder, write_policy
 from agent_proc.profiles import AnyProfile
 from agent_proc.task import TaskConfig
@@ -196,7 +205,8 @@ class Training:
             return
         self._tell("evaluating")
         where = self._learner.env.snapshot()
-        check = self._check()
+        with undisturbed_draws():
+            check = self._check()
         self._learner.env.restore(where)
         self._checks.append(check)
         log.info("step %d: %s", step, check)
