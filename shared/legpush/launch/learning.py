@@ -10,7 +10,6 @@ from typing import Annotated, Final, Literal, NoReturn
 import tyro
 
 from legpush.errors import ConfigError
-from legpush.launch.run import child_environment
 
 MAX_SIMULATORS: Final = 8
 """Started at most unless more are asked for."""
@@ -119,6 +118,8 @@ class EvaluateOptions(SimulatorOptions):
 
 def start_program(program: Literal["train", "evaluate"], argv: Sequence[str]) -> NoReturn:
     """Become the agent's program for it, which imports the learning libraries; `argv` are its options."""
+    from legpush.launch.run import child_environment
+
     # -P: what lies in the working directory is no part of the program.
     command = [sys.executable, "-P", "-m", f"agent_proc.{program}", *argv]
     os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted
