@@ -69,13 +69,8 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
     arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
     if role == "agent":
         arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
-        arguments += ["--out", str(place.folder), "--policy", _place_of(options.policy)]
+        arguments += ["--out", str(place.folder), "--policy", options.policy]
     return tuple(arguments)
-
-
-def _place_of(policy: str) -> str:
-    """The policy; where it is a folder, by a path that holds everywhere."""
-    return str(Path(policy).absolute()) if Path(policy).is_dir() else policy
 
 
 @dataclass(frozen=True, kw_only=True)
