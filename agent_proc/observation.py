@@ -1,11 +1,12 @@
-"""The observation of a pushing policy (Eq. 18): one table, from which vector, bounds and documentation come.
+"""The observation of a pushing policy as a table, from which vector, bounds and documentation come.
 
-The tracked corners are the front left and the front right one of the box, at its upper edge: the side that leads.
+The profile `paper` is Eq. 18; its tracked corners are the front left and the front right one of the box, at its upper
+edge: the side that leads.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,22 +22,31 @@ BEYOND_M: Final = 1.0
 """How far the bounds reach beyond the room, and above the box."""
 
 
+def _room_bounds(scenario: Scenario) -> tuple[Floats, Floats]:
+    """Lowest and highest x, y and z: the room up to the height of the box, and `BEYOND_M` on every side."""
+    high = np.array([*scenario.room.size_m, scenario.box.size_m[2]]) + BEYOND_M
+    return np.full(3, -BEYOND_M), high
+
+
 @dataclass(frozen=True, kw_only=True)
 class Entry:
     """Consecutive elements of the observation."""
 
     name: str
-    axes: Literal["xyz", "xy"]
+    axes: str
+    """What people call the elements."""
+    size: int
+    """Number of elements."""
     read: Callable[[WorldState, Scenario], Floats]
-    """The values, with the length of `axes`."""
+    """The values, (size,)."""
     meaning: str
     unit: str = "m"
     frame: str = "world"
+    limits: Callable[[Scenario], tuple[Floats, Floats]] = _room_bounds
+    """Lowest and highest values, at least (size,) each."""
 
-    @property
-    def size(self) -> int:
-        """Number of elements."""
-        return len(self.axes)
+
+Table = tuple[Entry, ...]
 
 
 def _corner(index: int) -> Callable[[WorldState, Scenario], Floats]:
@@ -51,41 +61,48 @@ def _tip(index: int) -> Callable[[WorldState, Scenario], Floats]:
     return lambda world, _: np.array(world.tips_m[index])
 
 
-PAPER: Final[tuple[Entry, ...]] = (
-    Entry(name="body", axes="xyz", read=lambda world, _: np.array(world.trunk.position_m), meaning="trunk centre"),
-    Entry(name="box_corner_1", axes="xyz", read=_corner(0), meaning="front left upper corner of the box"),
-    Entry(name="box_corner_2", axes="xyz", read=_corner(1), meaning="front right upper corner of the box"),
-    *(
-        Entry(name=f"tip_{leg}", axes="xyz", read=_tip(index), meaning=f"centre of the foot sphere of {leg}")
-        for index, leg in enumerate(LEGS)
-    ),
-    Entry(name="goal_corner_1", axes="xy", read=_goal_corner(0), meaning="where corner 1 has to be"),
-    Entry(name="goal_corner_2", axes="xy", read=_goal_corner(1), meaning="where corner 2 has to be"),
+def _place(name: str, read: Callable[[WorldState, Scenario], Floats], meaning: str, axes: str = "xyz") -> Entry:
+    return Entry(name=name, axes=axes, size=len(axes), read=read, meaning=meaning)
+
+
+PAPER: Final[Table] = (
+    _place("body", lambda world, _: np.array(world.trunk.position_m), "trunk centre"),
+    _place("box_corner_1", _corner(0), "front left upper corner of the box"),
+    _place("box_corner_2", _corner(1), "front right upper corner of the box"),
+    *(_place(f"tip_{leg}", _tip(index), f"centre of the foot sphere of {leg}") for index, leg in enumerate(LEGS)),
+    _place("goal_corner_1", _goal_corner(0), "where corner 1 has to be", "xy"),
+    _place("goal_corner_2", _goal_corner(1), "where corner 2 has to be", "xy"),
 )
 """The profile `paper`: 25 elements, all of them positions in the world frame."""
 
 
-def observe(world: WorldState, scenario: Scenario, table: tuple[Entry, ...] = PAPER) -> Floats:
+def observe(world: WorldState, scenario: Scenario, table: Table = PAPER) -> Floats:
     """The observation vector, (n,): the entries of the table one after the other."""
     return np.concatenate([entry.read(world, scenario) for entry in table])
 
 
-def bounds(scenario: Scenario, table: tuple[Entry, ...] = PAPER) -> tuple[Floats, Floats]:
-    """Lowest and highest values, (n,) each: the room up to the height of the box, and `BEYOND_M` on every side."""
-    size_m = np.array([*scenario.room.size_m, scenario.box.size_m[2]])
-    high = np.concatenate([size_m[: entry.size] for entry in table]) + BEYOND_M
-    return np.full(len(high), -BEYOND_M), high
+def bounds(scenario: Scenario, table: Table = PAPER) -> tuple[Floats, Floats]:
+    """Lowest and highest values, (n,) each."""
+    low, high = zip(*(entry.limits(scenario) for entry in table), strict=True)
+    sizes = [entry.size for entry in table]
+    return (
+        np.concatenate([values[:size] for values, size in zip(low, sizes, strict=True)]),
+        np.concatenate([values[:size] for values, size in zip(high, sizes, strict=True)]),
+    )
 
 
-def as_markdown(table: tuple[Entry, ...] = PAPER) -> str:
+def element_names(table: Table) -> tuple[str, ...]:
+    """A name for each element."""
+    return tuple(f"{entry.name}[{index}]" for entry in table for index in range(entry.size))
+
+
+def as_markdown(table: Table = PAPER) -> str:
     """The table for the documentation."""
     lines = ["| elements | name | axes | unit | frame | meaning |", "| --- | --- | --- | --- | --- | --- |"]
     first = 0
     for entry in table:
         last = first + entry.size - 1
-        lines.append(
-            f"| {first} to {last} | `{entry.name}` | {entry.axes} | {entry.unit} | {entry.frame} | {entry.meaning} |"
-        )
+        elements = f"{first} to {last}" if last > first else f"{first}"
+        lines.append(f"| {elements} | `{entry.name}` | {entry.axes} | {entry.unit} | {entry.frame} | {entry.meaning} |")
         first = last + 1
-    beyond = f"Bounds: x and y from -{BEYOND_M:g} m to the room's size + {BEYOND_M:g} m, z to the box's height + "
-    return "\n".join([*lines, "", f"{beyond}{BEYOND_M:g} m.", ""])
+    return "\n".join([*lines, ""])

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from time import time
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final
 
 import msgspec
 import tyro
 
 from agent_proc.live_world import LiveWorld
 from agent_proc.mission import MissionResult, run_mission
-from agent_proc.policy import Policy
+from agent_proc.policies import SCRIPTED, make_policy
 from agent_proc.record import read_record
 from agent_proc.report import installed_versions, make_report
 from legpush.bus import Bus
@@ -51,8 +51,8 @@ class AgentConfig(ServiceConfig):
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Where journal, report and picture go, `runs/<scenario>-seed<N>` if not given; a mission that was interrupted goes
     on there."""
-    policy: Literal["scripted"] = "scripted"
-    """What chooses the pushes."""
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = SCRIPTED
+    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, or module:factory."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -71,6 +71,7 @@ class AgentConfig(ServiceConfig):
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     """Run the mission of `config`; 0 for success, 1 without."""
     scenario = load_scenario(config.scenario)
+    policy = make_policy(config.policy)
     folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
     opened = Opened(
         protocol=PROTOCOL_VERSION,
@@ -83,22 +84,13 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         patience = Patience(deadline_s=config.deadline_s)
         world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop)
         bus.announce()
-        result = run_mission(world, scenario, config.seed, make_policy(config.policy))
+        result = run_mission(world, scenario, config.seed, policy)
         beacon.say("reporting", None, result.detail)
         if not world.is_live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
         leave_report(folder, journal, result)
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
-
-
-def make_policy(name: Literal["scripted"]) -> Policy:
-    """The policy of this name."""
-    match name:
-        case "scripted":
-            from agent_proc.scripted import ScriptedPolicy
-
-            return ScriptedPolicy()
 
 
 def writable_folder(folder: Path) -> Path:

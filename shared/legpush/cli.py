@@ -12,6 +12,7 @@ from typing import Annotated, Final
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
+from legpush.launch.learning import EvaluateOptions, TrainOptions, start_program
 from legpush.launch.options import RunOptions
 
 DESCRIPTION: Final = (
@@ -64,6 +65,8 @@ class Render:
 
 Command = (
     Annotated[RunOptions, tyro.conf.subcommand("run")]
+    | Annotated[TrainOptions, tyro.conf.subcommand("train")]
+    | Annotated[EvaluateOptions, tyro.conf.subcommand("evaluate")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[Render, tyro.conf.subcommand("render")]
 )
@@ -76,13 +79,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
     try:
-        command: RunOptions | Scenarios | Render = tyro.cli(
+        command: RunOptions | TrainOptions | EvaluateOptions | Scenarios | Render = tyro.cli(
             Command,
             prog="legpush",
             description=DESCRIPTION,
             args=argv,
             config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
         )
+        if isinstance(command, TrainOptions | EvaluateOptions):
+            start_program("train" if isinstance(command, TrainOptions) else "evaluate", argv[1:])
         return execute(command)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")

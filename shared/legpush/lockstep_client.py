@@ -40,6 +40,7 @@ class SimLink:
         patience: Patience | None = None,
         on_wait: OnWait = no_report,
     ) -> None:
+        self.sim = sim
         self._bus = bus
         answers = bus.subscribe(channels.answers(bus.run, sim))
         self._actions = bus.publisher(channels.actions(bus.run, sim))

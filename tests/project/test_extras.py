@@ -17,8 +17,8 @@ OWN = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
 PARTS = [("shared/legpush", ()), ("planner_proc", ("planner",)), ("sim_proc", ("sim",)), ("agent_proc", ("agent",))]
 """Source folder, and the extras that its hosts install."""
 
-FOR_TRAINING = {"gymnasium", "stable-baselines3", "torch"}
-"""Declared for those who train policies for the agent; none of its modules imports them."""
+FOR_TRAINING = {"tensorboard"}
+"""Declared for those who train policies: Stable-Baselines3 imports it where a log is asked for, none of ours does."""
 
 IMPORT_ALL = """
 import importlib, pkgutil, sys

@@ -15,7 +15,10 @@ ROGUES = {
     "Only planner_proc.route imports OMPL": ("planner_proc", "from ompl import base"),
     "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
-    "Only agent_proc.picture imports matplotlib": ("agent_proc", "from matplotlib import pyplot"),
+    "Only agent_proc.picture and agent_proc.evaluation_plot import matplotlib": (
+        "agent_proc",
+        "from matplotlib import pyplot",
+    ),
 }
 """Package and line that must break the contract of that name."""
 

@@ -47,13 +47,16 @@ def test_the_version_is_that_of_the_package() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "Expected one of {run, scenarios, render}"),
+        ([], "Expected one of {run, train, evaluate, scenarios, render}"),
         (["walk"], "walk"),
         (["run", "--sed", "3"], "Unrecognized options: --sed, 3"),
         (["run", "--seed", "three"], "three"),
         (["run", "--seed", "-1"], "error: Expected a seed from 0 to 4294967295 for --seed, got -1\n"),
         (["run", "--planner", "prm"], "prm"),
-        (["run", "--policy", "ppo"], "ppo"),
+        (["train", "--simulators", "0"], "at least 1 for --simulators, got 0"),
+        (["train", "--seed", "-1"], "for --seed, got -1"),
+        (["evaluate", "scripted", "--episodes", "0"], "at least 1 for --episodes, got 0"),
+        (["evaluate"], "POLICY"),
         (["run", "--scenario", "nope"], "error: Expected the name of a scenario (default, published, "),
         (["run", "--scenario", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
         (

@@ -27,7 +27,10 @@ Event = Process | Interrupted
 
 
 class Crew:
-    """A context manager: no process and no signal handler of it is left on exit. Use it on the main thread."""
+    """A context manager: no process and no signal handler of it is left on exit. Use it on the main thread.
+
+    On another thread, without entering it, it handles no signals, and `stop` has to be called at the end.
+    """
 
     def __init__(self, stop_stages: Sequence[tuple[signal.Signals, float]] = STOP_STAGES) -> None:
         self._stop_stages = stop_stages

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 
@@ -24,8 +24,8 @@ class RunOptions:
     """Draws the offsets of start and box, and the path: equal seeds, equal missions, bit for bit."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished run goes on in its folder."""
-    policy: Literal["scripted"] = "scripted"
-    """What chooses the pushes."""
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = "scripted"
+    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, or module:factory."""
     planner: PlannerName | None = None
     """Replaces the scenario's planner."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None

@@ -1,0 +1,90 @@
+"""Evaluation as a program: `python -m agent_proc.evaluate POLICY`, or `legpush evaluate POLICY`."""
+
+import re
+import shlex
+import sys
+import threading
+from datetime import datetime
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
+
+from agent_proc.evaluation import Row, as_csv, evaluate, make_cases, summarize
+from agent_proc.files import write_whole
+from agent_proc.learning_service import LOGS, own_folder, run_program, simulators, stop_on_signals
+from agent_proc.policies import make_policy
+from agent_proc.report import installed_versions
+from legpush.errors import ConfigError, StopRequestedError
+from legpush.launch.learning import EvaluateOptions
+from legpush.scenario_file import load_scenario
+
+ROWS_FILE: Final = "episodes.csv"
+SUMMARY_FILE: Final = "summary.json"
+PLOT_FILE: Final = "evaluation.png"
+
+
+def main() -> int:
+    """Parse the command line and evaluate; returns the exit code."""
+    return run_program(lambda: run(tyro.cli(EvaluateOptions, prog="legpush evaluate"), Console()))
+
+
+def run(options: EvaluateOptions, console: Console) -> int:
+    """Evaluate as `options` say, and leave rows, summary and plot."""
+    from agent_proc.evaluation_plot import save_plot
+
+    scenario = load_scenario(options.scenario)
+    cases = make_cases(scenario, options.sweep, grid=options.grid)
+    policy = make_policy(options.policy)
+    folder = options.out or _default_folder(options.policy)
+    if folder.exists() and any(folder.iterdir()):
+        raise ConfigError(f"Expected a new or empty folder for --out, got {folder}")
+    folder.mkdir(parents=True, exist_ok=True)
+    seeds = range(options.first_seed, options.first_seed + options.episodes)
+    stop, links_stop = stop_on_signals(), threading.Event()
+    with own_folder(folder), simulators(options, folder / LOGS, links_stop) as worlds, _bar(console) as bar:
+        task = bar.add_task("evaluating", total=len(cases) * len(seeds))
+
+        def on_row(_: Row) -> None:
+            bar.advance(task)
+            if stop.is_set():
+                links_stop.set()
+                raise StopRequestedError("interrupted: nothing was written")
+
+        rows = evaluate(worlds, cases, seeds, policy, on_row)
+    summaries = summarize(rows)
+    record = {
+        "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),
+        "policy": options.policy,
+        "scenario": scenario,
+        "first_seed": options.first_seed,
+        "episodes": options.episodes,
+        "versions": installed_versions(),
+        "cases": summaries,
+    }
+    write_whole(folder / ROWS_FILE, as_csv(rows).encode())
+    write_whole(folder / SUMMARY_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
+    save_plot(rows, options.policy, folder / PLOT_FILE)
+    for case, summary in summaries.items():
+        console.print(Text(f"{case or scenario.name}: {summary}"), soft_wrap=True)
+    console.print(Text(f"written to {folder}"), soft_wrap=True)
+    return 0
+
+
+def _default_folder(policy: str) -> Path:
+    name = re.sub(r"[^A-Za-z0-9_-]+", "-", policy).strip("-")[-64:]
+    return Path("runs") / f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-evaluate-{name}"
+
+
+def _bar(console: Console) -> Progress:
+    """Episodes that are done, and the time that is left."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,78 @@
+"""`python benchmarks/interactions.py`: interactions per second in one process, and on the bus with 1 and 2 simulators.
+
+An interaction is one push cycle, with the resets that fall between. All three take the same actions in the same
+episodes, in turn, so that what else the machine does hits all alike; that the observations are equal is checked.
+"""
+
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import tyro
+from numpy.typing import NDArray
+
+from agent_proc.simulators import own_simulators
+from agent_proc.task import TaskConfig
+from agent_proc.vec_env import PushVecEnv
+from agent_proc.worlds import LocalWorld, SteppingWorld
+from sim_proc.simulator import Simulator
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """How much to measure."""
+
+    n_steps: int = 60
+    """Push cycles of each simulator in a round."""
+    n_rounds: int = 7
+    """Each has all three in turn; the medians are reported."""
+
+
+def main(config: Config) -> None:
+    """Measure and print."""
+    with ExitStack() as stack:
+        logs = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="legpush-interactions-")))
+        bus_worlds = stack.enter_context(own_simulators(2, logs, threading.Event()))
+        settings: dict[str, Sequence[SteppingWorld]] = {
+            "in one process": [LocalWorld(Simulator())],
+            "bus, 1 simulator": bus_worlds[:1],
+            "bus, 2 simulators": bus_worlds,
+        }
+        rates: dict[str, list[float]] = {name: [] for name in settings}
+        for round_seed in range(-1, config.n_rounds):  # The first one warms up.
+            seen = {}
+            for name, worlds in settings.items():
+                rate, seen[name] = measure(worlds, abs(round_seed), config.n_steps)
+                rates[name] += [rate] if round_seed >= 0 else []
+            if not np.array_equal(seen["in one process"], seen["bus, 1 simulator"]):
+                raise RuntimeError("The bus and one process ended with other observations: the comparison is void")
+    local = np.array(rates["in one process"])
+    one = np.array(rates["bus, 1 simulator"])
+    for name, values in rates.items():
+        spread = f"n {len(values)}, {min(values):.1f} to {max(values):.1f}"
+        ratios = f"{np.median(values / local):.2f} x one process, {np.median(values / one):.2f} x bus with 1"
+        print(f"{name:18s} {np.median(values):6.1f} interactions/s ({spread}), {ratios}")
+
+
+def measure(worlds: Sequence[SteppingWorld], seed: int, n_steps: int) -> tuple[float, NDArray[np.float32]]:
+    """Interactions per second, and the observations of the first simulator."""
+    vec = PushVecEnv(TaskConfig(), worlds, seed=seed)
+    rng = np.random.default_rng(seed)
+    vec.reset()
+    observations = []
+    began = time.perf_counter()
+    for _ in range(n_steps):
+        actions = rng.uniform(-1.0, 1.0, (1, 4)).repeat(len(worlds), axis=0).astype(np.float32)
+        observations.append(np.asarray(vec.step(actions)[0])[0])
+    rate = n_steps * len(worlds) / (time.perf_counter() - began)
+    vec.close()
+    return rate, np.array(observations)
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

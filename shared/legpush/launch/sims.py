@@ -1,0 +1,124 @@
+"""A pool of simulators: started together, each started again when it dies, ended together."""
+
+import os
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+from types import TracebackType
+from typing import Final, Self
+
+from legpush.endpoints import Endpoints, in_directory
+from legpush.errors import ConfigError, PeerError
+from legpush.launch.crew import Crew, Interrupted
+from legpush.launch.processes import Command, Process, describe_exit
+from legpush.launch.run import child_environment
+from legpush.patience import SLICE_S
+
+MAX_RESTARTS: Final = 3
+"""Of each simulator, in a row."""
+LONG_LIFE_S: Final = 10.0
+"""Whoever ran for this long before it died begins a new row."""
+
+
+class SimPool:
+    """A context manager that keeps `n` simulators running, named sim0, sim1 and so on; none is left on exit.
+
+    They connect to `endpoints`, which the bus of the agent has to listen on; nobody but the user can reach it. Where a
+    simulator cannot be kept running, `stop` is set, so that nobody goes on waiting for it, and leaving the context
+    raises a `PeerError` with its last words.
+    """
+
+    def __init__(
+        self,
+        n: int,
+        logs: Path,
+        stop: threading.Event,
+        *,
+        run: str = "train",
+        program: tuple[str, ...] = ("-m", "sim_proc"),
+    ) -> None:
+        """`logs` is the folder for what the simulators write; it is made if needed.
+
+        `program` is what Python runs as a simulator, with the flags of one.
+        """
+        if n < 1:
+            raise ConfigError(f"Expected at least 1 simulator to start, got {n}")
+        self.run = run
+        self.names = tuple(f"sim{index}" for index in range(n))
+        self._logs = logs
+        self._stop = stop
+        self._program = program
+        self._over = threading.Event()
+        self._closing = ExitStack()
+
+    def __enter__(self) -> Self:
+        try:
+            self._logs.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ConfigError(
+                f"Expected a folder that can be made for logs, got {self._logs} ({error.strerror})"
+            ) from error
+        directory = Path(self._closing.enter_context(TemporaryDirectory(prefix="legpush-")))
+        self.endpoints = Endpoints(listen=in_directory(directory, "agent").listen)
+        # The kernel ends a child with the thread that started it: this one thread starts them all and stays.
+        self._thread = self._closing.enter_context(ThreadPoolExecutor(1, thread_name_prefix="simulators"))
+        self._watch_over = self._thread.submit(self._watch)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._over.set()
+        with self._closing:
+            self._watch_over.result()
+
+    def _watch(self) -> None:
+        """Start all, start again who dies, and end all when the pool is over."""
+        crew = Crew()
+        try:
+            posts = {name: _Post(crew.start(self._command(name))) for name in self.names}
+            while not self._over.is_set():
+                event = crew.next_event(SLICE_S)
+                if event is None or isinstance(event, Interrupted):
+                    continue
+                posts[event.role].refill(event, crew)
+        except BaseException:
+            self._stop.set()
+            raise
+        finally:
+            crew.stop()
+
+    def _command(self, name: str) -> Command:
+        flags = ("--run", self.run, "--name", name, "--listen", "--connect", *self.endpoints.listen)
+        return Command(
+            role=name,
+            # -P: what lies in the working directory is no part of the program.
+            argv=(sys.executable, "-P", *self._program, *flags),
+            log=self._logs / f"{name}.log",
+            environment=child_environment(os.environ),
+        )
+
+
+class _Post:
+    """A simulator and how often it had to be started again."""
+
+    def __init__(self, process: Process) -> None:
+        self.process = process
+        self._started_at = monotonic()
+        self._n_restarts = 0
+
+    def refill(self, ended: Process, crew: Crew) -> None:
+        """Start it again after it `ended`; `PeerError` where that does not help."""
+        if monotonic() - self._started_at >= LONG_LIFE_S:
+            self._n_restarts = 0
+        what = f"simulator {ended.role} {describe_exit(ended.exit_code or 0)}"
+        if self._n_restarts >= MAX_RESTARTS:
+            words = "".join(f"\n    {line}" for line in ended.last_words())
+            raise PeerError(
+                f"{what} and was started again {self._n_restarts} times in vain; the end of {ended.command.log}:{words}"
+            )
+        self._n_restarts += 1
+        self._started_at = monotonic()
+        self.process = crew.start(ended.command)

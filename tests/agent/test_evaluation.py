@@ -1,0 +1,152 @@
+"""Evaluation: episodes, sweeps and statistics."""
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+
+from agent_proc.evaluation import Row, as_csv, evaluate, make_cases, mean_interval, run_episode, summarize, wilson
+from agent_proc.evaluation_plot import save_plot
+from agent_proc.scripted import ScriptedPolicy
+from agent_proc.worlds import LocalWorld
+from legpush.errors import ConfigError, ScenarioError
+from legpush.messages import Push, WorldState
+from legpush.scenario import Scenario
+from legpush.scenario_file import override
+from tests.agent.fake_world import FakeWorld, scenario_at_station
+
+
+class Always:
+    """Pushes with the left leg for ever."""
+
+    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
+        """The same push each time."""
+        return Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
+
+
+def row(case: str = "", seed: int = 0, position_error_m: float = 0.01, ending: str = "done") -> Row:
+    """An episode."""
+    return Row(
+        case=case,
+        seed=seed,
+        ending=ending,  # type: ignore[arg-type]
+        success=ending == "done",
+        position_error_m=position_error_m,
+        angle_error_deg=1.0,
+        n_cycles=20,
+        max_abs_roll_deg=0.5,
+        max_abs_pitch_deg=0.7,
+    )
+
+
+def test_an_episode_of_the_scripted_policy_ends_at_the_goal() -> None:
+    result = run_episode(
+        LocalWorld(FakeWorld(box_offset=(0.0, 0.03, 0.05))), scenario_at_station(), 5, ScriptedPolicy()
+    )
+
+    assert (result.ending, result.success, result.seed) == ("done", True, 5)
+    assert result.position_error_m < 0.03
+    assert result.n_cycles > 5
+    assert result.max_abs_roll_deg > 0.1
+
+
+def test_a_fall_ends_an_episode_without_success() -> None:
+    world = LocalWorld(FakeWorld(falls_in=lambda motion, n: isinstance(motion, Push) and n == 3))
+
+    result = run_episode(world, scenario_at_station(), 0, Always())
+
+    assert (result.ending, result.success, result.n_cycles) == ("fell", False, 3)
+
+
+def test_an_episode_ends_after_the_cycles_of_the_scenario() -> None:
+    scenario = override(scenario_at_station(), {"mission.max_push_cycles": 4})
+
+    result = run_episode(LocalWorld(FakeWorld()), scenario, 0, Always())
+
+    assert (result.ending, result.n_cycles) == ("max_cycles", 4)
+
+
+def test_rows_come_in_the_order_of_cases_and_seeds_however_many_worlds_there_are() -> None:
+    cases = make_cases(scenario_at_station(), ["box.mass_kg=0.1,0.5"], grid=False)
+    seen: list[Row] = []
+    one, three = (
+        evaluate([LocalWorld(FakeWorld()) for _ in range(n)], cases, range(3), ScriptedPolicy(), seen.append)
+        for n in (1, 3)
+    )
+
+    assert one == three
+    assert [(r.case, r.seed) for r in one] == [(c, s) for c in ("box.mass_kg=0.1", "box.mass_kg=0.5") for s in range(3)]
+    assert seen == one + three
+
+
+def test_a_sweep_changes_one_field_at_a_time_and_a_grid_all_of_them() -> None:
+    sweeps = ["box.mass_kg=0.1,0.5", "box.friction=0.3,0.8"]
+
+    assert list(make_cases(scenario_at_station(), sweeps, grid=False)) == [
+        "box.mass_kg=0.1",
+        "box.mass_kg=0.5",
+        "box.friction=0.3",
+        "box.friction=0.8",
+    ]
+    grid = make_cases(scenario_at_station(), sweeps, grid=True)
+    assert len(grid) == 4
+    both = grid["box.mass_kg=0.5 box.friction=0.3"].box
+    assert (both.mass_kg, both.friction) == (0.5, 0.3)
+    assert make_cases(scenario_at_station(), [], grid=True) == {"": scenario_at_station()}
+
+
+@pytest.mark.parametrize(
+    ("sweep", "error", "message"),
+    [
+        ("box.mass_kg", ConfigError, r"FIELD=VALUE,VALUE,\.\.\. for --sweep.*got 'box.mass_kg'"),
+        ("box.mass_kg=0.1,,2", ConfigError, "FIELD=VALUE"),
+        ("box.mass_kg=-1", ScenarioError, "box.mass_kg"),
+        ("box.colour=1", ScenarioError, "unknown field"),
+        ("crate.mass_kg=1", ConfigError, r"a field of the scenario for --sweep, got crate.mass_kg"),
+    ],
+)
+def test_a_sweep_that_cannot_be_made_is_refused(sweep: str, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        make_cases(scenario_at_station(), [sweep], grid=False)
+
+
+def test_a_share_has_wilsons_interval() -> None:
+    some, all_of_them = wilson(8, 10), wilson(50, 50)
+
+    assert (some.value, round(some.low, 3), round(some.high, 3)) == (0.8, 0.49, 0.943)
+    assert (round(all_of_them.low, 3), round(all_of_them.high, 6)) == (0.929, 1.0)
+
+
+def test_the_interval_of_a_mean_holds_it_and_is_always_the_same() -> None:
+    values = [0.0, 1.0, 2.0, 3.0]
+
+    estimate = mean_interval(values)
+
+    assert estimate.value == 1.5
+    assert 0.0 <= estimate.low < 1.5 < estimate.high <= 3.0
+    assert mean_interval(values) == estimate
+
+
+def test_the_summary_counts_falls_and_keeps_extremes() -> None:
+    rows = [row(position_error_m=0.01), row(seed=1, position_error_m=0.03, ending="fell"), row(case="b", seed=0)]
+
+    summaries = summarize(rows)
+
+    assert list(summaries) == ["", "b"]
+    assert (summaries[""].n, summaries[""].n_falls, summaries[""].success_rate.value) == (2, 1, 0.5)
+    assert summaries[""].largest_position_error_m == 0.03
+    assert summaries[""].position_error_m.value == pytest.approx(0.02)
+
+
+def test_rows_as_csv_have_the_names_of_their_fields() -> None:
+    lines = list(csv.DictReader(io.StringIO(as_csv([row(), row(seed=1)]))))
+
+    assert [line["seed"] for line in lines] == ["0", "1"]
+    assert lines[0]["position_error_m"] == "0.01"
+
+
+def test_the_plot_is_a_png(tmp_path: Path) -> None:
+    save_plot([row(), row(case="box.mass_kg=0.5")], "a policy", tmp_path / "plot.png")
+
+    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,117 @@
+"""Trainings that are interrupted, resumed, and run out of disk."""
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+
+from agent_proc.checkpoint import CheckpointError, load_checkpoint
+from agent_proc.files import DiskError
+from agent_proc.learned import load_learned
+from agent_proc.training import BEST, CHECKPOINT_FILE, LAST, Progress
+from legpush.errors import PeerError
+from tests.agent.learning import make_training, small_profile, weights
+
+
+@pytest.mark.parametrize(("name", "stop_at"), [("tuned", 70), ("tuned", 96), ("sac", 70), ("td3", 101)])
+def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
+    tmp_path: Path, name: str, stop_at: int
+) -> None:
+    profile = small_profile(name)
+    whole = make_training(tmp_path / "whole", profile)
+    expected = whole.run()
+    stop = threading.Event()
+
+    def interrupt(progress: Progress) -> None:
+        if progress.step >= stop_at:
+            stop.set()
+
+    (tmp_path / "parts").mkdir()
+    first = make_training(tmp_path / "parts", profile, on_progress=interrupt, stop=stop).run()
+    second = make_training(tmp_path / "parts", profile)
+    second.resume()
+    result = second.run()
+
+    assert not first.finished
+    assert 0 < first.step < profile.steps
+    assert result == expected
+    assert result.finished
+    assert weights(second.learner.model) == weights(whole.learner.model)
+    ends = [load_checkpoint(tmp_path / part / CHECKPOINT_FILE) for part in ("whole", "parts")]
+    assert ends[0].curve == ends[1].curve
+    assert len(ends[0].curve) > 5
+    assert ends[0].checks == ends[1].checks
+    assert len(ends[0].checks) >= 2
+
+
+def test_learning_changes_the_weights(tmp_path: Path) -> None:
+    training = make_training(tmp_path, small_profile())
+    before = weights(training.learner.model)
+
+    training.run()
+
+    assert weights(training.learner.model) != before
+
+
+def test_the_best_and_the_last_policy_can_be_used_afterwards(tmp_path: Path) -> None:
+    training = make_training(tmp_path, small_profile())
+
+    result = training.run()
+
+    best, last = (load_learned(str(tmp_path / name)).card for name in (BEST, LAST))
+    assert result.best is not None
+    assert best.check == result.best
+    assert last.steps == result.step
+    assert last.curve
+    assert (tmp_path / "tensorboard").is_dir()
+
+
+def test_a_full_disk_leaves_the_previous_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / CHECKPOINT_FILE
+    n_written = 0
+
+    def sync(descriptor: int) -> None:
+        nonlocal n_written
+        n_written += 1
+        if n_written > 1:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", sync)
+    with pytest.raises(DiskError, match=r"checkpoint: expected to write .*No space left.*previous one is untouched"):
+        make_training(tmp_path, small_profile()).run()
+    monkeypatch.undo()
+
+    assert n_written > 1
+    assert [entry.name for entry in tmp_path.iterdir() if entry.name.endswith(".part")] == []
+    assert load_checkpoint(path).step == 32
+    resumed = make_training(tmp_path, small_profile())
+    resumed.resume()
+    assert resumed.run().finished
+
+
+def test_a_simulator_that_is_lost_leaves_a_checkpoint_of_the_last_rollout(tmp_path: Path) -> None:
+    def lose(progress: Progress) -> None:
+        if progress.step >= 50:
+            raise PeerError("sim/sim0 is dead")
+
+    with pytest.raises(PeerError, match="is dead"):
+        make_training(tmp_path, small_profile(checkpoint_every=1000), on_progress=lose).run()
+
+    assert load_checkpoint(tmp_path / CHECKPOINT_FILE).step == 32
+
+
+@pytest.mark.parametrize("damage", [lambda data: data[:-1], lambda data: b"", lambda data: data[:-1] + b"?"])
+def test_a_damaged_checkpoint_is_refused(tmp_path: Path, damage: object) -> None:
+    make_training(tmp_path, small_profile(steps=32)).run()
+    path = tmp_path / CHECKPOINT_FILE
+    assert callable(damage)
+    path.write_bytes(damage(path.read_bytes()))
+
+    with pytest.raises(CheckpointError, match="expected the whole checkpoint of a training"):
+        make_training(tmp_path, small_profile()).resume()
+
+
+def test_without_a_checkpoint_there_is_nothing_to_resume(tmp_path: Path) -> None:
+    with pytest.raises(CheckpointError, match=r"expected the checkpoint of a training \(No such file"):
+        make_training(tmp_path, small_profile()).resume()
