@@ -16,12 +16,13 @@ from rich.text import Text
 
 from agent_proc.evaluation import Row, as_csv, evaluate, make_cases, summarize
 from agent_proc.files import write_whole
-from agent_proc.learning_service import LOGS, own_folder, run_program, simulators, stop_on_signals
+from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
 from agent_proc.policies import make_policy
 from agent_proc.report import installed_versions
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.launch.learning import EvaluateOptions
 from legpush.scenario_file import load_scenario
+from legpush.service import stop_on_signals
 
 ROWS_FILE: Final = "episodes.csv"
 SUMMARY_FILE: Final = "summary.json"

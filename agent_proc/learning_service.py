@@ -2,13 +2,11 @@
 
 import fcntl
 import os
-import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import Final
 
 from agent_proc.simulators import joined_simulators, own_simulators
@@ -29,19 +27,6 @@ def run_program(work: Callable[[], int]) -> int:
     except LegpushError as error:
         sys.stderr.write(f"error: {one_line(str(error))}\n")
         return error.exit_code
-
-
-def stop_on_signals() -> threading.Event:
-    """An event that SIGINT and SIGTERM set; a second signal ends the program at once."""
-    stop = threading.Event()
-
-    def on_signal(number: int, _: FrameType | None) -> None:
-        signal.signal(number, signal.SIG_DFL)
-        stop.set()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, on_signal)
-    return stop
 
 
 def simulators(options: SimulatorOptions, logs: Path, stop: threading.Event) -> AbstractContextManager[list[BusWorld]]:

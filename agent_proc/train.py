@@ -19,7 +19,7 @@ from rich.text import Text
 
 from agent_proc import training
 from agent_proc.files import write_whole
-from agent_proc.learning_service import LOGS, own_folder, run_program, simulators, stop_on_signals
+from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
 from agent_proc.profiles import load_profile, read_profile
 from agent_proc.report import installed_versions
 from agent_proc.task import Domain, TaskConfig
@@ -27,6 +27,7 @@ from agent_proc.vec_env import PushVecEnv
 from legpush.errors import ConfigError
 from legpush.launch.learning import TrainOptions
 from legpush.scenario_file import load_scenario
+from legpush.service import stop_on_signals
 
 CONFIG_FILE: Final = "config.json"
 INTERRUPTED: Final = 130

@@ -86,7 +86,7 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. What `work`
     returns is the exit code, None is 0.
     """
-    stop = _stop_on_signals()
+    stop = stop_on_signals()
     try:
         config = parse(role, kind)
         start_log(f"{role}/{config.name}", config.log_level)
@@ -122,8 +122,8 @@ def _locators(text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-def _stop_on_signals() -> threading.Event:
-    """An event that SIGINT and SIGTERM set."""
+def stop_on_signals() -> threading.Event:
+    """An event that SIGINT and SIGTERM set; a second signal ends the process at once."""
     stop = threading.Event()
 
     def on_signal(number: int, _: FrameType | None) -> None:

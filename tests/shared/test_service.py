@@ -83,7 +83,7 @@ def test_an_error_ends_the_process_with_one_line_and_its_code(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: LegpushError, code: int
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["sim", "--listen", "--connect", "--log-level", "error"])
-    monkeypatch.setattr(service, "_stop_on_signals", threading.Event)
+    monkeypatch.setattr(service, "stop_on_signals", threading.Event)
 
     def work(_: ServiceConfig, __: Bus, ___: threading.Event) -> None:
         raise error
@@ -95,7 +95,7 @@ def test_an_error_ends_the_process_with_one_line_and_its_code(
 
 def test_what_the_work_returns_is_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["sim", "--listen", "--connect"])
-    monkeypatch.setattr(service, "_stop_on_signals", threading.Event)
+    monkeypatch.setattr(service, "stop_on_signals", threading.Event)
     assert run_process("sim", ServiceConfig, lambda *_: 1) == 1
     assert run_process("sim", ServiceConfig, lambda *_: None) == 0
 
