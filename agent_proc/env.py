@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import degrees
+from math import degrees, hypot
 from typing import Any, Final, Literal
 
 import gymnasium
@@ -22,7 +22,7 @@ from agent_proc.task import TaskConfig
 from agent_proc.worlds import SteppingWorld
 from legpush.errors import ConfigError, PeerError
 from legpush.messages import Outcome, Push, Reset, WorldState
-from legpush.scenario import Scenario
+from legpush.scenario import PoseDeg, Scenario
 
 TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}
 ASTRAY: Final = 5.0
@@ -148,7 +148,12 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             for name, interval in (("mass_kg", domain.mass_kg), ("friction", domain.friction))
             if interval is not None
         }
-        return replace(scenario, box=replace(scenario.box, **drawn))
+        scenario = replace(scenario, box=replace(scenario.box, **drawn))
+        if domain.distance_m is not None:
+            low, high = np.log(domain.distance_m)
+            distance_m = float(np.exp(self.np_random.uniform(low, high)))
+            scenario = replace(scenario, goal=replace(scenario.goal, pose=_goal_at(scenario, distance_m)))
+        return scenario
 
     def _ending(self, episode: "_Episode") -> Ending | None:
         state, scenario = episode.state, episode.scenario
@@ -219,6 +224,13 @@ def policy_observation(task: TaskConfig, world: WorldState, scenario: Scenario) 
 def policy_push(task: TaskConfig, action: NDArray[Any], world: WorldState, scenario: Scenario) -> Push:
     """What the environment makes of the action of a policy of this task."""
     return to_push(action, task, world, scenario)
+
+
+def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:
+    """The goal pose, moved along the way from the box until it is that far from it."""
+    box, goal = scenario.box.pose, scenario.goal.pose
+    share = distance_m / hypot(goal.x_m - box.x_m, goal.y_m - box.y_m)
+    return replace(goal, x_m=box.x_m + share * (goal.x_m - box.x_m), y_m=box.y_m + share * (goal.y_m - box.y_m))
 
 
 def _errors(world: WorldState, scenario: Scenario) -> dict[str, Any]:

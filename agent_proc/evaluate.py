@@ -14,17 +14,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.evaluation import Row, as_csv, evaluate, make_cases, summarize
+from agent_proc.evaluation import Row, evaluate, summarize
 from agent_proc.files import write_whole
 from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
 from agent_proc.policies import make_policy
 from agent_proc.report import installed_versions
+from agent_proc.sweep import make_sweep
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.launch.learning import EvaluateOptions
 from legpush.scenario_file import load_scenario
 from legpush.service import stop_on_signals
 
 ROWS_FILE: Final = "episodes.csv"
+PARQUET_FILE: Final = "episodes.parquet"
 SUMMARY_FILE: Final = "summary.json"
 PLOT_FILE: Final = "evaluation.png"
 
@@ -37,10 +39,11 @@ def main() -> int:
 def run(options: EvaluateOptions, console: Console) -> int:
     """Evaluate as `options` say, and leave rows, summary and plot."""
     from agent_proc.evaluation_plot import save_plot
+    from agent_proc.evaluation_table import as_csv, table, write_parquet
 
     scenario = load_scenario(options.scenario)
-    cases = make_cases(scenario, options.sweep, grid=options.grid)
-    policy = make_policy(options.policy)
+    sweep = make_sweep(scenario, options.sweep, grid=options.grid)
+    policy = make_policy(options.policy, options.normalizer)
     folder = options.out or _default_folder(options.policy)
     if folder.exists() and any(folder.iterdir()):
         raise ConfigError(f"Expected a new or empty folder for --out, got {folder}")
@@ -48,7 +51,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
     seeds = range(options.first_seed, options.first_seed + options.episodes)
     stop, links_stop = stop_on_signals(), threading.Event()
     with own_folder(folder), simulators(options, folder / LOGS, links_stop) as worlds, _bar(console) as bar:
-        task = bar.add_task("evaluating", total=len(cases) * len(seeds))
+        task = bar.add_task("evaluating", total=len(sweep.cases) * len(seeds))
 
         def on_row(_: Row) -> None:
             bar.advance(task)
@@ -56,7 +59,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
                 links_stop.set()
                 raise StopRequestedError("interrupted: nothing was written")
 
-        rows = evaluate(worlds, cases, seeds, policy, on_row)
+        rows = evaluate(worlds, sweep.cases, seeds, policy, on_row)
     summaries = summarize(rows)
     record = {
         "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),
@@ -67,9 +70,11 @@ def run(options: EvaluateOptions, console: Console) -> int:
         "versions": installed_versions(),
         "cases": summaries,
     }
-    write_whole(folder / ROWS_FILE, as_csv(rows).encode())
+    columns = table(rows, sweep)
+    write_whole(folder / ROWS_FILE, as_csv(columns).encode())
+    write_parquet(columns, folder / PARQUET_FILE)
     write_whole(folder / SUMMARY_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
-    save_plot(rows, options.policy, folder / PLOT_FILE)
+    save_plot(rows, sweep, options.policy, folder / PLOT_FILE)
     for case, summary in summaries.items():
         console.print(Text(f"{case or scenario.name}: {summary}"), soft_wrap=True)
     console.print(Text(f"written to {folder}"), soft_wrap=True)

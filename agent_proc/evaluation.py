@@ -1,27 +1,22 @@
 """Evaluation of a policy: episodes from seeded initial conditions, and what they show with 95 % intervals."""
 
-import csv
-import io
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import product
-from math import degrees, sqrt
+from math import degrees, inf
 from queue import SimpleQueue
-from typing import Any, Final, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
 from agent_proc.policy import Policy
 from agent_proc.poses import box_error
-from legpush.errors import ConfigError
+from agent_proc.statistics import Estimate, mean_interval, wilson
 from legpush.messages import Motion, Outcome, Reset
 from legpush.scenario import Scenario
-from legpush.scenario_file import override
 
 Ending = Literal["done", "fell", "max_cycles"]
-Z_95: Final = 1.959964
-N_BOOTSTRAP: Final = 2000
 
 
 class TracingWorld(Protocol):
@@ -48,17 +43,20 @@ class Row:
     n_cycles: int
     max_abs_roll_deg: float
     max_abs_pitch_deg: float
+    min_support_margin_m: float
+    """Of the robot's CoM inside its support polygon, any tick; infinite where nothing was pushed."""
 
 
 def run_episode(world: TracingWorld, scenario: Scenario, seed: int, policy: Policy, case: str = "") -> Row:
     """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up."""
     outcome = world.step(Reset(scenario=scenario, seed=seed))
-    n_cycles, roll_rad, pitch_rad = 0, 0.0, 0.0
+    n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
     ending: Ending = "max_cycles"
     while True:
         if outcome.trace is not None and outcome.trace.roll_pitch_rad:
             most = np.abs(outcome.trace.roll_pitch_rad).max(axis=0).tolist()
             roll_rad, pitch_rad = max(roll_rad, most[0]), max(pitch_rad, most[1])
+            margin_m = min(margin_m, *outcome.trace.support_margin_m)
         if outcome.world.fallen:
             ending = "fell"
             break
@@ -81,6 +79,7 @@ def run_episode(world: TracingWorld, scenario: Scenario, seed: int, policy: Poli
         n_cycles=n_cycles,
         max_abs_roll_deg=degrees(roll_rad),
         max_abs_pitch_deg=degrees(pitch_rad),
+        min_support_margin_m=margin_m,
     )
 
 
@@ -118,61 +117,6 @@ def evaluate(
         pool.shutdown(cancel_futures=True)
 
 
-# -- what is swept -----------------------------------------------------------------------------------------------------
-
-
-def parse_sweep(text: str) -> tuple[str, tuple[float | str, ...]]:
-    """`box.mass_kg=0.1,0.5` as field and values; `ConfigError` where it is none."""
-    field, equals, values = text.partition("=")
-    parts = [part.strip() for part in values.split(",")]
-    if not (field and equals and all(parts)):
-        raise ConfigError(f"Expected FIELD=VALUE,VALUE,... for --sweep, such as box.mass_kg=0.1,0.5, got {text!r}")
-    return field.strip(), tuple(_value(part) for part in parts)
-
-
-def make_cases(scenario: Scenario, sweeps: Iterable[str], *, grid: bool) -> dict[str, Scenario]:
-    """The scenarios of all sweeps, one field after the other or, as a `grid`, every combination; by what is changed.
-
-    Without a sweep it is the scenario itself, under the empty name. `ScenarioError` where a value cannot be used.
-    """
-    parsed = [parse_sweep(sweep) for sweep in sweeps]
-    if not parsed:
-        return {"": scenario}
-    single = [[(field, value) for value in values] for field, values in parsed]
-    changes = list(product(*single)) if grid else [((field, value),) for row in single for field, value in row]
-    return {_name(change): _changed(scenario, dict(change)) for change in changes}
-
-
-def _changed(scenario: Scenario, changes: dict[str, float | str]) -> Scenario:
-    try:
-        return override(scenario, changes)
-    except (KeyError, TypeError) as error:
-        raise ConfigError(f"Expected a field of the scenario for --sweep, got {', '.join(changes)}") from error
-
-
-def _name(change: Iterable[tuple[str, float | str]]) -> str:
-    return " ".join(f"{field}={value}" for field, value in change)
-
-
-def _value(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-# -- statistics --------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """A mean or share and its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-
 @dataclass(frozen=True, kw_only=True)
 class Summary:
     """What the episodes of one case show."""
@@ -187,6 +131,7 @@ class Summary:
     n_falls: int
     max_abs_roll_deg: float
     max_abs_pitch_deg: float
+    min_support_margin_m: float
     largest_position_error_m: float
     largest_angle_error_deg: float
 
@@ -216,36 +161,7 @@ def _summary(rows: Sequence[Row]) -> Summary:
         n_falls=sum(row.ending == "fell" for row in rows),
         max_abs_roll_deg=max(row.max_abs_roll_deg for row in rows),
         max_abs_pitch_deg=max(row.max_abs_pitch_deg for row in rows),
+        min_support_margin_m=min(row.min_support_margin_m for row in rows),
         largest_position_error_m=max(row.position_error_m for row in rows),
         largest_angle_error_deg=max(row.angle_error_deg for row in rows),
     )
-
-
-def wilson(n_successes: int, n: int) -> Estimate:
-    """A share with Wilson's score interval."""
-    share, z2 = n_successes / n, Z_95**2
-    centre = (share + z2 / (2 * n)) / (1 + z2 / n)
-    half = Z_95 / (1 + z2 / n) * sqrt(share * (1 - share) / n + z2 / (4 * n**2))
-    return Estimate(value=share, low=max(0.0, centre - half), high=min(1.0, centre + half))
-
-
-def mean_interval(values: Sequence[float]) -> Estimate:
-    """A mean with the percentile bootstrap interval, drawn with a fixed seed."""
-    data = np.array(values)
-    drawn = np.random.default_rng(0).integers(len(data), size=(N_BOOTSTRAP, len(data)))
-    low, high = np.quantile(data[drawn].mean(axis=1), (0.025, 0.975)).tolist()
-    return Estimate(value=float(data.mean()), low=low, high=high)
-
-
-def as_csv(rows: Iterable[Row]) -> str:
-    """One line per episode, under the names of the fields."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, [field.name for field in fields(Row)], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(_plain(rows))
-    return text.getvalue()
-
-
-def _plain(rows: Iterable[Row]) -> Iterator[dict[str, Any]]:
-    for row in rows:
-        yield {field.name: getattr(row, field.name) for field in fields(row)}

@@ -1,12 +1,15 @@
-"""The box as its goal sees it, and whether the mirror image of that is looked at."""
+"""The box as its goal sees it, how it should head there, and whether the mirror image of that is looked at."""
 
+from math import atan2
 from typing import Final
 
 from agent_proc.poses import planar_pose
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import WorldState
 from legpush.scenario import Scenario
 
+LOOK_AHEAD_M: Final = 0.25
+"""How far ahead on the line through the goal a box should head for."""
 N_DIGITS: Final = 9
 """Which side the box is on is decided by this many decimals of a metre."""
 
@@ -14,6 +17,11 @@ N_DIGITS: Final = 9
 def box_in_goal_frame(world: WorldState, scenario: Scenario) -> Pose2:
     """Pose of the box in the frame of its goal pose: x is minus the distance that remains."""
     return scenario.goal.pose.pose().inverse() @ planar_pose(world.box)
+
+
+def steering_error_rad(box: Pose2) -> float:
+    """Heading of a box at this pose in the goal frame, less the heading that brings it to the line (pure pursuit)."""
+    return wrap_angle(box.yaw_rad - atan2(-box.y_m, LOOK_AHEAD_M))
 
 
 def mirror_sign(world: WorldState, scenario: Scenario) -> float:

@@ -19,7 +19,15 @@ from stable_baselines3.td3 import MlpPolicy as Td3Policy
 from agent_proc.action_space import action_space
 from agent_proc.env import is_done, observation_space, policy_observation, policy_push
 from agent_proc.learner import policy_arguments
-from agent_proc.policy_folder import NETWORKS_FILE, NORMALIZER_FILE, PolicyError, PolicyFolder, policy_path, read_policy
+from agent_proc.policy_folder import (
+    NETWORKS_FILE,
+    NORMALIZER_FILE,
+    Normalizer,
+    PolicyError,
+    PolicyFolder,
+    policy_path,
+    read_policy,
+)
 from agent_proc.task import TaskConfig
 from legpush.messages import Push, WorldState
 from legpush.scenario import Scenario
@@ -27,22 +35,20 @@ from legpush.scenario import Scenario
 NETWORKS: Final[dict[str, type[BasePolicy]]] = {"ppo": PpoPolicy, "sac": SacPolicy, "td3": Td3Policy}
 
 
-class LearnedPolicy:
-    """The policy of a folder; its networks are read as plain arrays, so a folder from elsewhere runs no code."""
+class NetworkPolicy:
+    """Networks of Stable-Baselines3 that learned a task, without exploring."""
 
-    def __init__(self, folder: PolicyFolder, name: str) -> None:
-        """`PolicyError` where networks and normalizer do not fit the task on the card; `name` is what they are of."""
-        self.card = folder.card
-        self._task: TaskConfig = folder.card.task
-        self._normalizer = folder.normalizer
-        seen = observation_space(self._task)
-        n_seen = int(np.prod(seen.shape))
-        if self._normalizer is not None and len(self._normalizer.mean) != n_seen:
+    def __init__(self, task: TaskConfig, networks: BasePolicy, normalizer: Normalizer | None, origin: str) -> None:
+        """`PolicyError`, which begins with `origin`, where the normalizer does not fit the observation of the task."""
+        n_seen = int(np.prod(observation_space(task).shape))
+        if normalizer is not None and len(normalizer.mean) != n_seen:
             raise PolicyError(
-                f"{name}/{NORMALIZER_FILE}: expected {n_seen} means, one for each element of the observation "
-                f"`{self._task.observation}`, got {len(self._normalizer.mean)}"
+                f"{origin}: expected {n_seen} means, one for each element of the observation `{task.observation}`, "
+                f"got {len(normalizer.mean)}"
             )
-        self._networks = _networks(folder, seen, name)
+        self._task = task
+        self._networks = networks
+        self._normalizer = normalizer
         # Networks of Stable-Baselines3 keep the distribution of their last action: one thread at a time.
         self._lock = threading.Lock()
 
@@ -56,6 +62,17 @@ class LearnedPolicy:
         with self._lock:
             action, _ = self._networks.predict(observation, deterministic=True)
         return policy_push(self._task, action, world, scenario)
+
+
+class LearnedPolicy(NetworkPolicy):
+    """The policy of a folder; its networks are read as plain arrays, so a folder from elsewhere runs no code."""
+
+    def __init__(self, folder: PolicyFolder, name: str) -> None:
+        """`PolicyError` where networks and normalizer do not fit the task on the card; `name` is what they are of."""
+        self.card = folder.card
+        task = folder.card.task
+        networks = _networks(folder, observation_space(task), name)
+        super().__init__(task, networks, folder.normalizer, f"{name}/{NORMALIZER_FILE}")
 
 
 def load_learned(name_or_path: str) -> LearnedPolicy:

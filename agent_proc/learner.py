@@ -80,6 +80,17 @@ def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str |
     return Learner(model=model, normalizer=normalizer, monitor=monitor, env=env)  # type: ignore[arg-type]
 
 
+def set_exploration(learner: Learner, profile: AnyProfile) -> None:
+    """Explore as widely as the profile says for the step that the algorithm is at; before each rollout."""
+    spread = getattr(learner.model.policy, "log_std", None)
+    if not isinstance(profile, PpoProfile) or profile.settings.log_std_end is None or spread is None:
+        return
+    done = min(1.0, learner.model.num_timesteps / profile.steps)
+    first, last = profile.settings.log_std_init, profile.settings.log_std_end
+    spread.requires_grad_(False)
+    spread.fill_(first + done * (last - first))
+
+
 def policy_arguments(profile: AnyProfile) -> dict[str, Any]:
     """What the networks of a profile are built with."""
     network = profile.network

@@ -5,12 +5,12 @@ and angles change their sign, left and right legs their places. What was learned
 """
 
 from collections.abc import Callable
-from math import pi
+from math import degrees, pi, radians
 from typing import Final
 
 import numpy as np
 
-from agent_proc.goal_frame import box_in_goal_frame, mirror_sign
+from agent_proc.goal_frame import LOOK_AHEAD_M, box_in_goal_frame, mirror_sign, steering_error_rad
 from agent_proc.observation import BEYOND_M, Entry, Floats, Table
 from agent_proc.poses import planar_pose
 from agent_proc.station import station
@@ -19,17 +19,22 @@ from legpush.scenario import Scenario
 
 NEAR_M: Final = 0.05
 """From about this length on, `box_near` grows with the logarithm of a distance."""
+NEAR_RAD: Final = radians(1.0)
+"""The same of an angle, for `heading_near`."""
+FAR_M: Final = 1.0
+"""What is farther short of its goal looks like this far."""
 AROUND_M: Final = 1.0
 """Bounds of what is measured from the box."""
 
 
 def _box(world: WorldState, scenario: Scenario) -> Floats:
     box = box_in_goal_frame(world, scenario)
-    return np.array([box.x_m, mirror_sign(world, scenario) * box.y_m])
+    return np.array([max(box.x_m, -FAR_M), mirror_sign(world, scenario) * box.y_m])
 
 
-def _heading(world: WorldState, scenario: Scenario) -> Floats:
-    return np.array([mirror_sign(world, scenario) * box_in_goal_frame(world, scenario).yaw_rad])
+def _headings(world: WorldState, scenario: Scenario) -> Floats:
+    box = box_in_goal_frame(world, scenario)
+    return mirror_sign(world, scenario) * np.array([box.yaw_rad, steering_error_rad(box)])
 
 
 def _trunk(world: WorldState, scenario: Scenario) -> Floats:
@@ -70,7 +75,7 @@ RELATIVE: Final[Table] = (
         axes="xy",
         size=2,
         read=_box,
-        meaning="centre of the box; x is minus the distance that remains",
+        meaning=f"centre of the box; x is minus the distance that remains, {FAR_M:g} m at most",
         frame="goal",
         limits=_room_limits,
     ),
@@ -85,14 +90,24 @@ RELATIVE: Final[Table] = (
         limits=_near_limits,
     ),
     Entry(
-        name="box_heading",
-        axes="yaw",
-        size=1,
-        read=_heading,
-        meaning="heading of the box",
+        name="heading",
+        axes="yaw, steering",
+        size=2,
+        read=_headings,
+        meaning=f"heading of the box, and that less the one toward the goal's line {LOOK_AHEAD_M:g} m ahead",
         unit="rad",
         frame="goal",
-        limits=_limits(pi),
+        limits=_limits(pi, pi),
+    ),
+    Entry(
+        name="heading_near",
+        axes="yaw, steering",
+        size=2,
+        read=lambda world, scenario: np.arcsinh(_headings(world, scenario) / NEAR_RAD),
+        meaning=f"asinh of the same over {degrees(NEAR_RAD):g}°",
+        unit="1",
+        frame="goal",
+        limits=_limits(*(float(np.arcsinh(pi / NEAR_RAD)),) * 2),
     ),
     Entry(
         name="trunk",
@@ -117,4 +132,4 @@ RELATIVE: Final[Table] = (
         for index, side in enumerate(("left", "right"))
     ),
 )
-"""12 elements, in the frames of goal, station and box, mirrored where needed."""
+"""15 elements, in the frames of goal, station and box, mirrored where needed."""

@@ -1,21 +1,28 @@
-"""Policies by name: scripted, shipped, in a folder, or made by a function of the user's."""
+"""Policies by name: scripted, shipped, in a folder, in a model file, or made by a function of the user's."""
 
 import importlib
 import os
 import sys
+from pathlib import Path
 from typing import Final
 
 from agent_proc.policy import Policy
 from agent_proc.policy_folder import PolicyError
 
 SCRIPTED: Final = "scripted"
+SB3_SUFFIX: Final = ".zip"
+"""Of a model that Stable-Baselines3 saved."""
 
 
-def make_policy(name: str) -> Policy:
-    """The policy called `name`: `scripted`, a shipped one, a policy folder, or `module:factory`, which is called.
+def make_policy(name: str, normalizer: Path | None = None) -> Policy:
+    """The policy called `name`: `scripted`, a shipped one, a policy folder, a model file, or `module:factory`.
 
-    The learning libraries are imported only for a trained one. `PolicyError` where there is no such policy.
+    `normalizer` belongs to a model file (`.zip`) only. The learning libraries are imported only for a trained policy.
+    `PolicyError` where there is no such policy.
     """
+    is_file = name.endswith(SB3_SUFFIX)
+    if normalizer is not None and not is_file:
+        raise PolicyError(f"Expected a model file ({SB3_SUFFIX}) with --normalizer, got {name!r}, which has its own")
     if name == SCRIPTED:
         from agent_proc.scripted import ScriptedPolicy
 
@@ -23,6 +30,10 @@ def make_policy(name: str) -> Policy:
     if ":" in name:
         return _from_entry_point(name)
     try:
+        if is_file:
+            from agent_proc.sb3_file import load_sb3_file
+
+            return load_sb3_file(Path(name), normalizer)
         from agent_proc.learned import load_learned
     except ModuleNotFoundError as error:
         raise PolicyError(

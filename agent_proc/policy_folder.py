@@ -52,6 +52,9 @@ class CurvePoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     episode_return: float
     length: int
     success: bool
+    position_error_m: float
+    """At its end, as the angle."""
+    angle_error_deg: float
 
 
 class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -46,6 +46,8 @@ class PpoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     entropy_weight: NonNegative = 0.0
     log_std_init: float = 0.0
     """Logarithm of the spread that actions are explored with at first; continuous actions only."""
+    log_std_end: float | None = None
+    """The same at the end, linearly from one to the other with the steps; learned with the rest if not given."""
     depth_bias: float = 0.0
     """Mean of the depth action at first, in its range from -1 to 1; variable entry only."""
 

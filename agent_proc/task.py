@@ -1,6 +1,6 @@
 """What is learned: the action, the observation, the reward and the worlds of a pushing task, as one record."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 from legpush.errors import ConfigError
@@ -15,15 +15,22 @@ DEEPEST_M = 0.25
 
 @dataclass(frozen=True, kw_only=True)
 class Domain:
-    """What an episode draws anew, uniformly, besides the offsets of its scenario; None leaves it as it is there."""
+    """What an episode draws anew, besides the offsets of its scenario; None leaves it as it is there.
+
+    Uniformly, but for the distance: as many episodes between 0.1 and 0.2 m as between 0.5 and 1 m.
+    """
 
     mass_kg: Interval | None = None
     """Of the box."""
     friction: Interval | None = None
     """Of the box."""
+    distance_m: Interval | None = None
+    """From the box's nominal place to its goal, in the direction that the scenario has: the last pushes are the
+    difficult ones, and an episode that begins nearer has more of them."""
 
     def __post_init__(self) -> None:
-        for name, interval in (("mass_kg", self.mass_kg), ("friction", self.friction)):
+        for name in (entry.name for entry in fields(self)):
+            interval = getattr(self, name)
             if interval is not None and not 0.0 < interval[0] <= interval[1]:
                 raise ConfigError(f"Expected 0 < low <= high for {name} of the domain, got {interval}")
 

@@ -75,7 +75,7 @@ def _begin(options: TrainOptions) -> tuple[Path, training.Plan]:
         observation=profile.observation,
         reward=profile.reward,
         scenario=load_scenario(options.scenario),
-        domain=Domain(mass_kg=options.mass_kg, friction=options.friction),
+        domain=Domain(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
     )
     plan = training.Plan(
         profile=profile,
@@ -136,9 +136,9 @@ def _shown(console: Console) -> Iterator[Any]:
             if progress.mean_return is not None and progress.success_rate is not None:
                 numbers += f", return {progress.mean_return:.2f}, success {progress.success_rate:.0%}"
             bar.update(task, description=progress.doing, completed=progress.step, total=progress.steps, numbers=numbers)
-            if progress.best is not best[0]:
+            if progress.best is not None and progress.best is not best[0]:
                 best[0] = progress.best
-                console.print(Text(f"step {progress.step}: {progress.best}"), soft_wrap=True)
+                console.print(Text(f"step {progress.best.step}: {progress.best}"), soft_wrap=True)
 
         yield show
 

@@ -25,6 +25,7 @@ from agent_proc.learner import (
     observation_moments,
     policy_zip,
     restore,
+    set_exploration,
     undisturbed_draws,
     use_one_thread,
 )
@@ -154,7 +155,7 @@ class Training:
     # -- called by the algorithm ---------------------------------------------------------------------------------------
 
     def begin_rollout(self) -> None:
-        """Between two updates: evaluate, and take a checkpoint."""
+        """Between two updates: evaluate, take a checkpoint, and set how widely the coming rollout explores."""
         self._check_if_due()
         step = self._learner.model.num_timesteps
         due = step - self._saved_step >= self._plan.profile.checkpoint_every
@@ -162,6 +163,7 @@ class Training:
             self._hold()
         if due:
             self._save_held()
+        set_exploration(self._learner, self._plan.profile)
 
     def take_step(self, infos: Sequence[dict[str, Any]], dones: Sequence[bool]) -> bool:
         """After each step of all environments; returns whether to go on."""
@@ -175,6 +177,8 @@ class Training:
                         episode_return=float(episode["r"]),
                         length=int(episode["l"]),
                         success=bool(info["is_success"]),
+                        position_error_m=float(info["position_error_m"]),
+                        angle_error_deg=float(info["angle_error_deg"]),
                     )
                 )
         self._tell("learning")

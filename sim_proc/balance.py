@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.robot import CONTROL_PERIOD_S
+from sim_proc.incline import GRAVITY_M_S2
 
-GRAVITY_M_S2: Final = 9.81
 JERK_WEIGHT: Final = 1e-6
 END_WEIGHT: Final = 0.1
 
@@ -148,6 +148,8 @@ def _edge_distances(points_m: Array, support_feet_m: Array) -> Array:
 
 def foot_forces(feet_m: Array, load_share: Array, zmp_m: Array, acceleration_m_s2: Array, mass_kg: float) -> Array:
     """Ground reaction forces (n, 4, 3) that carry the weight with the ZMP (n, 2) and accelerate the robot (n, 2).
+
+    On a slope the acceleration is meant against free fall along the floor.
 
     The vertical forces have the least norm, weighted by `load_share` (n, 4), that balances about the ZMP (Eq. 9; what
     pushing the box takes is small beside the weight and left to the servos). The horizontal force is shared in

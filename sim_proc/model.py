@@ -4,6 +4,7 @@ Masses: 31.84 kg, Spot's public figure of about 32 kg, with 18 kg in the trunk a
 and 0.56 kg lower leg. Only the listed contact pairs collide, so that each friction coefficient is stated once.
 """
 
+from collections.abc import Sequence
 from math import sin
 from typing import Final
 
@@ -23,7 +24,9 @@ from legpush.robot import (
     LEGS,
     foot_rectangle_b,
 )
-from legpush.scenario import Box, Scenario
+from legpush.scenario import Room, Scenario
+from sim_proc.box_body import add_box
+from sim_proc.incline import gravity_m_s2
 from sim_proc.leg_kinematics import HIPS_B, SIDE, inverse
 from sim_proc.scenery import add_scenery
 
@@ -46,7 +49,6 @@ NET_FORCE: Final = 3
 
 BODYWORK: Final = (0.93, 0.72, 0.11, 1.0)
 DARK: Final = (0.13, 0.14, 0.16, 1.0)
-CARDBOARD: Final = (0.72, 0.53, 0.35, 1.0)
 
 
 def standing_joints_rad() -> NDArray[np.float64]:
@@ -61,21 +63,22 @@ def build_model(scenario: Scenario) -> mujoco.MjModel:
     """Compile the model of a scenario; the state it starts in is set by whoever simulates it."""
     spec = mujoco.MjSpec()
     spec.modelname = "legpush"
-    _set_options(spec)
+    _set_options(spec, scenario.room)
     add_scenery(spec, scenario)
     _add_robot(spec)
-    _add_box(spec, scenario.box)
-    _add_contact_pairs(spec, scenario)
+    box_geoms = add_box(spec, scenario.box)
+    _add_contact_pairs(spec, scenario, box_geoms)
     _add_sensors(spec)
     return spec.compile()
 
 
-def _set_options(spec: mujoco.MjSpec) -> None:
+def _set_options(spec: mujoco.MjSpec, room: Room) -> None:
     """2 ms, implicit-in-velocity integration, elliptic friction cone.
 
     With a pyramidal cone friction depends on direction, by a quarter, and so a pushed box on its heading in the room.
     """
     spec.option.timestep = PHYSICS_STEP_S
+    spec.option.gravity[:] = gravity_m_s2(room)
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
@@ -176,32 +179,7 @@ def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str) -> None:
     lower.add_site(name=f"{leg}_tip", pos=[0, 0, -L3_M])
 
 
-def _add_box(spec: mujoco.MjSpec, box: Box) -> None:
-    length, width, height = box.size_m
-    body = spec.worldbody.add_body(name="box", pos=[0, 0, height / 2])
-    body.add_freejoint(name="box")
-    body.add_geom(
-        name="box",
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=[length / 2, width / 2, height / 2],
-        mass=box.mass_kg,
-        rgba=CARDBOARD,
-        contype=0,
-        conaffinity=0,
-    )
-    body.add_geom(
-        name="box_heading",
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        pos=[length / 4, 0, height / 2],
-        size=[length / 4, 0.012, 0.002],
-        mass=0.0,
-        rgba=DARK,
-        contype=0,
-        conaffinity=0,
-    )
-
-
-def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario) -> None:
+def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Sequence[str]) -> None:
     def pair(first: str, second: str, friction: float) -> None:
         coefficients = [friction, friction, 0.005, 0.0001, 0.0001]
         spec.add_pair(name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3)
@@ -210,32 +188,34 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario) -> None:
     feet = [f"{leg}_foot" for leg in LEGS]
     for foot in feet:
         pair("floor", foot, FOOT_FLOOR_FRICTION)
-        pair(foot, "box", box_friction)
-    pair("floor", "box", box_friction)
-    for part in ("FL_lower", "FR_lower", "trunk"):
-        pair(part, "box", box_friction)
+        for box in box_geoms:
+            pair(foot, box, box_friction)
+    for box in box_geoms:
+        pair("floor", box, box_friction)
+        for part in ("FL_lower", "FR_lower", "trunk"):
+            pair(part, box, box_friction)
     for index in range(len(scenario.room.obstacles)):
-        for part in (*feet, "trunk", "box"):
+        for part in (*feet, "trunk", *box_geoms):
             pair(f"wall_{index}", part, WALL_FRICTION)
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
-    def contact_force(name: str, foot: str, other: str) -> None:
-        """Net force between two geoms; MuJoCo's contact sensor with data `force` and reduction `netforce`."""
+    def contact_force(name: str, foot: str, other: str, kind: mujoco.mjtObj) -> None:
+        """Net force of a geom or body on a foot; MuJoCo's contact sensor with data `force` and reduction `netforce`."""
         spec.add_sensor(
             name=name,
             type=mujoco.mjtSensor.mjSENS_CONTACT,
             objtype=mujoco.mjtObj.mjOBJ_GEOM,
             objname=foot,
-            reftype=mujoco.mjtObj.mjOBJ_GEOM,
+            reftype=kind,
             refname=other,
             intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), NET_FORCE, 1],
         )
 
     for leg in LEGS:
-        contact_force(f"{leg}_floor_force", f"{leg}_foot", "floor")
+        contact_force(f"{leg}_floor_force", f"{leg}_foot", "floor", mujoco.mjtObj.mjOBJ_GEOM)
     for leg in LEGS:
-        contact_force(f"{leg}_box_force", f"{leg}_foot", "box")
+        contact_force(f"{leg}_box_force", f"{leg}_foot", "box", mujoco.mjtObj.mjOBJ_BODY)
     imu = {"objtype": mujoco.mjtObj.mjOBJ_SITE, "objname": "imu"}
     spec.add_sensor(name="imu_orientation", type=mujoco.mjtSensor.mjSENS_FRAMEQUAT, **imu)
     spec.add_sensor(name="imu_angular_velocity", type=mujoco.mjtSensor.mjSENS_GYRO, **imu)

@@ -55,6 +55,9 @@ class Physics:
         model, data = self.model, self.data
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
+        gravity = model.opt.gravity
+        self.downhill: Array = gravity[:2] / -gravity[2]
+        """How far from its foot on the floor a plumb line of unit height ends, world frame, (2,)."""
         self.mass_kg = float(model.body_subtreemass[self._trunk_body])
         self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
         self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)

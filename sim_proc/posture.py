@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from legpush.robot import CONTROL_PERIOD_S
 from sim_proc.balance import foot_forces
+from sim_proc.incline import GRAVITY_M_S2
 from sim_proc.leg_kinematics import HIPS_B, SIDE, inverse, jacobian
 from sim_proc.model import STANDING_HEIGHT_M, VELOCITY_GAIN_N_M_S_RAD
 from sim_proc.physics import JOINT_QPOS, Physics, Recording
@@ -70,7 +71,8 @@ class Posture:
         tips_b[:, :, 2] -= STANDING_HEIGHT_M
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
         joints = inverse(tips_b - HIPS_B, SIDE, saturate=True)
-        forces = foot_forces(feet_m, load_share, zmp_m, acceleration_m_s2, self.physics.mass_kg)
+        against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.physics.downhill
+        forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.physics.mass_kg)
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
         torques = -np.einsum("nlij,nli->nlj", jacobian(joints, SIDE), forces).reshape(n, 12)
         commands = joints.reshape(n, 12)

@@ -1,7 +1,7 @@
 """The push cycle: a front foot along a Bezier curve into the box and back, then every foot to its marker at the box."""
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, sqrt
 from typing import Final
 
 import numpy as np
@@ -33,11 +33,12 @@ RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", 
 """The rest of the crawl's lateral sequence after the pushing leg, mirrored for the right side."""
 
 
-def contact_point(box: Pose2, size_m: tuple[float, float, float], leg: FrontLeg, depth_m: float) -> Array:
-    """Where the foot's centre ends, (3,): its surface `depth_m` beyond the rear face."""
-    length, width, height = size_m
+def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Array:
+    """Where the foot's centre ends, (3,), for a box at `pose`: its surface `depth_m` beyond the rear face."""
+    length, width, height = box.size_m
     side = CONTACT_SIDE_SHARE * width * (1 if leg == "FL" else -1)
-    x, y = box.apply([[-length / 2 + depth_m - FOOT_RADIUS_M, side]])[0]
+    rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
+    x, y = pose.apply([[rear + depth_m - FOOT_RADIUS_M, side]])[0]
     return np.array([x, y, CONTACT_HEIGHT_SHARE * height])
 
 
@@ -65,7 +66,7 @@ class Pusher:
         box = physics.box_pose()
         require_within_reach("the place to push from", physics.trunk_pose(), behind_box(self._box, box, STATION_M))
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
-        goal = contact_point(box, self._box.size_m, push.leg, push.depth_m)
+        goal = contact_point(box, self._box, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
         ahead = [
             self._push_step(push.leg, here, posture.yaw_rad),

@@ -78,7 +78,7 @@ class Episode:
         return Outcome(
             world=world_state(physics, self._steps.n_footsteps, path, self._push),
             state_crc=physics.state_crc(),
-            trace=trace(recordings, physics.tick) if with_trace else None,
+            trace=trace(recordings, physics.tick, physics.downhill) if with_trace else None,
         )
 
 

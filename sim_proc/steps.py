@@ -64,6 +64,8 @@ class Steps:
     def __init__(self, posture: Posture) -> None:
         """Begin with all feet down."""
         self.posture = posture
+        self._lean_m: Array = COM_HEIGHT_M * posture.physics.downhill
+        """From below the CoM to where its plumb line meets a floor that slopes, (2,)."""
         self.landed: int | None = None
         """The leg that the last step put down."""
         self.n_footsteps = 0
@@ -97,7 +99,7 @@ class Steps:
             yaw,
             feet,
             load_share,
-            plan.zmp_m[:n],
+            plan.zmp_m[:n] + self._lean_m,
             plan.acceleration_m_s2[:n],
         )
         posture.com_state = plan.state(n - 1)
@@ -115,7 +117,7 @@ class Steps:
         for longer, wider_m in CAUTION:
             step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider_m)
             plan = self._plan_com([step, *ahead[1:]])
-            if triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks], support).min() >= LEAST_MARGIN_M:
+            if triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks] + self._lean_m, support).min() >= LEAST_MARGIN_M:
                 break
         return step, plan
 
@@ -129,7 +131,7 @@ class Steps:
                 leg = LEGS.index(step.leg)
                 reference = shifted_reference(reference, np.delete(feet, leg, axis=0), step.margin_m)
                 feet[leg] = step.target_m
-            references.append(np.repeat(reference[None], step.n_ticks, axis=0))
+            references.append(np.repeat(reference[None] - self._lean_m, step.n_ticks, axis=0))
             weights += [SHIFT_WEIGHT] * step.shift_ticks + [1.0] * step.swing_ticks
         return plan_com(
             posture.com_state, np.concatenate(references), tuple(weights), ahead[-1].end_velocity_m_s, COM_HEIGHT_M

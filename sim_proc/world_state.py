@@ -46,8 +46,8 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
     )
 
 
-def trace(recordings: Sequence[Recording], last_tick: int) -> Trace:
-    """The recordings of a step, joined, ending at `last_tick`."""
+def trace(recordings: Sequence[Recording], last_tick: int, downhill: Array) -> Trace:
+    """The recordings of a step, joined, ending at `last_tick`; `downhill` is that of the physics."""
     if not recordings:
         return Trace(
             tick=(),
@@ -74,7 +74,7 @@ def trace(recordings: Sequence[Recording], last_tick: int) -> Trace:
         foot_forces_n=_plain(np.linalg.norm(floor + box, axis=2)),
         com_m=_plain(com),
         zmp_m=_plain(zmp),
-        support_margin_m=_plain(support_margin(com[:, :2], tips[:, :, :2], load >= LOADED_N)),
+        support_margin_m=_plain(support_margin(com[:, :2] + com[:, 2:] * downhill, tips[:, :, :2], load >= LOADED_N)),
     )
 
 

@@ -12,7 +12,7 @@ from legpush.geometry import Pose2
 from legpush.robot import FrontLeg
 from legpush.scenario import PlannerName, Scenario
 
-PROTOCOL_VERSION: Final = 1
+PROTOCOL_VERSION: Final = 2
 
 Role = Literal["planner", "sim", "agent", "launcher"]
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]

@@ -12,6 +12,7 @@ Positive = Annotated[float, Meta(gt=0.0)]
 BoxSide = Annotated[float, Meta(ge=0.01)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
+BoxShape = Literal["cuboid", "cylinder", "wedge", "l_shape"]
 STATION_M: Final = HIP_X_M + PUSH_GAP_M
 """From the box's rear face back to the trunk centre when the robot stands ready to push."""
 STAND_OFF_M: Final = 0.75
@@ -56,6 +57,11 @@ class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     resolution_m: Positive = 0.05
     """Cell size of the occupancy map that the planner gets."""
     wall_height_m: Positive = 0.6
+    slope_deg: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.0
+    """Inclination of the whole floor. The world frame is the floor's, z along its normal: what is tilted is gravity, and
+    roll and pitch are those against the floor."""
+    uphill_deg: Annotated[float, Meta(ge=-360.0, le=360.0)] = 0.0
+    """The direction in which the floor rises, about z from the x axis of the world."""
 
 
 class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -64,10 +70,20 @@ class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     pose: PoseDeg
     """Nominal pose; x points in the direction in which the box is pushed."""
     size_m: tuple[BoxSide, BoxSide, BoxSide] = (0.4, 0.5, 0.4)
-    """Full length (x), width (y) and height."""
+    """Full length (x), width (y) and height, over all."""
+    shape: BoxShape = "cuboid"
+    """What fills that, with even density: all of it, an upright `cylinder`, a `wedge` as high as that at the rear face
+    and down to the floor at the front, or, seen from above, an `l_shape` without the front right quarter."""
     mass_kg: Annotated[float, Meta(ge=0.001)] = 0.1
     friction: Positive = 0.5
     """Sliding friction coefficient, both with the floor and with the foot."""
+
+    def __post_init__(self) -> None:
+        """Refuse a cylinder that is not round (`ValueError`)."""
+        if self.shape == "cylinder" and self.size_m[0] != self.size_m[1]:
+            raise ValueError(
+                f"Expected equal length and width of a cylinder in size_m, got {self.size_m[0]} and {self.size_m[1]}"
+            )
 
 
 class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -47,16 +47,21 @@ def dump_scenario(scenario: Scenario) -> str:
 
 def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     """The scenario with other values at paths such as `box.mass_kg`; `ScenarioError` where one cannot be used."""
+    changed = change_fields(scenario, changes)
+    check_scenario(changed, "command line")
+    return changed
+
+
+def change_fields(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """The same without the check of whether it can be carried out."""
     plain = msgspec.to_builtins(scenario)
     for path, value in changes.items():
         *tables, field = path.split(".")
         reduce(getitem, tables, plain)[field] = value
     try:
-        changed = convert(plain, Scenario)
+        return convert(plain, Scenario)
     except MessageError as error:
         raise ScenarioError(f"command line: {explain(str(error), plain, Scenario)}") from error
-    check_scenario(changed, "command line")
-    return changed
 
 
 def scenario_names() -> tuple[str, ...]:

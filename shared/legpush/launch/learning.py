@@ -69,6 +69,8 @@ class TrainOptions(SimulatorOptions):
     """Draw the mass of the box anew for each episode."""
     friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
     """Draw the friction of the box anew for each episode."""
+    distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw how far the goal is from the box anew for each episode."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the training, `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
@@ -92,7 +94,10 @@ class EvaluateOptions(SimulatorOptions):
     """
 
     policy: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="POLICY")]
-    """scripted, the name of a shipped policy, a policy folder, or module:factory of your own."""
+    """scripted, the name of a shipped policy, a policy folder, a model file (.zip) that Stable-Baselines3 saved, or
+    module:factory of your own."""
+    normalizer: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """With a model file: what `VecNormalize.save` wrote, if observations were normalized in its training."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 20
     """For each value that is swept."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 9000
@@ -100,11 +105,12 @@ class EvaluateOptions(SimulatorOptions):
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
     """Where the robot stands ready to push, and the goal with its tolerances."""
     sweep: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="FIELD=VALUE,...")] = ()
-    """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9; may be given again for other fields."""
+    """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9, box.size_m=0.4x0.5x0.4,0.8x0.4x0.4,
+    box.shape=cuboid,l_shape or room.slope_deg=0,5; may be given again for other fields."""
     grid: bool = False
     """Evaluate every combination of the swept values instead of one field after the other."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for episodes.csv, summary.json and evaluation.png, `runs/<time>-evaluate-<policy>` if not given."""
+    """Folder for episodes.csv, episodes.parquet, summary.json and evaluation.png, `runs/<time>-evaluate-<policy>` if not given."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
