@@ -19,12 +19,12 @@ class PushModel:
     w1: float = 0.5
     w2: float = 0.5
     """The curve that the rows were measured with."""
-    depth_m: tuple[float, ...] = (0.0, 0.02, 0.03, 0.05, 0.08, 0.1, 0.12)
-    forward_m: tuple[float, ...] = (0.0, 0.0135, 0.0212, 0.0366, 0.0596, 0.0747, 0.0899)
+    depth_m: tuple[float, ...] = (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.08, 0.1, 0.12)
+    forward_m: tuple[float, ...] = (0.0, 0.0017, 0.0056, 0.0135, 0.0212, 0.0366, 0.0596, 0.0747, 0.0899)
     """Of the box's centre along the x axis that the box had before."""
-    left_m: tuple[float, ...] = (0.0, -0.0033, -0.0059, -0.0104, -0.0151, -0.0215, -0.0268)
+    left_m: tuple[float, ...] = (0.0, -0.0001, -0.0011, -0.0033, -0.0059, -0.0104, -0.0151, -0.0215, -0.0268)
     """The same along its y axis."""
-    turn_deg: tuple[float, ...] = (0.0, -1.43, -2.31, -4.07, -6.77, -8.41, -10.04)
+    turn_deg: tuple[float, ...] = (0.0, -0.21, -0.62, -1.43, -2.31, -4.07, -6.77, -8.41, -10.04)
 
     def push(
         self,

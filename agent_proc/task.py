@@ -51,7 +51,7 @@ class TaskConfig:
     brings the box nearer."""
     fixed_depth_m: float = 0.05
     """Depth of every push with fixed entry."""
-    least_depth_m: float = 0.01
+    least_depth_m: float = 0.005
     """Depth of the shallowest push with variable entry."""
     max_depth_m: float = 0.10
     """Depth of the deepest push with variable entry."""

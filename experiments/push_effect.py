@@ -21,7 +21,7 @@ from legpush.scenario_file import load_scenario, override
 from sim_proc.simulator import Simulator
 
 TABLE: Final = Path(__file__).parent / "results" / "push_effect.csv"
-DEPTHS_M: Final = (0.02, 0.03, 0.05, 0.08, 0.10, 0.12)
+DEPTHS_M: Final = (0.005, 0.01, 0.02, 0.03, 0.05, 0.08, 0.10, 0.12)
 CURVES: Final = ((0.5, 0.5), (0.2, 0.2), (0.8, 0.8))
 BOXES: Final = ((0.1, 0.5), (0.1, 0.3), (0.1, 0.8), (0.9, 0.5))
 """Mass in kg and friction coefficient."""

@@ -13,6 +13,7 @@ from stable_baselines3.common.env_checker import check_env as check_env_sb3
 from agent_proc.env import ASTRAY, PushEnv, is_done, policy_observation, policy_push
 from agent_proc.gym_envs import PUSH_ID
 from agent_proc.observation import element_names
+from agent_proc.reward_tuned import CYCLE_COST, FALL_PENALTY
 from agent_proc.task import Domain, TaskConfig
 from agent_proc.worlds import LocalWorld
 from legpush.errors import ConfigError, PeerError
@@ -197,7 +198,7 @@ def test_a_fall_terminates_and_takes_all_progress_back() -> None:
         observation, reward, terminated, _, info = env.step(steering(observation))
         rewards.append(reward)
     assert (info["ending"], info["fell"], len(rewards)) == ("fell", True, 4)
-    assert sum(rewards) == pytest.approx(-10.0 - 4 * 0.02)
+    assert sum(rewards) == pytest.approx(-FALL_PENALTY - 4 * CYCLE_COST)
 
 
 def test_the_number_of_steps_truncates_and_does_not_terminate() -> None:

@@ -5,12 +5,15 @@ import io
 from pathlib import Path
 
 import pytest
+from pyarrow import parquet
 
-from agent_proc.evaluation import Row, as_csv, evaluate, make_cases, mean_interval, run_episode, summarize, wilson
+from agent_proc.evaluation import Row, evaluate, run_episode, summarize
 from agent_proc.evaluation_plot import save_plot
+from agent_proc.evaluation_table import as_csv, table, write_parquet
 from agent_proc.scripted import ScriptedPolicy
+from agent_proc.statistics import mean_interval, wilson
+from agent_proc.sweep import make_sweep
 from agent_proc.worlds import LocalWorld
-from legpush.errors import ConfigError, ScenarioError
 from legpush.messages import Push, WorldState
 from legpush.scenario import Scenario
 from legpush.scenario_file import override
@@ -37,6 +40,7 @@ def row(case: str = "", seed: int = 0, position_error_m: float = 0.01, ending: s
         n_cycles=20,
         max_abs_roll_deg=0.5,
         max_abs_pitch_deg=0.7,
+        min_support_margin_m=0.02,
     )
 
 
@@ -49,6 +53,7 @@ def test_an_episode_of_the_scripted_policy_ends_at_the_goal() -> None:
     assert result.position_error_m < 0.03
     assert result.n_cycles > 5
     assert result.max_abs_roll_deg > 0.1
+    assert 0.0 < result.min_support_margin_m < 0.06
 
 
 def test_a_fall_ends_an_episode_without_success() -> None:
@@ -68,7 +73,7 @@ def test_an_episode_ends_after_the_cycles_of_the_scenario() -> None:
 
 
 def test_rows_come_in_the_order_of_cases_and_seeds_however_many_worlds_there_are() -> None:
-    cases = make_cases(scenario_at_station(), ["box.mass_kg=0.1,0.5"], grid=False)
+    cases = make_sweep(scenario_at_station(), ["box.mass_kg=0.1,0.5"], grid=False).cases
     seen: list[Row] = []
     one, three = (
         evaluate([LocalWorld(FakeWorld()) for _ in range(n)], cases, range(3), ScriptedPolicy(), seen.append)
@@ -78,37 +83,6 @@ def test_rows_come_in_the_order_of_cases_and_seeds_however_many_worlds_there_are
     assert one == three
     assert [(r.case, r.seed) for r in one] == [(c, s) for c in ("box.mass_kg=0.1", "box.mass_kg=0.5") for s in range(3)]
     assert seen == one + three
-
-
-def test_a_sweep_changes_one_field_at_a_time_and_a_grid_all_of_them() -> None:
-    sweeps = ["box.mass_kg=0.1,0.5", "box.friction=0.3,0.8"]
-
-    assert list(make_cases(scenario_at_station(), sweeps, grid=False)) == [
-        "box.mass_kg=0.1",
-        "box.mass_kg=0.5",
-        "box.friction=0.3",
-        "box.friction=0.8",
-    ]
-    grid = make_cases(scenario_at_station(), sweeps, grid=True)
-    assert len(grid) == 4
-    both = grid["box.mass_kg=0.5 box.friction=0.3"].box
-    assert (both.mass_kg, both.friction) == (0.5, 0.3)
-    assert make_cases(scenario_at_station(), [], grid=True) == {"": scenario_at_station()}
-
-
-@pytest.mark.parametrize(
-    ("sweep", "error", "message"),
-    [
-        ("box.mass_kg", ConfigError, r"FIELD=VALUE,VALUE,\.\.\. for --sweep.*got 'box.mass_kg'"),
-        ("box.mass_kg=0.1,,2", ConfigError, "FIELD=VALUE"),
-        ("box.mass_kg=-1", ScenarioError, "box.mass_kg"),
-        ("box.colour=1", ScenarioError, "unknown field"),
-        ("crate.mass_kg=1", ConfigError, r"a field of the scenario for --sweep, got crate.mass_kg"),
-    ],
-)
-def test_a_sweep_that_cannot_be_made_is_refused(sweep: str, error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        make_cases(scenario_at_station(), [sweep], grid=False)
 
 
 def test_a_share_has_wilsons_interval() -> None:
@@ -139,14 +113,26 @@ def test_the_summary_counts_falls_and_keeps_extremes() -> None:
     assert summaries[""].position_error_m.value == pytest.approx(0.02)
 
 
-def test_rows_as_csv_have_the_names_of_their_fields() -> None:
-    lines = list(csv.DictReader(io.StringIO(as_csv([row(), row(seed=1)]))))
+def test_rows_have_the_swept_fields_as_columns_in_csv_and_parquet(tmp_path: Path) -> None:
+    sweep = make_sweep(scenario_at_station(), ["box.mass_kg=0.1,0.5", "box.size_m=0.4x0.5x0.4"], grid=True)
+    rows = table([row(case=case, seed=seed) for case in sweep.cases for seed in (0, 1)], sweep)
+    write_parquet(rows, tmp_path / "episodes.parquet")
 
-    assert [line["seed"] for line in lines] == ["0", "1"]
+    lines = list(csv.DictReader(io.StringIO(as_csv(rows))))
+    assert [(line["box.mass_kg"], line["box.size_m"], line["seed"]) for line in lines] == [
+        (mass, "0.4x0.5x0.4", seed) for mass in ("0.1", "0.5") for seed in ("0", "1")
+    ]
     assert lines[0]["position_error_m"] == "0.01"
+    read = parquet.read_table(tmp_path / "episodes.parquet").to_pylist()
+    assert read == [dict(line) for line in rows]
 
 
-def test_the_plot_is_a_png(tmp_path: Path) -> None:
-    save_plot([row(), row(case="box.mass_kg=0.5")], "a policy", tmp_path / "plot.png")
+@pytest.mark.parametrize(
+    ("sweeps", "grid"), [([], False), (["box.mass_kg=0.1,0.5"], False), (["box.mass_kg=0.1,2", "box.friction=0.3,0.8"], True)]
+)
+def test_the_plot_is_a_png(tmp_path: Path, sweeps: list[str], grid: bool) -> None:
+    sweep = make_sweep(scenario_at_station(), sweeps, grid=grid)
+
+    save_plot([row(case=case) for case in sweep.cases], sweep, "a policy", tmp_path / "plot.png")
 
     assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG")

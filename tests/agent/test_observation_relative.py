@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from agent_proc.goal_frame import mirror_sign
+from agent_proc.goal_frame import LOOK_AHEAD_M, mirror_sign
 from agent_proc.observation import as_markdown, bounds, element_names, observe
-from agent_proc.observation_relative import RELATIVE
+from agent_proc.observation_relative import NEAR_RAD, RELATIVE
 from agent_proc.station import station
 from legpush.geometry import Pose2
 from legpush.messages import WorldState
@@ -77,7 +77,8 @@ def test_each_entry_reads_what_its_name_says() -> None:
 
     np.testing.assert_allclose(left["box"], [-1.0, 0.2])
     np.testing.assert_allclose(left["box_near"], np.arcsinh([-20.0, 4.0]))
-    np.testing.assert_allclose(left["box_heading"], [0.1])
+    np.testing.assert_allclose(left["heading"], [0.1, 0.1 + np.arctan2(0.2, LOOK_AHEAD_M)])
+    np.testing.assert_allclose(left["heading_near"], np.arcsinh(left["heading"] / NEAR_RAD))
     np.testing.assert_allclose(left["trunk"], [0.01, 0.02, 0.03], atol=1e-12)
     assert left["tip_left"][1] > 0.1 > -0.1 > left["tip_right"][1]
     # The front feet of a robot at its station are the push gap, 0.12 m, behind the box.
@@ -86,6 +87,13 @@ def test_each_entry_reads_what_its_name_says() -> None:
 
 
 def test_the_documentation_lists_every_entry() -> None:
-    assert [line for line in as_markdown(RELATIVE).splitlines() if "`box_heading`" in line] == [
-        "| 4 | `box_heading` | yaw | rad | goal | heading of the box |"
+    assert [line for line in as_markdown(RELATIVE).splitlines() if "`heading_near`" in line] == [
+        "| 6 to 7 | `heading_near` | yaw, steering | 1 | goal | asinh of the same over 1° |"
     ]
+
+
+def test_a_box_far_short_of_its_goal_looks_as_far_as_the_profile_looks() -> None:
+    ahead = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    far, farther = (observe(state(Pose2(x_m=x, y_m=3.1, yaw_rad=0.0), ahead), SCENARIO, RELATIVE) for x in (5.9, 5.0))
+
+    np.testing.assert_allclose(far, farther, atol=1e-12)

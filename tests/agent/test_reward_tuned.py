@@ -1,14 +1,22 @@
 """The tuned reward: progress adds up, the end counts, and falling never pays."""
 
 from itertools import pairwise
-from math import radians
+from math import degrees, radians
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from agent_proc.env import ASTRAY
-from agent_proc.reward_tuned import ANGLE_WEIGHT, CYCLE_COST, POSITION_WEIGHT, errors_in_tolerances, tuned_reward
+from agent_proc.goal_frame import LOOK_AHEAD_M
+from agent_proc.reward_tuned import (
+    CYCLE_COST,
+    POSITION_WEIGHT,
+    STEERING_WEIGHT,
+    errors_in_tolerances,
+    steering_in_tolerances,
+    tuned_reward,
+)
 from agent_proc.task import TaskConfig
 from legpush.geometry import Pose2
 from legpush.messages import WorldState
@@ -38,8 +46,9 @@ def value(first: WorldState, states: list[WorldState], *, arrived: bool) -> floa
 @given(path=st.lists(boxes, min_size=2, max_size=8))
 def test_progress_depends_on_the_first_and_the_last_state_only(path: list[Pose2]) -> None:
     states = [state(box) for box in path]
-    first, last = (errors_in_tolerances(world, SCENARIO) for world in (states[0], states[-1]))
-    progress = POSITION_WEIGHT * (first[0] - last[0]) + ANGLE_WEIGHT * (first[1] - last[1])
+    position = [errors_in_tolerances(world, SCENARIO)[0] for world in (states[0], states[-1])]
+    steering = [steering_in_tolerances(world, SCENARIO) for world in (states[0], states[-1])]
+    progress = POSITION_WEIGHT * (position[0] - position[1]) + STEERING_WEIGHT * (steering[0] - steering[1])
 
     total = value(states[0], states[1:], arrived=False)
 
@@ -49,7 +58,10 @@ def test_progress_depends_on_the_first_and_the_last_state_only(path: list[Pose2]
 @given(path=st.lists(boxes, min_size=1, max_size=8), fall_at=boxes)
 def test_falling_pays_less_than_the_worst_that_can_be_done_standing(path: list[Pose2], fall_at: Pose2) -> None:
     first = at(6.0)
-    worst_standing = -(ASTRAY + 10.0) * max(POSITION_WEIGHT, ANGLE_WEIGHT) - CYCLE_COST * MAX_STEPS
+    goal = SCENARIO.goal
+    steering_by_position = degrees(goal.position_tolerance_m / LOOK_AHEAD_M) / goal.angle_tolerance_deg
+    each = POSITION_WEIGHT + STEERING_WEIGHT * max(1.0, steering_by_position)
+    worst_standing = -(ASTRAY + 10.0) * each - CYCLE_COST * MAX_STEPS
 
     fallen = value(first, [*(state(box) for box in path), state(fall_at, fallen=True)], arrived=False)
 

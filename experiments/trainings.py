@@ -1,0 +1,237 @@
+"""`python experiments/trainings.py`: the trainings of all studies, several at a time, and what each of them learned.
+
+Each is one `legpush train` in a folder under `runs/trainings`; those that are complete are left alone, those that were
+interrupted go on. Then every episode of each goes to `results/trainings_episodes.csv.gz`, and how the policy of its
+last step does on the seeds of the check to `results/trainings.csv`. `experiments/learning.py` draws them.
+"""
+
+import csv
+import gzip
+import io
+import subprocess
+import sys
+import threading
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import tyro
+from msgspec.structs import replace
+from rich.console import Console
+from rich.progress import Progress
+
+from agent_proc.policy_folder import CARD_FILE, Card, read_card
+from agent_proc.profiles import dump_profile, load_profile
+from agent_proc.training import CHECKPOINT_FILE, LAST
+
+RESULTS: Final = Path(__file__).parent / "results"
+EPISODES_FILE: Final = RESULTS / "trainings_episodes.csv.gz"
+FINAL_FILE: Final = RESULTS / "trainings.csv"
+SEEDS: Final = (1, 2, 3, 4, 5)
+FEW_SEEDS: Final = SEEDS[:3]
+NEAR_AND_FAR: Final = ("--distance-m", "0.1", "1.0")
+RANDOMIZED: Final = (*NEAR_AND_FAR, "--mass-kg", "0.1", "2.0", "--friction", "0.3", "0.8")
+CURVE_FLAGS: Final = {"tuned-fixed": ("--steps", "4096"), "tuned-variable": NEAR_AND_FAR}
+"""Besides the profile's settings."""
+
+Study = Literal["curves", "networks", "algorithms", "randomization"]
+STUDIES: Final[tuple[Study, ...]] = ("curves", "networks", "algorithms", "randomization")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Training:
+    """One training."""
+
+    study: Study
+    variant: str
+    """What distinguishes it in its study."""
+    seed: int
+    profile: str = "tuned"
+    entry: Literal["fixed", "variable"] = "variable"
+    hidden: tuple[int, ...] | None = None
+    """Widths of the networks, where they are others than the profile's."""
+    n_simulators: int = 2
+    flags: tuple[str, ...] = ()
+    """Further ones of `legpush train`."""
+
+    @property
+    def name(self) -> str:
+        """Of its folder."""
+        return f"{self.variant}-seed{self.seed}"
+
+
+def trainings(studies: Iterable[Study]) -> list[Training]:
+    """All of these studies, seed after seed, so that whatever is interrupted has as many of each."""
+    return [training for study in studies for seed in SEEDS for training in _of_seed(study, seed)]
+
+
+def _of_seed(study: Study, seed: int) -> list[Training]:
+    match study:
+        case "curves":
+            return [
+                Training(
+                    study=study,
+                    variant=f"{profile}-{entry}",
+                    seed=seed,
+                    profile=profile,
+                    entry=entry,
+                    n_simulators=1 if profile == "paper" else 2,
+                    flags=CURVE_FLAGS.get(f"{profile}-{entry}", ()),
+                )
+                for profile in ("tuned", "paper")
+                for entry in ("fixed", "variable")
+            ]
+        case "networks":
+            sizes = ((512,) * 4, (128,) * 2, (64,) * 4) if seed in FEW_SEEDS else ()
+            return [
+                Training(
+                    study=study,
+                    variant=f"network-{len(hidden)}x{hidden[0]}",
+                    seed=seed,
+                    hidden=hidden,
+                    flags=NEAR_AND_FAR,
+                )
+                for hidden in sizes
+            ]
+        case "algorithms":
+            algorithms = ("sac", "td3") if seed in FEW_SEEDS else ()
+            return [Training(study=study, variant=name, seed=seed, profile=name, flags=NEAR_AND_FAR) for name in algorithms]
+        case "randomization":
+            flags = [RANDOMIZED] if seed in FEW_SEEDS else []
+            return [Training(study=study, variant="randomized", seed=seed, flags=f) for f in flags]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Which trainings, and where."""
+
+    studies: Annotated[tuple[Study, ...], tyro.conf.arg(metavar="STUDY ...")] = STUDIES
+    jobs: int = 2
+    """Trainings at once."""
+    folder: Path = Path("runs/trainings")
+    collect_only: bool = False
+    """Run nothing: write the results of what is complete."""
+    _stop: threading.Event = field(default_factory=threading.Event, init=False)
+
+
+def main(config: Config) -> int:
+    """Run what is missing, then collect."""
+    planned = trainings(config.studies)
+    missing = [] if config.collect_only else [t for t in planned if not (config.folder / t.name / LAST).is_dir()]
+    config.folder.mkdir(parents=True, exist_ok=True)
+    console = Console()
+    with Progress(console=console) as bar, ThreadPoolExecutor(config.jobs) as pool:
+        task = bar.add_task("trainings", total=len(missing))
+        futures = [pool.submit(_train, training, config.folder) for training in missing]
+        try:
+            for training, future in zip(missing, futures, strict=True):
+                future.result()
+                bar.advance(task)
+                console.print(f"{training.name} is complete")
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    collect(trainings(STUDIES), config.folder)
+    return 0
+
+
+def _train(training: Training, folder: Path) -> None:
+    """Run it, or go on with it; `SystemExit` with its last words where it fails."""
+    out = folder / training.name
+    if (out / CHECKPOINT_FILE).exists():
+        arguments = ["--resume", str(out)]
+    else:
+        profile = training.profile
+        if training.hidden is not None:
+            loaded = load_profile(profile)
+            path = folder / f"{training.variant}.toml"
+            path.write_text(dump_profile(replace(loaded, network=replace(loaded.network, hidden=training.hidden))))
+            profile = str(path)
+        arguments = ["--profile", profile, "--entry", training.entry, "--seed", str(training.seed)]
+        arguments += ["--simulators", str(training.n_simulators), "--out", str(out), *training.flags]
+    command = [str(Path(sys.executable).with_name("legpush")), "train", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"{training.name}: legpush train exited with {done.returncode}: {done.stderr.strip()}")
+
+
+def collect(planned: Sequence[Training], folder: Path) -> None:
+    """Write the results of the complete ones; those of others stay as they are in the files."""
+    here = {t.name: (t, read_card(folder / t.name / LAST)) for t in planned if (folder / t.name / LAST / CARD_FILE).exists()}
+    episodes = [row for row in read_episodes() if f"{row['variant']}-seed{row['seed']}" not in here]
+    final = [row for row in read_final() if f"{row['variant']}-seed{row['seed']}" not in here]
+    for training, card in here.values():
+        episodes += _episode_rows(training, card)
+        final.append(_final_row(training, card))
+    order = {t.name: index for index, t in enumerate(planned)}
+    for rows in (episodes, final):
+        rows.sort(key=lambda row: order[f"{row['variant']}-seed{row['seed']}"])
+    text = _as_csv(episodes).encode()
+    EPISODES_FILE.write_bytes(gzip.compress(text, mtime=0))
+    FINAL_FILE.write_text(_as_csv(final))
+
+
+def _episode_rows(training: Training, card: Card) -> list[dict[str, Any]]:
+    return [
+        {
+            "study": training.study,
+            "variant": training.variant,
+            "seed": training.seed,
+            "episode": index,
+            "step": point.step,
+            "return": round(point.episode_return, 4),
+            "length": point.length,
+            "success": int(point.success),
+            "position_error_m": round(point.position_error_m, 5),
+            "angle_error_deg": round(point.angle_error_deg, 4),
+        }
+        for index, point in enumerate(card.curve)
+    ]
+
+
+def _final_row(training: Training, card: Card) -> dict[str, Any]:
+    check = card.check
+    if check is None:
+        raise SystemExit(f"{training.name}: expected the check of its last step on the card")
+    return {
+        "study": training.study,
+        "variant": training.variant,
+        "seed": training.seed,
+        "steps": card.steps,
+        "episodes": len(card.curve),
+        "n_checked": len(check.seeds),
+        "success_rate": check.success_rate,
+        "position_error_m": round(check.position_error_m, 5),
+        "angle_error_deg": round(check.angle_error_deg, 4),
+        "cycles": round(check.cycles, 2),
+        "falls": check.falls,
+    }
+
+
+def read_episodes() -> list[dict[str, Any]]:
+    """Every episode of the trainings that are in the file."""
+    if not EPISODES_FILE.exists():
+        return []
+    return list(csv.DictReader(io.StringIO(gzip.decompress(EPISODES_FILE.read_bytes()).decode())))
+
+
+def read_final() -> list[dict[str, Any]]:
+    """How each training in the file ended."""
+    if not FINAL_FILE.exists():
+        return []
+    return list(csv.DictReader(io.StringIO(FINAL_FILE.read_text())))
+
+
+def _as_csv(rows: Sequence[dict[str, Any]]) -> str:
+    text = io.StringIO()
+    if rows:
+        writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    return text.getvalue()
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Config)))
