@@ -16,7 +16,7 @@ import tyro
 
 from agent_proc.live_world import LiveWorld
 from agent_proc.mission import MissionResult, run_mission
-from agent_proc.policies import SCRIPTED, make_policy
+from agent_proc.policies import make_policy
 from agent_proc.record import read_record
 from agent_proc.report import installed_versions, make_report
 from legpush.bus import Bus
@@ -24,6 +24,7 @@ from legpush.episode import read_episode
 from legpush.errors import ConfigError
 from legpush.journal import Journal, Opened
 from legpush.launch.folder import PICTURE_FILE, REPORT_FILE
+from legpush.launch.options import DEFAULT_POLICY
 from legpush.messages import PROTOCOL_VERSION
 from legpush.patience import Patience
 from legpush.scenario_file import load_scenario
@@ -51,8 +52,9 @@ class AgentConfig(ServiceConfig):
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Where journal, report and picture go, `runs/<scenario>-seed<N>` if not given; a mission that was interrupted goes
     on there."""
-    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = SCRIPTED
-    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, or module:factory."""
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
+    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
+    module:factory."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0

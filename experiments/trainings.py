@@ -1,8 +1,8 @@
-"""`python experiments/trainings.py`: the trainings of all studies, several at a time, and what each of them learned.
+"""`python -m experiments.trainings`: the trainings of all studies, several at a time, and what each of them learned.
 
 Each is one `legpush train` in a folder under `runs/trainings`; those that are complete are left alone, those that were
 interrupted go on. Then every episode of each goes to `results/trainings_episodes.csv.gz`, and how the policy of its
-last step does on the seeds of the check to `results/trainings.csv`. `experiments/learning.py` draws them.
+last step does on the seeds of the check to `results/trainings.csv`. `python -m experiments.learning` draws them.
 """
 
 import csv

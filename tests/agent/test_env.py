@@ -162,6 +162,21 @@ def test_a_domain_is_drawn_anew_for_every_episode_within_its_interval() -> None:
     assert {friction for _, _, friction in world.told} == {"0.5"}
 
 
+def test_the_distance_to_the_goal_is_drawn_along_the_way_that_the_scenario_has() -> None:
+    env = PushEnv(TaskConfig(domain=Domain(distance_m=(0.1, 0.8)), scenario=scenario_at_station()), FakeWorld())
+    nominal = env.task.scenario
+    drawn = []
+    for seed in range(40):
+        env.reset(seed=seed)
+        goal, box = env.here[1].goal.pose, nominal.box.pose
+        assert (goal.y_m, goal.yaw_deg) == (nominal.goal.pose.y_m, nominal.goal.pose.yaw_deg)
+        drawn.append(goal.x_m - box.x_m)
+
+    assert 0.1 <= min(drawn) < 0.2
+    assert 0.5 < max(drawn) <= 0.8
+    assert sum(distance_m < 0.28 for distance_m in drawn) == pytest.approx(20, abs=8)  # Half of the octaves.
+
+
 def test_steering_by_the_observation_ends_in_success() -> None:
     env = fake(box_offset=(0.02, 0.04, -0.05))
     observation, info = env.reset(seed=0)

@@ -188,6 +188,6 @@ def test_the_push_model_holds_what_was_measured() -> None:
     model = PushModel()
     curve = {"mass_kg": 0.1, "friction": 0.5, "w1": model.w1, "w2": model.w2}
     measured = [row for row in rows if curve.items() <= row.items()]
-    assert len(measured) == 6
+    assert len(measured) == 8
     for name in ("depth_m", "forward_m", "left_m", "turn_deg"):
         assert getattr(model, name) == (0.0, *(row[name] for row in measured))

@@ -9,6 +9,7 @@ import pytest
 from agent_proc.checkpoint import CheckpointError, load_checkpoint
 from agent_proc.files import DiskError
 from agent_proc.learned import load_learned
+from agent_proc.profiles import PpoProfile
 from agent_proc.training import BEST, CHECKPOINT_FILE, LAST, Progress
 from legpush.errors import PeerError
 from tests.agent.learning import make_training, small_profile, weights
@@ -43,6 +44,26 @@ def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
     assert len(ends[0].curve) > 5
     assert ends[0].checks == ends[1].checks
     assert len(ends[0].checks) >= 2
+
+
+def test_exploration_narrows_as_the_profile_says(tmp_path: Path) -> None:
+    profile = small_profile()
+    assert isinstance(profile, PpoProfile)
+    assert profile.settings.log_std_end is not None
+    spreads: dict[int, float] = {}
+    training = make_training(
+        tmp_path,
+        profile,
+        on_progress=lambda progress: spreads.setdefault(progress.step, training.learner.model.policy.log_std[0].item()),
+    )
+
+    training.run()
+
+    first, last = profile.settings.log_std_init, profile.settings.log_std_end
+    begun = {step: (step - 2) // 32 * 32 / profile.steps for step in spreads if 0 < step <= profile.steps}
+    assert len(set(begun.values())) == 5
+    for step, done in begun.items():
+        assert spreads[step] == pytest.approx(first + done * (last - first))
 
 
 def test_learning_changes_the_weights(tmp_path: Path) -> None:

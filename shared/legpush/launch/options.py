@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import tyro
 
 from legpush.errors import ConfigError
 from legpush.scenario import PlannerName
+
+DEFAULT_POLICY: Final = "variable"
+"""The shipped one that chooses leg, curve and depth."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,8 +27,9 @@ class RunOptions:
     """Draws the offsets of start and box, and the path: equal seeds, equal missions, bit for bit."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished run goes on in its folder."""
-    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = "scripted"
-    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, or module:factory."""
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
+    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
+    module:factory."""
     planner: PlannerName | None = None
     """Replaces the scenario's planner."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None

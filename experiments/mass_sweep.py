@@ -1,0 +1,126 @@
+"""`python -m experiments.mass_sweep`: straight pushes of 1 m at 0.1 to 0.9 kg, beside the published ones (Fig. 16).
+
+The shipped policies and the scripted one from the same unseen starts (offsets of 5 cm and 5 degrees). The episodes are
+in `results/evaluations/mass_*.csv`, the table in `results/mass_sweep.csv`, the picture in `results/mass_sweep.png`.
+"""
+
+import csv
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import tyro
+from matplotlib.figure import Figure
+
+from agent_proc.statistics import mean_interval, wilson
+from experiments.evaluations import RESULTS, Evaluation, read_rows, run_missing
+
+MASSES_KG: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+SWEEP: Final = f"box.mass_kg={','.join(map(str, MASSES_KG))}"
+FIRST_SEED: Final = 20_000
+PUBLISHED: Final = Path(__file__).parent / "published" / "mass_sweep.csv"
+EVALUATIONS: Final = (
+    Evaluation(name="mass_variable", policy="variable", sweeps=(SWEEP,), episodes=112, first_seed=FIRST_SEED),
+    Evaluation(name="mass_scripted", policy="scripted", sweeps=(SWEEP,), episodes=20, first_seed=FIRST_SEED),
+    Evaluation(name="mass_fixed", policy="fixed", sweeps=(SWEEP,), episodes=20, first_seed=FIRST_SEED),
+)
+"""With more than 1000 episodes of the policy that missions use."""
+LOOKS: Final = {"variable": ("tab:blue", "o"), "fixed": ("tab:orange", "s"), "scripted": ("tab:gray", "^")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What to run."""
+
+    again: bool = False
+    """Evaluate again what has results already, such as after a change of a policy."""
+
+
+def main(config: Config) -> int:
+    """Run what is missing, tabulate, draw."""
+    run_missing(EVALUATIONS, again=config.again)
+    rows = [row for evaluation in EVALUATIONS for row in table(evaluation)]
+    with (RESULTS / "mass_sweep.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    draw(rows, RESULTS / "mass_sweep.png")
+    for row in rows:
+        print(
+            f"{row['policy']:9s} {row['mass_kg']} kg  {100 * row['position_error_m']:.2f} cm  "
+            f"{row['angle_error_deg']:.2f} deg  success {row['success_rate']:.3f}  falls {row['falls']}  n {row['n']}"
+        )
+    return 0
+
+
+def table(evaluation: Evaluation) -> list[dict[str, Any]]:
+    """A row per mass: means with 95 % intervals."""
+    episodes, rows = read_rows(evaluation.name), []
+    for mass_kg in MASSES_KG:
+        here = [row for row in episodes if row["box.mass_kg"] == mass_kg]
+        position = mean_interval([row["position_error_m"] for row in here])
+        angle = mean_interval([row["angle_error_deg"] for row in here])
+        success = wilson(sum(row["success"] for row in here), len(here))
+        rows.append(
+            {
+                "policy": evaluation.policy,
+                "mass_kg": mass_kg,
+                "n": len(here),
+                **_columns("position_error_m", position, 5),
+                **_columns("angle_error_deg", angle, 3),
+                **_columns("success_rate", success, 4),
+                "falls": sum(row["ending"] == "fell" for row in here),
+                "cycles": round(sum(row["n_cycles"] for row in here) / len(here), 2),
+                "max_abs_roll_deg": round(max(row["max_abs_roll_deg"] for row in here), 2),
+                "max_abs_pitch_deg": round(max(row["max_abs_pitch_deg"] for row in here), 2),
+                "min_support_margin_m": round(min(row["min_support_margin_m"] for row in here), 4),
+            }
+        )
+    return rows
+
+
+def _columns(name: str, estimate: Any, n_digits: int) -> dict[str, float]:
+    low, high = round(estimate.low, n_digits), round(estimate.high, n_digits)
+    return {name: round(estimate.value, n_digits), f"{name}_low": low, f"{name}_high": high}
+
+
+def draw(rows: list[dict[str, Any]], path: Path) -> None:
+    """Both errors over the mass, on a logarithmic scale: the published ones are up to a hundred times as large."""
+    with PUBLISHED.open(newline="") as file:
+        published = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    panels = (
+        (left, "position error [cm]", "position_error_m", "position_error_m", 100.0, 2.0),
+        (right, "angle error [deg]", "angle_error_deg", "angular_error_deg", 1.0, 1.5),
+    )
+    for axis, label, ours, theirs, scale, limit in panels:
+        mass = [row["mass_kg"] for row in published]
+        axis.plot(mass, [scale * row[theirs] for row in published], "x--", color="tab:red", label="published, n 1 each")
+        for policy, (color, marker) in LOOKS.items():
+            here = [row for row in rows if row["policy"] == policy]
+            mean = [scale * row[ours] for row in here]
+            low = [scale * (row[ours] - row[f"{ours}_low"]) for row in here]
+            high = [scale * (row[f"{ours}_high"] - row[ours]) for row in here]
+            axis.errorbar(
+                [row["mass_kg"] for row in here],
+                mean,
+                [low, high],
+                fmt=f"{marker}-",
+                color=color,
+                capsize=3,
+                label=f"{policy}, n {here[0]['n']} each",
+            )
+        axis.axhline(limit, color="black", linestyle=":", linewidth=1, label=f"{limit:g}")
+        axis.set_yscale("log")
+        axis.set_xlabel("mass of the box [kg]")
+        axis.set_ylabel(label)
+        axis.grid(which="both", alpha=0.25)
+    left.legend(fontsize=8)
+    figure.suptitle("Straight push of 1 m, mean and 95 % interval")
+    figure.savefig(path, dpi=120)
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Config)))

@@ -1,0 +1,119 @@
+"""`python -m experiments.out_of_distribution`: boxes and floors that no training has seen, with three policies.
+
+The shipped policy, one that was trained with mass and friction drawn anew for each episode, and the scripted one, on:
+friction 0.2 to 1.0, mass up to 5 kg, an oblong, a cylinder, a wedge, an L shape, and slopes up to 5 degrees in three
+directions. Episodes in `results/evaluations/ood_*.csv`, table and picture in `results/out_of_distribution.*`.
+"""
+
+import csv
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import tyro
+from matplotlib.figure import Figure
+
+from agent_proc.statistics import mean_interval, wilson
+from experiments.evaluations import RESULTS, Evaluation, read_rows, run_missing
+
+SWEEPS: Final = (
+    ("friction", ("box.friction=0.2,0.3,0.5,0.8,1.0",), False),
+    ("mass", ("box.mass_kg=0.1,1,2,5",), False),
+    ("oblong", ("box.size_m=0.8x0.4x0.4,0.3x0.7x0.4",), False),
+    ("cylinder", ("box.shape=cylinder", "box.size_m=0.5x0.5x0.4"), True),
+    ("shape", ("box.shape=wedge,l_shape",), False),
+    ("slope", ("room.slope_deg=2.5,5", "room.uphill_deg=0,90,180"), True),
+)
+EPISODES: Final = 10
+FIRST_SEED: Final = 30_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What to run."""
+
+    randomized: str = "runs/trainings/randomized-seed1/last"
+    """The policy that was trained with drawn masses and frictions."""
+    again: bool = False
+    """Evaluate again what has results already."""
+
+
+def main(config: Config) -> int:
+    """Run what is missing, tabulate, draw."""
+    policies = {"variable": "variable", "randomized": config.randomized, "scripted": "scripted"}
+    evaluations = {
+        (label, policy): Evaluation(
+            name=f"ood_{label}_{policy}",
+            policy=where,
+            sweeps=sweeps,
+            grid=grid,
+            episodes=EPISODES,
+            first_seed=FIRST_SEED,
+        )
+        for label, sweeps, grid in SWEEPS
+        for policy, where in policies.items()
+    }
+    run_missing(list(evaluations.values()), again=config.again)
+    rows = [row for (_, policy), evaluation in evaluations.items() for row in _table(policy, evaluation)]
+    with (RESULTS / "out_of_distribution.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    _draw(rows, tuple(policies), RESULTS / "out_of_distribution.png")
+    return 0
+
+
+def _table(policy: str, evaluation: Evaluation) -> list[dict[str, Any]]:
+    episodes, rows = read_rows(evaluation.name), []
+    for case in dict.fromkeys(row["case"] for row in episodes):
+        here = [row for row in episodes if row["case"] == case]
+        position = mean_interval([row["position_error_m"] for row in here])
+        angle = mean_interval([row["angle_error_deg"] for row in here])
+        success = wilson(sum(row["success"] for row in here), len(here))
+        rows.append(
+            {
+                "case": case,
+                "policy": policy,
+                "n": len(here),
+                "position_error_m": round(position.value, 5),
+                "position_error_m_low": round(position.low, 5),
+                "position_error_m_high": round(position.high, 5),
+                "angle_error_deg": round(angle.value, 3),
+                "angle_error_deg_low": round(angle.low, 3),
+                "angle_error_deg_high": round(angle.high, 3),
+                "success_rate": round(success.value, 3),
+                "falls": sum(row["ending"] == "fell" for row in here),
+                "max_abs_roll_deg": max(row["max_abs_roll_deg"] for row in here),
+                "max_abs_pitch_deg": max(row["max_abs_pitch_deg"] for row in here),
+            }
+        )
+    return rows
+
+
+def _draw(rows: list[dict[str, Any]], policies: tuple[str, ...], path: Path) -> None:
+    """Both errors of every case, a mark per policy."""
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    panels = (("position error [cm]", "position_error_m", 100.0), ("angle error [deg]", "angle_error_deg", 1.0))
+    for axis, (label, key, scale) in zip(axes, panels, strict=True):
+        for place, policy in enumerate(policies):
+            here = {row["case"]: row for row in rows if row["policy"] == policy}
+            at = [index + 0.25 * (place - 1) for index in range(len(cases))]
+            mean = [scale * here[case][key] for case in cases]
+            low = [scale * (here[case][key] - here[case][f"{key}_low"]) for case in cases]
+            high = [scale * (here[case][f"{key}_high"] - here[case][key]) for case in cases]
+            axis.errorbar(mean, at, xerr=[low, high], fmt="o", capsize=3, label=policy)
+        axis.set_xlabel(label)
+        axis.grid(alpha=0.25)
+        axis.set_xlim(left=0.0)
+    axes[0].set_yticks(range(len(cases)), cases)
+    axes[0].invert_yaxis()
+    axes[0].legend()
+    figure.suptitle(f"Out of distribution: mean and 95 % interval of {EPISODES} episodes each")
+    figure.savefig(path, dpi=110)
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Config)))
