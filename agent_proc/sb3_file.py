@@ -1,4 +1,4 @@
-"""A policy in a file of Stable-Baselines3's own: what `model.save` wrote, with what `VecNormalize.save` wrote beside it.
+"""A policy in a file of Stable-Baselines3's own: what `model.save` wrote, and `VecNormalize.save` beside it.
 
 Loading either runs what is pickled in it: load only files that you trust. A policy folder has no such risk.
 """
@@ -6,6 +6,7 @@ Loading either runs what is pickled in it: load only files that you trust. A pol
 import json
 import pickle
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,7 +16,7 @@ from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
 from agent_proc.action_space import action_space
-from agent_proc.env import TABLES, observation_space
+from agent_proc.env import observation_space
 from agent_proc.learned import NetworkPolicy
 from agent_proc.learner import use_one_thread
 from agent_proc.policy_folder import Normalizer, PolicyError
@@ -27,10 +28,12 @@ ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
     "stable_baselines3.td3.policies": TD3,
 }
 """Who loads a model, by the module of its policy; A2C has PPO's, DDPG has TD3's."""
+RELATIVE: Final = TaskConfig(observation="relative", reward="tuned")
+PAPER: Final = TaskConfig(observation="paper", reward="paper")
 TASKS: Final = tuple(
-    TaskConfig(entry=entry, action_form=form, observation=observation, reward=reward)
-    for observation, reward in (("relative", "tuned"), ("paper", "paper"))
-    for entry, form in (("variable", "continuous"), ("fixed", "continuous"), ("fixed", "discrete"))
+    changed
+    for task in (RELATIVE, PAPER)
+    for changed in (task, replace(task, entry="fixed"), replace(task, entry="fixed", action_form="discrete"))
 )
 """What a model can have learned here; its spaces tell which."""
 
@@ -77,7 +80,7 @@ def _task(networks: BasePolicy, path: Path) -> TaskConfig:
         seen, done = observation_space(task).shape, action_space(task)
         if networks.observation_space.shape == seen and networks.action_space == done:
             return task
-    sizes = " or ".join(f"{observation_space(TaskConfig(observation=name)).shape} ({name})" for name in TABLES)
+    sizes = " or ".join(f"{observation_space(task).shape} ({task.observation})" for task in (RELATIVE, PAPER))
     actions = ", ".join(dict.fromkeys(str(action_space(task)) for task in TASKS))
     raise PolicyError(
         f"{path}: expected observations of shape {sizes} and one of the actions {actions}, got "

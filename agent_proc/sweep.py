@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import reduce
 from itertools import product
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -28,8 +29,7 @@ class Sweep:
 
     def columns(self, case: str) -> dict[str, float | str]:
         """What the swept fields are in a case."""
-        values = {field: reduce(getattr, field.split("."), self.cases[case]) for field in self.fields}
-        return {field: _text(value) if isinstance(value, tuple) else value for field, value in values.items()}
+        return {field: _shown(_at(self.cases[case], field)) for field in self.fields}
 
 
 def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep:
@@ -79,11 +79,15 @@ def _ready(scenario: Scenario) -> bool:
 
 
 def _name(change: Iterable[tuple[str, Value]]) -> str:
-    return " ".join(f"{field}={_text(value) if isinstance(value, tuple) else value}" for field, value in change)
+    return " ".join(f"{field}={_shown(value)}" for field, value in change)
 
 
-def _text(value: tuple[float, ...]) -> str:
-    return "x".join(f"{part:g}" for part in value)
+def _at(record: Any, path: str) -> Any:
+    return reduce(getattr, path.split("."), record)
+
+
+def _shown(value: Value) -> float | str:
+    return "x".join(f"{part:g}" for part in value) if isinstance(value, tuple) else value
 
 
 def _value(text: str) -> Value:

@@ -56,7 +56,9 @@ class Track:
 def main(config: Config) -> int:
     """Push and draw."""
     scenario = load_scenario("push")
-    tracks = [track(scenario, seed, config.policy) for seed in range(config.first_seed, config.first_seed + config.n_seeds)]
+    tracks = [
+        track(scenario, seed, config.policy) for seed in range(config.first_seed, config.first_seed + config.n_seeds)
+    ]
     figure = Figure(figsize=(11.0, 7.0), layout="constrained")
     above, tilt, position, angle = figure.subplots(2, 2).flat
     _draw_above(above, scenario, tracks)
@@ -67,7 +69,9 @@ def main(config: Config) -> int:
         position.plot(100 * one.errors[:, 0], color="tab:green", alpha=0.7)
         angle.plot(one.errors[:, 1], color="tab:purple", alpha=0.7)
     tilt.set(xlabel="time [s]", ylabel="roll (blue), pitch (orange) [deg]", title="trunk; published: within ±5 deg")
-    position.set(xlabel="push cycle", ylabel="position error [cm]", yscale="log", title="box position; published: 18 cm")
+    position.set(
+        xlabel="push cycle", ylabel="position error [cm]", yscale="log", title="box position; published: 18 cm"
+    )
     angle.set(xlabel="push cycle", ylabel="angle error [deg]", title="box angle; published: 0.59 deg")
     for axis in (tilt, position, angle):
         axis.grid(which="both", alpha=0.25)

@@ -97,7 +97,9 @@ def _of_seed(study: Study, seed: int) -> list[Training]:
             ]
         case "algorithms":
             algorithms = ("sac", "td3") if seed in FEW_SEEDS else ()
-            return [Training(study=study, variant=name, seed=seed, profile=name, flags=NEAR_AND_FAR) for name in algorithms]
+            return [
+                Training(study=study, variant=name, seed=seed, profile=name, flags=NEAR_AND_FAR) for name in algorithms
+            ]
         case "randomization":
             flags = [RANDOMIZED] if seed in FEW_SEEDS else []
             return [Training(study=study, variant="randomized", seed=seed, flags=f) for f in flags]
@@ -159,7 +161,9 @@ def _train(training: Training, folder: Path) -> None:
 
 def collect(planned: Sequence[Training], folder: Path) -> None:
     """Write the results of the complete ones; those of others stay as they are in the files."""
-    here = {t.name: (t, read_card(folder / t.name / LAST)) for t in planned if (folder / t.name / LAST / CARD_FILE).exists()}
+    here = {
+        t.name: (t, read_card(folder / t.name / LAST)) for t in planned if (folder / t.name / LAST / CARD_FILE).exists()
+    }
     episodes = [row for row in read_episodes() if f"{row['variant']}-seed{row['seed']}" not in here]
     final = [row for row in read_final() if f"{row['variant']}-seed{row['seed']}" not in here]
     for training, card in here.values():

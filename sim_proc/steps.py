@@ -117,7 +117,10 @@ class Steps:
         for longer, wider_m in CAUTION:
             step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider_m)
             plan = self._plan_com([step, *ahead[1:]])
-            if triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks] + self._lean_m, support).min() >= LEAST_MARGIN_M:
+            if (
+                triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks] + self._lean_m, support).min()
+                >= LEAST_MARGIN_M
+            ):
                 break
         return step, plan
 

@@ -58,8 +58,8 @@ class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Cell size of the occupancy map that the planner gets."""
     wall_height_m: Positive = 0.6
     slope_deg: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.0
-    """Inclination of the whole floor. The world frame is the floor's, z along its normal: what is tilted is gravity, and
-    roll and pitch are those against the floor."""
+    """Inclination of the whole floor. The world frame is the floor's, z along its normal: what is tilted is gravity,
+    and roll and pitch are those against the floor."""
     uphill_deg: Annotated[float, Meta(ge=-360.0, le=360.0)] = 0.0
     """The direction in which the floor rises, about z from the x axis of the world."""
 

@@ -128,7 +128,8 @@ def test_rows_have_the_swept_fields_as_columns_in_csv_and_parquet(tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("sweeps", "grid"), [([], False), (["box.mass_kg=0.1,0.5"], False), (["box.mass_kg=0.1,2", "box.friction=0.3,0.8"], True)]
+    ("sweeps", "grid"),
+    [([], False), (["box.mass_kg=0.1,0.5"], False), (["box.mass_kg=0.1,2", "box.friction=0.3,0.8"], True)],
 )
 def test_the_plot_is_a_png(tmp_path: Path, sweeps: list[str], grid: bool) -> None:
     sweep = make_sweep(scenario_at_station(), sweeps, grid=grid)

@@ -1,7 +1,9 @@
 """Policies in the files of Stable-Baselines3 itself."""
 
 import pickle
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -27,9 +29,9 @@ TASKS = {
 }
 
 
-def saved(path: Path, kind: type[BaseAlgorithm], env: gymnasium.Env[object, object] | VecNormalize) -> BaseAlgorithm:
+def saved(path: Path, kind: Callable[..., BaseAlgorithm], env: gymnasium.Env[Any, Any] | VecNormalize) -> BaseAlgorithm:
     """A new model of that kind, in that file."""
-    model = kind("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [8]})  # type: ignore[arg-type]
+    model = kind("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [8]})
     model.save(path)
     return model
 
@@ -59,8 +61,8 @@ def test_a_normalizer_shows_the_model_what_it_saw_in_training(tmp_path: Path) ->
     task = TASKS["relative, variable"]
     env = VecNormalize(DummyVecEnv([lambda: PushEnv(task, FakeWorld())]))
     env.reset()
-    env.obs_rms.mean[:] = 0.3
-    env.obs_rms.var[:] = 4.0
+    moments: Any = env.obs_rms
+    moments.mean[:], moments.var[:] = 0.3, 4.0
     model = saved(tmp_path / "model.zip", PPO, env)
     env.save(str(tmp_path / "normalize.pkl"))
     seen = np.clip((policy_observation(task, STATE, SCENARIO) - 0.3) / np.sqrt(4.0 + env.epsilon), -10, 10)

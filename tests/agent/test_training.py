@@ -5,6 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
+import torch
 
 from agent_proc.checkpoint import CheckpointError, load_checkpoint
 from agent_proc.files import DiskError
@@ -51,11 +52,13 @@ def test_exploration_narrows_as_the_profile_says(tmp_path: Path) -> None:
     assert isinstance(profile, PpoProfile)
     assert profile.settings.log_std_end is not None
     spreads: dict[int, float] = {}
-    training = make_training(
-        tmp_path,
-        profile,
-        on_progress=lambda progress: spreads.setdefault(progress.step, training.learner.model.policy.log_std[0].item()),
-    )
+
+    def note(progress: Progress) -> None:
+        spread = training.learner.model.policy.log_std
+        assert isinstance(spread, torch.Tensor)
+        spreads.setdefault(progress.step, spread[0].item())
+
+    training = make_training(tmp_path, profile, on_progress=note)
 
     training.run()
 

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from legpush.robot import CONTROL_PERIOD_S, foot_rectangle_b
-from sim_proc.balance import GRAVITY_M_S2, foot_forces, plan_com, shifted_reference, support_margin
+from sim_proc.balance import foot_forces, plan_com, shifted_reference, support_margin
+from sim_proc.incline import GRAVITY_M_S2
 
 ALL = np.ones((1, 4), dtype=bool)
 RECTANGLE = foot_rectangle_b()[None]

@@ -69,9 +69,7 @@ def test_a_shape_rests_on_the_floor_and_is_pushed_forward(at_the_box: Scenario, 
 
 def test_the_curve_ends_where_the_surface_of_the_shape_is(at_the_box: Scenario) -> None:
     pose = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
-    flat, round_ = (
-        contact_point(pose, shaped(at_the_box, shape).box, "FL", 0.05) for shape in ("cuboid", "cylinder")
-    )
+    flat, round_ = (contact_point(pose, shaped(at_the_box, shape).box, "FL", 0.05) for shape in ("cuboid", "cylinder"))
 
     assert flat[0] == pytest.approx(-LENGTH_M / 2 + 0.05 - FOOT_RADIUS_M)
     on_surface = np.hypot(round_[0] - 0.05 + FOOT_RADIUS_M, round_[1])

@@ -110,7 +110,8 @@ class EvaluateOptions(SimulatorOptions):
     grid: bool = False
     """Evaluate every combination of the swept values instead of one field after the other."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for episodes.csv, episodes.parquet, summary.json and evaluation.png, `runs/<time>-evaluate-<policy>` if not given."""
+    """Folder for episodes.csv, episodes.parquet, summary.json and evaluation.png; `runs/<time>-evaluate-<policy>` if
+    not given."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
