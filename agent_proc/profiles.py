@@ -161,5 +161,14 @@ def read_profile(plain: dict[str, Any], source: str) -> AnyProfile:
 
 
 def dump_profile(profile: AnyProfile) -> str:
-    """The profile as TOML with every field in it; loading it gives an equal record."""
-    return tomli_w.dumps(msgspec.to_builtins(profile))
+    """The profile as TOML with every field in it but those without a value; loading it gives an equal record."""
+    return tomli_w.dumps(_without_none(msgspec.to_builtins(profile)))
+
+
+def _without_none(table: dict[str, Any]) -> dict[str, Any]:
+    """TOML has no null."""
+    return {
+        name: _without_none(value) if isinstance(value, dict) else value
+        for name, value in table.items()
+        if value is not None
+    }

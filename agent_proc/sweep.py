@@ -65,7 +65,7 @@ def _changed(scenario: Scenario, changes: dict[str, Value]) -> Scenario:
         changed = change_fields(scenario, changes)
     except (KeyError, TypeError) as error:
         raise ConfigError(f"Expected a field of the scenario for --sweep, got {', '.join(changes)}") from error
-    if _ready(scenario) and not _ready(changed):
+    if changed.box.size_m != scenario.box.size_m and _ready(scenario):
         place = station(changed.box, changed.box.pose.pose())
         start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
         changed = replace(changed, start=start)

@@ -20,8 +20,8 @@ from experiments.evaluations import RESULTS, Evaluation, read_rows, run_missing
 SWEEPS: Final = (
     ("friction", ("box.friction=0.2,0.3,0.5,0.8,1.0",), False),
     ("mass", ("box.mass_kg=0.1,1,2,5",), False),
-    ("oblong", ("box.size_m=0.8x0.4x0.4,0.3x0.7x0.4",), False),
-    ("cylinder", ("box.shape=cylinder", "box.size_m=0.5x0.5x0.4"), True),
+    ("oblong", ("box.size_m=0.55x0.3x0.4,0.3x0.58x0.4",), False),
+    ("cylinder", ("box.shape=cylinder", "box.size_m=0.46x0.46x0.4"), True),
     ("shape", ("box.shape=wedge,l_shape",), False),
     ("slope", ("room.slope_deg=2.5,5", "room.uphill_deg=0,90,180"), True),
 )

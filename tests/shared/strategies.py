@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 from hypothesis import strategies as st
 from msgspec import inspect
 
-from legpush.scenario import Rectangle
+from legpush.scenario import Box, Rectangle
 
 T = TypeVar("T")
 
@@ -44,6 +44,8 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
             return st.one_of(*(_of(variant) for variant in info.types))
         case inspect.StructType(cls=cls) if cls is Rectangle:
             return st.builds(_rectangle, *(4 * [_COORDINATE]))
+        case inspect.StructType(cls=cls, fields=fields) if cls is Box:
+            return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_box)
         case inspect.StructType():
             return st.builds(info.cls, **{field.name: _of(field.type) for field in info.fields})
         case inspect.Metadata():
@@ -53,6 +55,14 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
 
 
 _COORDINATE = st.floats(-1e6, 1e6)
+
+
+def _box(fields: dict[str, Any]) -> Box:
+    """One that is round if it is a cylinder."""
+    length_m, width_m, height_m = fields["size_m"]
+    if fields["shape"] == "cylinder":
+        width_m = length_m
+    return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
 
 
 def _rectangle(x_m: float, y_m: float, length_m: float, width_m: float) -> Rectangle:
