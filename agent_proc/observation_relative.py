@@ -1,7 +1,9 @@
-"""The profile `relative`: the box as its goal sees it and the robot as the box sees it, box always left of the line.
+"""The profile `relative`: the box as its goal sees it, always left of the line.
 
 Where the leading edge of the box is right of the line through the goal, every element is that of the mirror image: y
-and angles change their sign, left and right legs their places. What was learned on one side holds on the other.
+and angles change their sign. What was learned on one side holds on the other. The robot itself is not in it: every push
+cycle ends at the station. Trunk and feet tell by millimetres with which leg it pushed last, and a policy that sees them
+comes to alternate by that, which fails where the posture is another one, such as on a slope.
 """
 
 from collections.abc import Callable
@@ -12,8 +14,6 @@ import numpy as np
 
 from agent_proc.goal_frame import LOOK_AHEAD_M, box_in_goal_frame, mirror_sign, steering_error_rad
 from agent_proc.observation import BEYOND_M, Entry, Floats, Table
-from agent_proc.poses import planar_pose
-from agent_proc.station import station
 from legpush.messages import WorldState
 from legpush.scenario import Scenario
 
@@ -23,8 +23,6 @@ NEAR_RAD: Final = radians(1.0)
 """The same of an angle, for `heading_near`."""
 FAR_M: Final = 1.0
 """What is farther short of its goal looks like this far."""
-AROUND_M: Final = 1.0
-"""Bounds of what is measured from the box."""
 
 
 def _box(world: WorldState, scenario: Scenario) -> Floats:
@@ -35,24 +33,6 @@ def _box(world: WorldState, scenario: Scenario) -> Floats:
 def _headings(world: WorldState, scenario: Scenario) -> Floats:
     box = box_in_goal_frame(world, scenario)
     return mirror_sign(world, scenario) * np.array([box.yaw_rad, steering_error_rad(box)])
-
-
-def _trunk(world: WorldState, scenario: Scenario) -> Floats:
-    trunk = station(scenario.box, planar_pose(world.box)).inverse() @ planar_pose(world.trunk)
-    sign = mirror_sign(world, scenario)
-    return np.array([trunk.x_m, sign * trunk.y_m, sign * trunk.yaw_rad])
-
-
-def _tip(index: int) -> Callable[[WorldState, Scenario], Floats]:
-    """Left (0) or right (1) front foot of the image, from the middle of the rear face."""
-
-    def read(world: WorldState, scenario: Scenario) -> Floats:
-        sign = mirror_sign(world, scenario)
-        tip = world.tips_m[index if sign > 0.0 else 1 - index]
-        x_m, y_m = planar_pose(world.box).inverse().apply([tip[:2]])[0]
-        return np.array([x_m + scenario.box.size_m[0] / 2, sign * y_m])
-
-    return read
 
 
 def _room_limits(scenario: Scenario) -> tuple[Floats, Floats]:
@@ -109,27 +89,5 @@ RELATIVE: Final[Table] = (
         frame="goal",
         limits=_limits(*(float(np.arcsinh(pi / NEAR_RAD)),) * 2),
     ),
-    Entry(
-        name="trunk",
-        axes="xy, yaw",
-        size=3,
-        read=_trunk,
-        meaning="trunk, from where it should stand to push",
-        unit="m, rad",
-        frame="station",
-        limits=_limits(AROUND_M, AROUND_M, pi),
-    ),
-    *(
-        Entry(
-            name=f"tip_{side}",
-            axes="xy",
-            size=2,
-            read=_tip(index),
-            meaning=f"{side} front foot, from the middle of the box's rear face",
-            frame="box",
-            limits=_limits(AROUND_M, AROUND_M),
-        )
-        for index, side in enumerate(("left", "right"))
-    ),
 )
-"""15 elements, in the frames of goal, station and box, mirrored where needed."""
+"""8 elements, in the frame of the goal, mirrored where needed."""

@@ -104,7 +104,7 @@ def test_a_normalizer_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     other.save(str(tmp_path / "other.pkl"))
     (tmp_path / "dict.pkl").write_bytes(pickle.dumps({}))
 
-    with pytest.raises(PolicyError, match=r"other.pkl: expected 15 means.*got 4"):
+    with pytest.raises(PolicyError, match=r"other.pkl: expected 8 means.*got 4"):
         make_policy(str(tmp_path / "model.zip"), tmp_path / "other.pkl")
     with pytest.raises(PolicyError, match=r"dict.pkl: expected a `VecNormalize` with norm_obs, got dict"):
         make_policy(str(tmp_path / "model.zip"), tmp_path / "dict.pkl")

@@ -135,7 +135,7 @@ def test_copying_never_overwrites(tmp_path: Path) -> None:
 SCHEMA_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
     "unknown field": (
         put("box", "mas_kg", value=1.0),
-        r"at `box\.mas_kg`: unknown field \(did you mean `mass_kg`\?\); valid here: pose, size_m, shape, mass_kg, friction",
+        r"at `box\.mas_kg`: unknown field \(did you mean `mass_kg`\?\); valid here: pose, size_m, shape, mass_kg, fric",
     ),
     "unknown table": (
         put("planing", "planner", value="rrt"),
