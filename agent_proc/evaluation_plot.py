@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from agent_proc.evaluation import Row
 from agent_proc.statistics import mean_interval
@@ -52,16 +53,18 @@ def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
 
 
 def _maps(rows: Sequence[Row], sweep: Sweep) -> Figure:
-    """A map of each measure over the two fields, the mean of each cell written into it."""
+    """A map of each measure over the two fields, the mean of each cell written into it; errors of a tolerance are red."""
+    goal = next(iter(sweep.cases.values())).goal
+    reds = (100 * goal.position_tolerance_m, goal.angle_tolerance_deg, 0.0)
     columns = {case: sweep.columns(case) for case in sweep.cases}
     across, up = (list(dict.fromkeys(values[field] for values in columns.values())) for field in sweep.fields)
     figure = Figure(figsize=(4.0 * len(MEASURES), 1.2 + 0.6 * len(up) + 1.0), layout="constrained")
-    for axis, (label, measure) in zip(figure.subplots(1, len(MEASURES)), MEASURES, strict=True):
+    for axis, (label, measure), red in zip(figure.subplots(1, len(MEASURES)), MEASURES, reds, strict=True):
         cells = np.full((len(up), len(across)), np.nan)
         for case, values in columns.items():
             place = up.index(values[sweep.fields[1]]), across.index(values[sweep.fields[0]])
             cells[place] = np.mean([measure(row) for row in rows if row.case == case])
-        _draw_map(axis, cells, good_is_high=label.startswith("success"))
+        _draw_map(axis, cells, red=red, green=100.0 if red == 0.0 else 0.0)
         axis.set_title(label)
         axis.set_xticks(range(len(across)), [str(value) for value in across])
         axis.set_yticks(range(len(up)), [str(value) for value in up])
@@ -70,7 +73,8 @@ def _maps(rows: Sequence[Row], sweep: Sweep) -> Figure:
     return figure
 
 
-def _draw_map(axis: Axes, cells: np.ndarray, *, good_is_high: bool) -> None:
-    axis.imshow(cells, cmap="RdYlGn" if good_is_high else "RdYlGn_r", origin="lower", aspect="auto", alpha=0.8)
+def _draw_map(axis: Axes, cells: NDArray[np.float64], *, red: float, green: float) -> None:
+    colors, low, high = ("RdYlGn", red, green) if red < green else ("RdYlGn_r", green, red)
+    axis.imshow(cells, cmap=colors, vmin=low, vmax=high, origin="lower", aspect="auto", alpha=0.8)
     for (row, column), value in np.ndenumerate(cells):
         axis.text(column, row, f"{value:.3g}", ha="center", va="center")
