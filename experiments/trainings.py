@@ -1,8 +1,9 @@
 """`python -m experiments.trainings`: the trainings of all studies, several at a time, and what each of them learned.
 
-Each is one `legpush train` in a folder under `runs/trainings`; those that are complete are left alone, those that were
-interrupted go on. Then every episode of each goes to `results/trainings_episodes.csv.gz`, and how the policy of its
-last step does on the seeds of the check to `results/trainings.csv`. `python -m experiments.learning` draws them.
+Each is one `legpush train` in a folder under `runs/trainings`; those that are complete, there or in the results, are
+left alone, those that were interrupted go on. Then every episode of each goes to `results/trainings_episodes.csv.gz`,
+and how the policy of its last step does on the seeds of the check to `results/trainings.csv`.
+`python -m experiments.learning` draws them.
 """
 
 import csv
@@ -10,10 +11,9 @@ import gzip
 import io
 import subprocess
 import sys
-import threading
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -115,13 +115,15 @@ class Config:
     folder: Path = Path("runs/trainings")
     collect_only: bool = False
     """Run nothing: write the results of what is complete."""
-    _stop: threading.Event = field(default_factory=threading.Event, init=False)
+    again: bool = False
+    """Run also those that the results hold already, such as after a change of the task; delete their folders first."""
 
 
 def main(config: Config) -> int:
     """Run what is missing, then collect."""
-    planned = trainings(config.studies)
-    missing = [] if config.collect_only else [t for t in planned if not (config.folder / t.name / LAST).is_dir()]
+    known = set() if config.again else {_name(row) for row in read_final()}
+    planned = [t for t in trainings(config.studies) if t.name not in known and not config.collect_only]
+    missing = [t for t in planned if not (config.folder / t.name / LAST).is_dir()]
     config.folder.mkdir(parents=True, exist_ok=True)
     console = Console()
     with Progress(console=console) as bar, ThreadPoolExecutor(config.jobs) as pool:
@@ -164,17 +166,22 @@ def collect(planned: Sequence[Training], folder: Path) -> None:
     here = {
         t.name: (t, read_card(folder / t.name / LAST)) for t in planned if (folder / t.name / LAST / CARD_FILE).exists()
     }
-    episodes = [row for row in read_episodes() if f"{row['variant']}-seed{row['seed']}" not in here]
-    final = [row for row in read_final() if f"{row['variant']}-seed{row['seed']}" not in here]
+    episodes = [row for row in read_episodes() if _name(row) not in here]
+    final = [row for row in read_final() if _name(row) not in here]
     for training, card in here.values():
         episodes += _episode_rows(training, card)
         final.append(_final_row(training, card))
     order = {t.name: index for index, t in enumerate(planned)}
     for rows in (episodes, final):
-        rows.sort(key=lambda row: order[f"{row['variant']}-seed{row['seed']}"])
+        rows.sort(key=lambda row: order[_name(row)])
     text = _as_csv(episodes).encode()
     EPISODES_FILE.write_bytes(gzip.compress(text, mtime=0))
     FINAL_FILE.write_text(_as_csv(final))
+
+
+def _name(row: dict[str, Any]) -> str:
+    """Of the training that a row is of."""
+    return f"{row['variant']}-seed{row['seed']}"
 
 
 def _episode_rows(training: Training, card: Card) -> list[dict[str, Any]]:

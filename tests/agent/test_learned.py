@@ -131,4 +131,8 @@ def test_a_shipped_policy_works_and_is_small(name: str) -> None:
 
     assert push is not None
     assert policy.card.check is not None
-    assert policy.card.check.success_rate >= 0.95
+    # Pushes that are all 5 cm deep turn the box by 4° each: what is left of that at the end is chance.
+    least = {"variable": 0.95, "fixed": 0.6}[policy.card.task.entry]
+    assert policy.card.check.success_rate >= least
+    assert policy.card.check.position_error_m <= 0.015
+    assert policy.card.check.falls == 0

@@ -13,7 +13,7 @@ ROGUES = {
     "What they share imports none of them": ("legpush", "import planner_proc"),
     "Planner and simulator load no learning library": ("sim_proc", "import torch"),
     "Only planner_proc.route imports OMPL": ("planner_proc", "from ompl import base"),
-    "Only the simulator's model, its box and scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
+    "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
     "Only agent_proc.picture and agent_proc.evaluation_plot import matplotlib": (
         "agent_proc",
