@@ -53,7 +53,7 @@ def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
 
 
 def _maps(rows: Sequence[Row], sweep: Sweep) -> Figure:
-    """A map of each measure over the two fields with the means of its cells; errors as large as the tolerance are red."""
+    """A map of each measure over the two fields with the means of its cells; errors of a tolerance are red."""
     goal = next(iter(sweep.cases.values())).goal
     reds = (100 * goal.position_tolerance_m, goal.angle_tolerance_deg, 0.0)
     columns = {case: sweep.columns(case) for case in sweep.cases}
