@@ -1,6 +1,6 @@
 """`python experiments/missions.py`: whole missions over seeds, each in three processes, and what they achieved.
 
-Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>.csv`, the summary (mean, 95 %
+Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>_<policy>.csv`, the summary (mean, 95 %
 interval by Student's t, worst) beside it as JSON.
 """
 
@@ -42,6 +42,8 @@ class Config:
 
     scenario: str = "default"
     """A built-in scenario or a scenario file."""
+    policy: str = "variable"
+    """What chooses the pushes, as for `legpush run`."""
     first_seed: int = 500
     n_seeds: int = 20
     """Seeds that nothing was tuned on."""
@@ -52,12 +54,12 @@ class Config:
 def main(config: Config) -> int:
     """Run what is missing, then sum up; 1 if a mission failed."""
     RESULTS.mkdir(exist_ok=True)
-    table = RESULTS / f"missions_{Path(config.scenario).stem}.csv"
+    table = RESULTS / f"missions_{Path(config.scenario).stem}_{Path(config.policy).name}.csv"
     rows = _read(table) if config.keep else {}
     seeds = range(config.first_seed, config.first_seed + config.n_seeds)
     missing = [seed for seed in seeds if seed not in rows]
     for seed in track(missing, description=f"{config.scenario}: missions", disable=not missing):
-        rows[seed] = _mission(config.scenario, seed)
+        rows[seed] = _mission(config, seed)
         _write(table, rows)
     summary = summarize([rows[seed] for seed in seeds])
     table.with_suffix(".json").write_text(json.dumps(summary, indent=2) + "\n")
@@ -65,11 +67,12 @@ def main(config: Config) -> int:
     return 0 if summary["successes"] == summary["n"] else 1
 
 
-def _mission(scenario: str, seed: int) -> dict[str, Any]:
+def _mission(config: Config, seed: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="legpush-missions-") as scratch:
         out = Path(scratch) / f"seed-{seed}"
-        command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", scenario, "--seed", str(seed)]
-        done = subprocess.run([*command, "--out", str(out), "--no-video"], capture_output=True, text=True, check=False)
+        command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", config.scenario]
+        command += ["--policy", config.policy, "--seed", str(seed), "--out", str(out), "--no-video"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode not in (0, 1):
             raise SystemExit(f"seed {seed}: legpush run exited with {done.returncode}: {done.stderr.strip()}")
         report = json.loads((out / "report.json").read_text())
