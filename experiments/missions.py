@@ -1,7 +1,7 @@
 """`python experiments/missions.py`: whole missions over seeds, each in three processes, and what they achieved.
 
-Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>_<policy>.csv`, the summary (mean,
-95 % interval by Student's t, worst) beside it as JSON.
+Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>_<policy>.csv`, the summary
+(mean, 95 % interval by Student's t, worst) beside it as JSON.
 """
 
 import csv
