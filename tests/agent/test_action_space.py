@@ -90,4 +90,5 @@ def test_pushing_on_is_no_help_from_half_a_shallowest_push_before_the_goal() -> 
     assert not no_push_helps(FIXED, world_with_box(7.0 - 0.51 * travel_m), SCENARIO)
     assert no_push_helps(FIXED, world_with_box(7.0 - 0.49 * travel_m), SCENARIO)
     assert not no_push_helps(VARIABLE, world_with_box(7.0 - 0.49 * travel_m), SCENARIO)
-    assert no_push_helps(VARIABLE, world_with_box(7.0 - 0.001), SCENARIO)
+    assert not no_push_helps(VARIABLE, world_with_box(7.0 - 0.0010), SCENARIO)  # 1.7 mm by a push of 5 mm
+    assert no_push_helps(VARIABLE, world_with_box(7.0 - 0.0008), SCENARIO)
