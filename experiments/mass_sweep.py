@@ -112,12 +112,12 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
                 capsize=3,
                 label=f"{policy}, n {here[0]['n']} each",
             )
-        axis.axhline(limit, color="black", linestyle=":", linewidth=1, label=f"{limit:g}")
+        axis.axhline(limit, color="black", linestyle=":", linewidth=1, label="aim")
         axis.set_yscale("log")
         axis.set_xlabel("mass of the box [kg]")
         axis.set_ylabel(label)
         axis.grid(which="both", alpha=0.25)
-    left.legend(fontsize=8)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=8)
     figure.suptitle("Straight push of 1 m, mean and 95 % interval")
     figure.savefig(path, dpi=120)
 
