@@ -3,6 +3,7 @@
 from math import radians
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
@@ -17,10 +18,15 @@ from sim_proc.world_state import trace, world_state
 
 
 class Simulator:
-    """A world that a `Reset` builds and the other motions move."""
+    """A world that a `Reset` builds and the other motions move.
+
+    BLAS gets one thread in the process that has one: sums that several threads share are rounded otherwise, and equal
+    motions would lead to other states here than in another process.
+    """
 
     def __init__(self) -> None:
         """Empty until the first `Reset`."""
+        threadpool_limits(limits=1, user_api="blas")
         self.episode: Episode | None = None
         """The present one."""
 

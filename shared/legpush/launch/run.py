@@ -38,13 +38,14 @@ from legpush.launch.supervisor import (
 )
 from legpush.launch.video import film, film_arguments
 from legpush.messages import Role
-from legpush.one_thread import ONE_THREAD
 from legpush.scenario import Scenario
 from legpush.scenario_file import load_scenario, override
 
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """What each process cannot start without; the rest of its extra comes along."""
+ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
+"""Arrays here are small: more threads only get in each other's way."""
 
 
 @dataclass(frozen=True, kw_only=True)
