@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from agent_proc.statistics import Estimate, mean_interval, wilson
+
 RESULTS: Final = Path(__file__).parent / "results"
 EVALUATIONS: Final = RESULTS / "evaluations"
 
@@ -69,3 +71,40 @@ def _value(text: str) -> float | str | bool:
         return float(text)
     except ValueError:
         return text
+
+
+def summary_columns(episodes: Sequence[dict[str, Any]]) -> dict[str, float]:
+    """What the episodes of one case come to: means with 95 % intervals, counts and extremes."""
+    n = len(episodes)
+    return {
+        "n": n,
+        **_estimate("position_error_m", mean_interval([row["position_error_m"] for row in episodes]), 5),
+        **_estimate("angle_error_deg", mean_interval([row["angle_error_deg"] for row in episodes]), 3),
+        **_estimate("success_rate", wilson(sum(row["success"] for row in episodes), n), 4),
+        "falls": sum(row["ending"] == "fell" for row in episodes),
+        "cycles": round(sum(row["n_cycles"] for row in episodes) / n, 2),
+        "max_abs_roll_deg": round(max(row["max_abs_roll_deg"] for row in episodes), 2),
+        "max_abs_pitch_deg": round(max(row["max_abs_pitch_deg"] for row in episodes), 2),
+        "min_support_margin_m": round(min(row["min_support_margin_m"] for row in episodes), 4),
+    }
+
+
+def _estimate(name: str, estimate: Estimate, n_digits: int) -> dict[str, float]:
+    low, high = round(estimate.low, n_digits), round(estimate.high, n_digits)
+    return {name: round(estimate.value, n_digits), f"{name}_low": low, f"{name}_high": high}
+
+
+def write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
+    """As CSV, with the keys of the first row as columns."""
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[list[float], list[list[float]]]:
+    """Means of a measure, and how far its interval reaches below and above them: what `errorbar` draws."""
+    mean = [scale * row[key] for row in rows]
+    low = [scale * (row[key] - row[f"{key}_low"]) for row in rows]
+    high = [scale * (row[f"{key}_high"] - row[key]) for row in rows]
+    return mean, [low, high]

@@ -12,9 +12,17 @@ from typing import Any, Final
 
 import tyro
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
-from agent_proc.statistics import mean_interval, wilson
-from experiments.evaluations import RESULTS, Evaluation, read_rows, run_missing
+from experiments.evaluations import (
+    RESULTS,
+    Evaluation,
+    errors_of,
+    read_rows,
+    run_missing,
+    summary_columns,
+    write_table,
+)
 
 MASSES_KG: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 SWEEP: Final = f"box.mass_kg={','.join(map(str, MASSES_KG))}"
@@ -41,10 +49,7 @@ def main(config: Config) -> int:
     """Run what is missing, tabulate, draw."""
     run_missing(EVALUATIONS, again=config.again)
     rows = [row for evaluation in EVALUATIONS for row in table(evaluation)]
-    with (RESULTS / "mass_sweep.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_table(rows, RESULTS / "mass_sweep.csv")
     draw(rows, RESULTS / "mass_sweep.png")
     for row in rows:
         print(
@@ -56,33 +61,11 @@ def main(config: Config) -> int:
 
 def table(evaluation: Evaluation) -> list[dict[str, Any]]:
     """A row per mass: means with 95 % intervals."""
-    episodes, rows = read_rows(evaluation.name), []
-    for mass_kg in MASSES_KG:
-        here = [row for row in episodes if row["box.mass_kg"] == mass_kg]
-        position = mean_interval([row["position_error_m"] for row in here])
-        angle = mean_interval([row["angle_error_deg"] for row in here])
-        success = wilson(sum(row["success"] for row in here), len(here))
-        rows.append(
-            {
-                "policy": evaluation.policy,
-                "mass_kg": mass_kg,
-                "n": len(here),
-                **_columns("position_error_m", position, 5),
-                **_columns("angle_error_deg", angle, 3),
-                **_columns("success_rate", success, 4),
-                "falls": sum(row["ending"] == "fell" for row in here),
-                "cycles": round(sum(row["n_cycles"] for row in here) / len(here), 2),
-                "max_abs_roll_deg": round(max(row["max_abs_roll_deg"] for row in here), 2),
-                "max_abs_pitch_deg": round(max(row["max_abs_pitch_deg"] for row in here), 2),
-                "min_support_margin_m": round(min(row["min_support_margin_m"] for row in here), 4),
-            }
-        )
-    return rows
-
-
-def _columns(name: str, estimate: Any, n_digits: int) -> dict[str, float]:
-    low, high = round(estimate.low, n_digits), round(estimate.high, n_digits)
-    return {name: round(estimate.value, n_digits), f"{name}_low": low, f"{name}_high": high}
+    episodes = read_rows(evaluation.name)
+    by_mass = {mass_kg: [row for row in episodes if row["box.mass_kg"] == mass_kg] for mass_kg in MASSES_KG}
+    return [
+        {"policy": evaluation.policy, "mass_kg": mass_kg, **summary_columns(rows)} for mass_kg, rows in by_mass.items()
+    ]
 
 
 def draw(rows: list[dict[str, Any]], path: Path) -> None:
@@ -100,13 +83,9 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
         axis.plot(mass, [scale * row[theirs] for row in published], "x--", color="tab:red", label="published, n 1 each")
         for policy, (color, marker) in LOOKS.items():
             here = [row for row in rows if row["policy"] == policy]
-            mean = [scale * row[ours] for row in here]
-            low = [scale * (row[ours] - row[f"{ours}_low"]) for row in here]
-            high = [scale * (row[f"{ours}_high"] - row[ours]) for row in here]
             axis.errorbar(
                 [row["mass_kg"] for row in here],
-                mean,
-                [low, high],
+                *errors_of(here, ours, scale),
                 fmt=f"{marker}-",
                 color=color,
                 capsize=3,
@@ -114,6 +93,8 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
             )
         axis.axhline(limit, color="black", linestyle=":", linewidth=1, label="aim")
         axis.set_yscale("log")
+        axis.yaxis.set_major_formatter("{x:g}")
+        axis.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
         axis.set_xlabel("mass of the box [kg]")
         axis.set_ylabel(label)
         axis.grid(which="both", alpha=0.25)

@@ -5,7 +5,6 @@ friction 0.2 to 1.0, mass up to 5 kg, an oblong, a cylinder, a wedge, an L shape
 directions. Episodes in `results/evaluations/ood_*.csv`, table and picture in `results/out_of_distribution.*`.
 """
 
-import csv
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,15 @@ from typing import Any, Final
 import tyro
 from matplotlib.figure import Figure
 
-from agent_proc.statistics import mean_interval, wilson
-from experiments.evaluations import RESULTS, Evaluation, read_rows, run_missing
+from experiments.evaluations import (
+    RESULTS,
+    Evaluation,
+    errors_of,
+    read_rows,
+    run_missing,
+    summary_columns,
+    write_table,
+)
 
 SWEEPS: Final = (
     ("friction", ("box.friction=0.2,0.3,0.5,0.8,1.0",), False),
@@ -56,39 +62,15 @@ def main(config: Config) -> int:
     }
     run_missing(list(evaluations.values()), again=config.again)
     rows = [row for (_, policy), evaluation in evaluations.items() for row in _table(policy, evaluation)]
-    with (RESULTS / "out_of_distribution.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_table(rows, RESULTS / "out_of_distribution.csv")
     _draw(rows, tuple(policies), RESULTS / "out_of_distribution.png")
     return 0
 
 
 def _table(policy: str, evaluation: Evaluation) -> list[dict[str, Any]]:
-    episodes, rows = read_rows(evaluation.name), []
-    for case in dict.fromkeys(row["case"] for row in episodes):
-        here = [row for row in episodes if row["case"] == case]
-        position = mean_interval([row["position_error_m"] for row in here])
-        angle = mean_interval([row["angle_error_deg"] for row in here])
-        success = wilson(sum(row["success"] for row in here), len(here))
-        rows.append(
-            {
-                "case": case,
-                "policy": policy,
-                "n": len(here),
-                "position_error_m": round(position.value, 5),
-                "position_error_m_low": round(position.low, 5),
-                "position_error_m_high": round(position.high, 5),
-                "angle_error_deg": round(angle.value, 3),
-                "angle_error_deg_low": round(angle.low, 3),
-                "angle_error_deg_high": round(angle.high, 3),
-                "success_rate": round(success.value, 3),
-                "falls": sum(row["ending"] == "fell" for row in here),
-                "max_abs_roll_deg": max(row["max_abs_roll_deg"] for row in here),
-                "max_abs_pitch_deg": max(row["max_abs_pitch_deg"] for row in here),
-            }
-        )
-    return rows
+    episodes = read_rows(evaluation.name)
+    by_case = {case: [row for row in episodes if row["case"] == case] for case in [row["case"] for row in episodes]}
+    return [{"case": case, "policy": policy, **summary_columns(rows)} for case, rows in by_case.items()]
 
 
 def _draw(rows: list[dict[str, Any]], policies: tuple[str, ...], path: Path) -> None:
@@ -99,12 +81,10 @@ def _draw(rows: list[dict[str, Any]], policies: tuple[str, ...], path: Path) -> 
     panels = (("position error [cm]", "position_error_m", 100.0), ("angle error [deg]", "angle_error_deg", 1.0))
     for axis, (label, key, scale) in zip(axes, panels, strict=True):
         for place, policy in enumerate(policies):
-            here = {row["case"]: row for row in rows if row["policy"] == policy}
-            at = [index + 0.25 * (place - 1) for index in range(len(cases))]
-            mean = [scale * here[case][key] for case in cases]
-            low = [scale * (here[case][key] - here[case][f"{key}_low"]) for case in cases]
-            high = [scale * (here[case][f"{key}_high"] - here[case][key]) for case in cases]
-            axis.errorbar(mean, at, xerr=[low, high], fmt="o", capsize=3, label=policy)
+            here = sorted((row for row in rows if row["policy"] == policy), key=lambda row: cases.index(row["case"]))
+            mean, reach = errors_of(here, key, scale)
+            at = [cases.index(row["case"]) + 0.25 * (place - 1) for row in here]
+            axis.errorbar(mean, at, xerr=reach, fmt="o", capsize=3, label=policy)
         axis.set_xlabel(label)
         axis.grid(alpha=0.25)
         axis.set_xlim(left=0.0)
