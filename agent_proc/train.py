@@ -116,6 +116,10 @@ _PLAN_FIELDS: Final[dict[str, Any]] = {
 """All but the profile, whose kind depends on its algorithm."""
 
 
+N_LINES: Final = 20
+"""Of progress, where there is no terminal to draw a bar on."""
+
+
 @contextmanager
 def _shown(console: Console) -> Iterator[Any]:
     """A progress bar with return, success rate and the time that is left; plain lines where there is no terminal."""
@@ -128,14 +132,19 @@ def _shown(console: Console) -> Iterator[Any]:
         TimeRemainingColumn(),
     )
     best: list[object] = [None]
+    lines = 0
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task("learning", total=None, numbers="")
 
         def show(progress: training.Progress) -> None:
+            nonlocal lines
             numbers = f"{progress.step}/{progress.steps}"
             if progress.mean_return is not None and progress.success_rate is not None:
                 numbers += f", return {progress.mean_return:.2f}, success {progress.success_rate:.0%}"
             bar.update(task, description=progress.doing, completed=progress.step, total=progress.steps, numbers=numbers)
+            if not console.is_terminal and N_LINES * progress.step // progress.steps > lines:
+                lines = N_LINES * progress.step // progress.steps
+                console.print(Text(f"{progress.doing} {numbers}"), soft_wrap=True)
             if progress.best is not None and progress.best is not best[0]:
                 best[0] = progress.best
                 console.print(Text(f"step {progress.best.step}: {progress.best}"), soft_wrap=True)

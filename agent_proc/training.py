@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
@@ -207,7 +208,6 @@ class Training:
         step, before = self._learner.model.num_timesteps, self._checks[-1].step if self._checks else 0
         if not (last and step > before) and step - before < self._plan.profile.evaluate_every:
             return
-        self._tell("evaluating")
         where = self._learner.env.snapshot()
         with undisturbed_draws():
             check = self._check()
@@ -227,7 +227,16 @@ class Training:
         n = self._plan.profile.evaluation_episodes
         seeds = range(FIRST_CHECK_SEED, FIRST_CHECK_SEED + n)
         policy = LearnedPolicy(self._policy(None), "the policy in training")
-        summary = summarize(evaluate(self._worlds, {"": self._plan.task.scenario}, seeds, policy))[""]
+        done = count(1)
+        self._tell(f"evaluating, episode 0 of {n}")
+        rows = evaluate(
+            self._worlds,
+            {"": self._plan.task.scenario},
+            seeds,
+            policy,
+            on_row=lambda _: self._tell(f"evaluating, episode {next(done)} of {n}"),
+        )
+        summary = summarize(rows)[""]
         return Check(
             step=self._learner.model.num_timesteps,
             seeds=tuple(seeds),

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import tyro
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from experiments.evaluations import (
     RESULTS,
@@ -93,8 +93,9 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
             )
         axis.axhline(limit, color="black", linestyle=":", linewidth=1, label="aim")
         axis.set_yscale("log")
+        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.yaxis.set_major_formatter("{x:g}")
-        axis.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
+        axis.yaxis.set_minor_formatter(NullFormatter())
         axis.set_xlabel("mass of the box [kg]")
         axis.set_ylabel(label)
         axis.grid(which="both", alpha=0.25)
