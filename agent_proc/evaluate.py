@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.evaluation import Row, evaluate, summarize
+from agent_proc.evaluation import evaluate, summarize
 from agent_proc.files import write_whole
 from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
 from agent_proc.policies import make_policy
@@ -52,14 +52,12 @@ def run(options: EvaluateOptions, console: Console) -> int:
     stop, links_stop = stop_on_signals(), threading.Event()
     with own_folder(folder), simulators(options, folder / LOGS, links_stop) as worlds, _bar(console) as bar:
         task = bar.add_task("evaluating", total=len(sweep.cases) * len(seeds))
-
-        def on_row(_: Row) -> None:
-            bar.advance(task)
-            if stop.is_set():
-                links_stop.set()
-                raise StopRequestedError("interrupted: nothing was written")
-
-        rows = evaluate(worlds, sweep.cases, seeds, policy, on_row)
+        try:
+            rows = evaluate(worlds, sweep.cases, seeds, policy, on_row=lambda _: bar.advance(task), stop=stop)
+        except StopRequestedError as error:
+            raise StopRequestedError("interrupted: nothing was written") from error
+        finally:
+            links_stop.set()
     summaries = summarize(rows)
     record = {
         "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),

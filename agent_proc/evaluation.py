@@ -1,5 +1,6 @@
 """Evaluation of a policy: episodes from seeded initial conditions, and what they show with 95 % intervals."""
 
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 from agent_proc.policy import Policy
 from agent_proc.poses import box_error
 from agent_proc.statistics import Estimate, mean_interval, wilson
+from legpush.errors import StopRequestedError
 from legpush.messages import Motion, Outcome, Reset
 from legpush.scenario import Scenario
 
@@ -47,12 +49,24 @@ class Row:
     """Of the robot's CoM inside its support polygon, any tick; infinite where nothing was pushed."""
 
 
-def run_episode(world: TracingWorld, scenario: Scenario, seed: int, policy: Policy, case: str = "") -> Row:
-    """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up."""
+def run_episode(
+    world: TracingWorld,
+    scenario: Scenario,
+    seed: int,
+    policy: Policy,
+    case: str = "",
+    stop: threading.Event | None = None,
+) -> Row:
+    """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up.
+
+    `StopRequestedError` after the cycle in which `stop` is set.
+    """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
     n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
     ending: Ending = "max_cycles"
     while True:
+        if stop is not None and stop.is_set():
+            raise StopRequestedError("Asked to stop in an episode")
         if outcome.trace is not None and outcome.trace.roll_pitch_rad:
             most = np.abs(outcome.trace.roll_pitch_rad).max(axis=0).tolist()
             roll_rad, pitch_rad = max(roll_rad, most[0]), max(pitch_rad, most[1])
@@ -89,10 +103,11 @@ def evaluate(
     seeds: Sequence[int],
     policy: Policy,
     on_row: Callable[[Row], None] = lambda _: None,
+    stop: threading.Event | None = None,
 ) -> list[Row]:
     """Each case with each seed, as many at once as there are worlds; rows in the order of cases, then seeds.
 
-    `on_row` gets each row as it comes, in that order, on the caller's thread.
+    `on_row` gets each row as it comes, in that order, on the caller's thread. `StopRequestedError` once `stop` is set.
     """
     free: SimpleQueue[TracingWorld] = SimpleQueue()
     for world in worlds:
@@ -101,7 +116,7 @@ def evaluate(
     def one(case: str, seed: int) -> Row:
         world = free.get()
         try:
-            return run_episode(world, cases[case], seed, policy, case)
+            return run_episode(world, cases[case], seed, policy, case, stop)
         finally:
             free.put(world)
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.utils import configure_logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from agent_proc.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
@@ -33,10 +34,11 @@ from agent_proc.learner import (
 from agent_proc.policy_folder import Card, Check, CurvePoint, Normalizer, PolicyFolder, write_policy
 from agent_proc.profiles import AnyProfile
 from agent_proc.task import TaskConfig
-from legpush.errors import LegpushError
+from legpush.errors import LegpushError, StopRequestedError
 
 log = logging.getLogger(__name__)
 
+TENSORBOARD_RUN: Final = "run"
 CHECKPOINT_FILE: Final = "checkpoint"
 BEST: Final = "best"
 LAST: Final = "last"
@@ -120,6 +122,8 @@ class Training:
         """Go on from the checkpoint in the folder; `CheckpointError` where there is none."""
         held = load_checkpoint(self._folder / CHECKPOINT_FILE)
         self._learner = restore(self._learner, held.learner)
+        model = self._learner.model
+        model.set_logger(configure_logger(model.verbose, model.tensorboard_log, TENSORBOARD_RUN, False))
         self._curve, self._checks, self._best = list(held.curve), list(held.checks), held.best
         self._held, self._saved_step = held, held.step
 
@@ -133,25 +137,24 @@ class Training:
                     steps if fresh else steps - model.num_timesteps,
                     callback=_Watcher(self),
                     reset_num_timesteps=fresh,
-                    tb_log_name="run",
+                    tb_log_name=TENSORBOARD_RUN,
                 )
+            if model.num_timesteps >= steps:
+                self._check_if_due(last=True)
+        except StopRequestedError:
+            pass
         except LegpushError:
             with suppress(LegpushError):
                 self._save_held()
             raise
-        if model.num_timesteps < steps or (self._stop.is_set() and not self._finish_wanted()):
+        if not self._checks or self._checks[-1].step < steps:
             self._save_held()
             return Result(finished=False, step=self._held.step if self._held else 0, best=self._best)
-        self._check_if_due(last=True)
         self._write(LAST, self._checks[-1])
         self._hold()
         self._save_held()
         self._tell("done")
         return Result(finished=True, step=model.num_timesteps, best=self._best)
-
-    def _finish_wanted(self) -> bool:
-        """All steps are done: what is left takes no longer than an evaluation."""
-        return self._learner.model.num_timesteps >= self._plan.profile.steps
 
     # -- called by the algorithm ---------------------------------------------------------------------------------------
 
@@ -208,6 +211,7 @@ class Training:
         step, before = self._learner.model.num_timesteps, self._checks[-1].step if self._checks else 0
         if not (last and step > before) and step - before < self._plan.profile.evaluate_every:
             return
+        self._hold()
         where = self._learner.env.snapshot()
         with undisturbed_draws():
             check = self._check()
@@ -235,6 +239,7 @@ class Training:
             seeds,
             policy,
             on_row=lambda _: self._tell(f"evaluating, episode {next(done)} of {n}"),
+            stop=self._stop,
         )
         summary = summarize(rows)[""]
         return Check(

@@ -47,6 +47,32 @@ def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
     assert len(ends[0].checks) >= 2
 
 
+@pytest.mark.parametrize("name", ["tuned", "sac"])
+@pytest.mark.parametrize("step", [64, 160])
+def test_a_training_is_interrupted_amid_an_evaluation_which_is_then_done_again(
+    tmp_path: Path, name: str, step: int
+) -> None:
+    profile = small_profile(name)
+    whole = make_training(tmp_path / "whole", profile)
+    expected = whole.run()
+    stop = threading.Event()
+
+    def interrupt(progress: Progress) -> None:
+        if progress.doing == "evaluating, episode 0 of 2" and progress.step >= step:
+            stop.set()
+
+    (tmp_path / "parts").mkdir()
+    first = make_training(tmp_path / "parts", profile, on_progress=interrupt, stop=stop).run()
+    second = make_training(tmp_path / "parts", profile)
+    second.resume()
+    result = second.run()
+
+    assert not first.finished
+    assert step <= first.step < step + 32
+    assert result == expected
+    assert weights(second.learner.model) == weights(whole.learner.model)
+
+
 def test_exploration_narrows_as_the_profile_says(tmp_path: Path) -> None:
     profile = small_profile()
     assert isinstance(profile, PpoProfile)
