@@ -38,9 +38,9 @@ def make_training(
     stop: threading.Event | None = None,
 ) -> Training:
     """A training of the profile in a folder, pushing a box 1 m."""
-    task = TaskConfig(
-        observation=profile.observation, reward=profile.reward, scenario=scenario_at_station(), max_steps=12
-    )
+    scenario = scenario_at_station()
+    scenario = replace(scenario, mission=replace(scenario.mission, max_push_cycles=12))
+    task = TaskConfig(observation=profile.observation, reward=profile.reward, scenario=scenario, max_steps=12)
     worlds = [LocalWorld(FakeWorld(box_offset=(0.0, 0.03, 0.02))) for _ in range(N_WORLDS)]
     plan = Plan(profile=profile, task=task, seed=7, n_simulators=N_WORLDS, command="legpush train", versions={})
     env = PushVecEnv(task, worlds)
