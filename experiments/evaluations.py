@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter
+
 from agent_proc.statistics import Estimate, mean_interval, wilson
 
 RESULTS: Final = Path(__file__).parent / "results"
@@ -108,3 +111,10 @@ def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[l
     low = [scale * (row[key] - row[f"{key}_low"]) for row in rows]
     high = [scale * (row[f"{key}_high"] - row[key]) for row in rows]
     return mean, [low, high]
+
+
+def plain_ticks(axis: Axes) -> None:
+    """A logarithmic y axis that reads 0.1, 0.2, 0.5, 1, ..."""
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.yaxis.set_major_formatter("{x:g}")
+    axis.yaxis.set_minor_formatter(NullFormatter())

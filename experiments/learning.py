@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy import stats
 
-from experiments.evaluations import RESULTS
+from experiments.evaluations import RESULTS, plain_ticks
 from experiments.trainings import read_episodes
 
 Floats = NDArray[np.float64]
@@ -119,7 +119,7 @@ def _draw_panel(axis: Axes, seeds: Mapping[int, list[dict[str, float]]]) -> None
 
 
 def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> None:
-    """Median errors of the last `WINDOW` episodes over the pushes that were spent, mean over seeds."""
+    """Median errors of the last `WINDOW` episodes over the pushes that were spent, geometric mean over seeds."""
     figure = Figure(figsize=(12.0, 7.0), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True, sharey="row")
     groups = (
@@ -134,16 +134,20 @@ def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]
                 seeds = by_variant.get(COMPARED[label], {})
                 if seeds:
                     steps, curves = _over_steps(seeds, key, scale)
-                    mean, half = _mean_interval(curves)
-                    (line,) = axis.plot(steps, mean, label=f"{label}, {len(seeds)} seeds")
-                    axis.fill_between(steps, mean - half, mean + half, color=line.get_color(), alpha=0.15)
+                    mean, half = _mean_interval(np.log(curves))
+                    (line,) = axis.plot(steps, np.exp(mean), label=f"{label}, {len(seeds)} seeds")
+                    low, high = np.exp(mean - half), np.exp(mean + half)
+                    axis.fill_between(steps, low, high, color=line.get_color(), alpha=0.15)
             axis.set_yscale("log")
+            plain_ticks(axis)
             axis.set_ylabel(name)
             axis.grid(which="both", alpha=0.25)
         axes[0, column].set_title(title)
         axes[0, column].legend(fontsize=8)
         axes[1, column].set_xlabel("push cycles")
-    figure.suptitle(f"Final errors while learning, median of {WINDOW} episodes, mean over seeds and its 95 % interval")
+    figure.suptitle(
+        f"Errors while learning: median of {WINDOW} episodes, geometric mean of seeds and its 95 % interval"
+    )
     figure.savefig(RESULTS / "learning_comparison.png", dpi=110)
 
 

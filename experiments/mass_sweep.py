@@ -12,12 +12,12 @@ from typing import Any, Final
 
 import tyro
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from experiments.evaluations import (
     RESULTS,
     Evaluation,
     errors_of,
+    plain_ticks,
     read_rows,
     run_missing,
     summary_columns,
@@ -93,9 +93,7 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
             )
         axis.axhline(limit, color="black", linestyle=":", linewidth=1, label="aim")
         axis.set_yscale("log")
-        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.yaxis.set_major_formatter("{x:g}")
-        axis.yaxis.set_minor_formatter(NullFormatter())
+        plain_ticks(axis)
         axis.set_xlabel("mass of the box [kg]")
         axis.set_ylabel(label)
         axis.grid(which="both", alpha=0.25)
