@@ -4,7 +4,7 @@ import numpy as np
 
 from agent_proc.station import nominal_obstacle, stand_off
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid, PlanQuery
+from legpush.messages import OccupancyGrid, TrunkPathQuery
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
@@ -14,18 +14,18 @@ SLACK_M = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
 
 
-def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2) -> PlanQuery:
+def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2) -> TrunkPathQuery:
     """From far away: to the stand-off at the box's nominal pose, around everything that the box may cover."""
     goal = stand_off(scenario, scenario.box.pose.pose())
     return _query(scenario, seed, start, goal, nominal_obstacle(scenario))
 
 
-def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2) -> PlanQuery:
+def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2) -> TrunkPathQuery:
     """After the hand-over: to the stand-off at the pose that the box has."""
     return _query(scenario, seed, start, stand_off(scenario, box_pose), box_footprint(scenario.box, box_pose))
 
 
-def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> PlanQuery:
+def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> TrunkPathQuery:
     """Ask as the scenario says.
 
     A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least its footprint's.
@@ -33,7 +33,7 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
     planning = scenario.planning
     grid = occupancy_grid(scenario.room, [box])
     present_m = distance_to_occupied_m(grid, start) - SLACK_M
-    return PlanQuery(
+    return TrunkPathQuery(
         grid=grid,
         start=start,
         goal=goal,

@@ -56,6 +56,12 @@ class ClearanceField:
         """Exact distance of points, (n, 2), to the nearest occupied square, (n,); 0 inside one and off the grid."""
         return self._segment_clearance_m(points_m, points_m)
 
+    def bounds_m(self, points_m: Floats) -> Floats:
+        """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell."""
+        columns, rows = self._cells_of(self._to_cells(points_m)).T
+        bounds: Floats = np.where(self._on_grid(points_m), self._bound_m[rows, columns], 0.0)
+        return bounds
+
     def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float], clearance_m: float) -> bool:
         """Whether every point of the segment between two points keeps the clearance.
 
@@ -163,8 +169,7 @@ class ClearanceField:
         """What no point of each segment of a polyline is below, (n - 1,): a distance changes at most as fast as one
         moves.
         """
-        columns, rows = self._cells_of(self._to_cells(points_m)).T
-        bounds_m = np.where(self._on_grid(points_m), self._bound_m[rows, columns], 0.0)
+        bounds_m = self.bounds_m(points_m)
         lengths_m = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
         bounds: Floats = np.minimum(bounds_m[:-1], bounds_m[1:]) - 0.5 * lengths_m
         return bounds

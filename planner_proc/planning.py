@@ -7,8 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import MAX_CELLS, MAX_WAYPOINTS, OccupancyGrid, Plan, PlanQuery, Point2, Tree
+from legpush.messages import (
+    MAX_CELLS,
+    MAX_WAYPOINTS,
+    BoxPathQuery,
+    OccupancyGrid,
+    Plan,
+    PlanQuery,
+    Point2,
+    Tree,
+    TrunkPathQuery,
+)
 from planner_proc import polylines
+from planner_proc.box_path import make_box_plan
 from planner_proc.occupancy import ROUNDING_M, ClearanceField
 from planner_proc.route import Route, search
 from planner_proc.shortcut import shortcut
@@ -27,6 +38,12 @@ def make_plan(query: PlanQuery) -> Plan:
     if fault:
         return Plan(status="invalid", reason=fault)
     field = ClearanceField(query.grid)
+    if isinstance(query, BoxPathQuery):
+        return make_box_plan(query, field)
+    return _make_trunk_plan(query, field)
+
+
+def _make_trunk_plan(query: TrunkPathQuery, field: ClearanceField) -> Plan:
     for name, pose in (("start", query.start), ("goal", query.goal)):
         fault = _pose_fault(name, pose, field, query)
         if fault:
@@ -36,7 +53,7 @@ def make_plan(query: PlanQuery) -> Plan:
     return _plan_from_route(query, field, search(query, field))
 
 
-def _plan_from_route(query: PlanQuery, field: ClearanceField, route: Route) -> Plan:
+def _plan_from_route(query: TrunkPathQuery, field: ClearanceField, route: Route) -> Plan:
     """Shorten and smooth what the search found."""
     tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
     if len(route.points_m) < 2:
@@ -64,7 +81,7 @@ def _plan_from_route(query: PlanQuery, field: ClearanceField, route: Route) -> P
     )
 
 
-def _turn_on_the_spot(query: PlanQuery, field: ClearanceField) -> Plan:
+def _turn_on_the_spot(query: TrunkPathQuery, field: ClearanceField) -> Plan:
     """The plan for a goal at the start."""
     start_m = (query.start.x_m, query.start.y_m)
     return Plan(
@@ -113,7 +130,7 @@ def _search_fault(query: PlanQuery) -> str:
     return ""
 
 
-def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: PlanQuery) -> str:
+def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQuery) -> str:
     """Why the robot cannot stand there, or nothing."""
     place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
     if not field.contains(pose.x_m, pose.y_m):
@@ -126,7 +143,7 @@ def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: PlanQuery)
     return ""
 
 
-def _shortfall(query: PlanQuery, field: ClearanceField, route: Route) -> str:
+def _shortfall(query: TrunkPathQuery, field: ClearanceField, route: Route) -> str:
     """Why the goal was not reached, and how much is missing."""
     x_m, y_m = route.points_m[-1].tolist()
     missing = f"{_distance_m(query.goal, (x_m, y_m)):.2f} m from the goal after {route.n_iterations} iterations"

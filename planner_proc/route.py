@@ -1,9 +1,10 @@
 """Search for a path with OMPL: the only module that imports it."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
-from legpush.messages import MAX_WAYPOINTS, PlanQuery, Point2
+from legpush.messages import MAX_WAYPOINTS, Point2, TrunkPathQuery
 from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
 
@@ -31,7 +32,7 @@ class Route:
     n_iterations: int
 
 
-def search(query: PlanQuery, field: ClearanceField) -> Route:
+def search(query: TrunkPathQuery, field: ClearanceField) -> Route:
     """Grow a tree from the start until it reaches the goal or the iterations are used up.
 
     `rrt` is Algorithm 1, `rrt_star` the same with rewiring until the budget ends, `rrt_connect` grows a second tree
@@ -61,7 +62,7 @@ def search(query: PlanQuery, field: ClearanceField) -> Route:
         planner.setGoalBias(query.goal_bias)
     planner.setProblemDefinition(problem)
     planner.setup()
-    budget = _Budget(query.max_iterations)
+    budget = Budget(query.max_iterations)
     status = planner.solve(ob.PlannerTerminationCondition(budget)).getStatus()
 
     # A status is true for an approximate solution as well, so it is compared by name.
@@ -71,7 +72,7 @@ def search(query: PlanQuery, field: ClearanceField) -> Route:
         points = [(state[0], state[1]) for state in problem.getSolutionPath().getStates()]
     data = ob.PlannerData(information)
     planner.getPlannerData(data)
-    nodes, parents = _tree(data)
+    nodes, parents = tree_of(data, lambda state: (state[0], state[1]))
     if reached and points[-1] != goal:
         parents.append(nodes.index(points[-1]))
         nodes.append(goal)
@@ -131,7 +132,7 @@ class _GoalRegion(ob.GoalSampleableRegion):  # type: ignore[misc]
         return 1
 
 
-class _Budget:
+class Budget:
     """Ends the search after so many iterations; OMPL asks once before each."""
 
     def __init__(self, n_allowed: int) -> None:
@@ -145,7 +146,7 @@ class _Budget:
         return False
 
 
-def _space(query: PlanQuery, field: ClearanceField) -> ob.RealVectorStateSpace:
+def _space(query: TrunkPathQuery, field: ClearanceField) -> ob.RealVectorStateSpace:
     """The plane, as far as the grid reaches."""
     space = ob.RealVectorStateSpace(2)
     bounds = ob.RealVectorBounds(2)
@@ -156,7 +157,7 @@ def _space(query: PlanQuery, field: ClearanceField) -> ob.RealVectorStateSpace:
     return space
 
 
-def _tree(data: ob.PlannerData) -> tuple[list[Point2], list[int]]:
+def tree_of(data: ob.PlannerData, place_m: Callable[[Any], Point2]) -> tuple[list[Point2], list[int]]:
     """Nodes and parents of what was grown, breadth first from the roots: parents come before their children."""
     n_nodes = data.numVertices()
     vertices = [data.getVertex(i) for i in range(n_nodes)]
@@ -181,7 +182,7 @@ def _tree(data: ob.PlannerData) -> tuple[list[Point2], list[int]]:
                 parents.append(place[node])
                 waiting.append(child)
     states = [vertices[i].getState() for i in place]
-    return [(state[0], state[1]) for state in states], parents
+    return [place_m(state) for state in states], parents
 
 
 def _thin(nodes: list[Point2], parents: list[int], n_most: int) -> tuple[list[Point2], list[int]]:

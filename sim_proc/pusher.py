@@ -7,11 +7,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from legpush.errors import MotionError
+from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages import Push
 from legpush.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
 from legpush.room_shapes import behind_box
-from legpush.scenario import STATION_M, Box
+from legpush.scenario import STATION_M, Box, Face
 from sim_proc.gait import MAX_OFF_M, MAX_OFF_RAD, TOUCHDOWN_M, require_within_reach, rest, swing_to
 from sim_proc.physics import Recording
 from sim_proc.steps import Step, Steps, Swing
@@ -34,7 +36,9 @@ RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", 
 
 
 def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Array:
-    """Where the foot's centre ends, (3,), for a box at `pose`: its surface `depth_m` beyond the rear face."""
+    """Where the foot's centre ends, (3,), for a box whose pushed frame is at `pose`: its surface `depth_m` beyond the
+    face.
+    """
     length, width, height = box.size_m
     side = CONTACT_SIDE_SHARE * width * (1 if leg == "FL" else -1)
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
@@ -63,19 +67,20 @@ class Pusher:
         posture = self._steps.posture
         physics = posture.physics
         leg = LEGS.index(push.leg)
-        box = physics.box_pose()
-        require_within_reach("the place to push from", physics.trunk_pose(), behind_box(self._box, box, STATION_M))
+        self._require_face(push.face)
+        box, pose = pushed_box(self._box, push.face), pushed_pose(physics.box_pose(), push.face)
+        require_within_reach("the place to push from", physics.trunk_pose(), behind_box(box, pose, STATION_M))
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
-        goal = contact_point(box, self._box, push.leg, push.depth_m)
+        goal = contact_point(pose, box, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
         ahead = [
             self._push_step(push.leg, here, posture.yaw_rad),
-            *self._return_steps(push.leg, behind_box(self._box, box @ expected, STATION_M))[:2],
+            *self._return_steps(push.leg, behind_box(box, pose @ expected, STATION_M))[:2],
         ]
         recordings = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
         peak = float(np.linalg.norm(recordings[0].box_forces_n[:, leg], axis=1).max())
         if not physics.fallen:
-            follow = self._return_steps(push.leg, self._next_station())
+            follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
@@ -84,10 +89,16 @@ class Pusher:
                     break
         return PushRecording(recordings=recordings, peak_force_n=peak)
 
-    def _next_station(self) -> Pose2:
+    def _require_face(self, face: Face) -> None:
+        if face not in PUSHABLE[self._box.shape]:
+            valid = ", ".join(PUSHABLE[self._box.shape])
+            raise MotionError(f"Expected a face that a {self._box.shape} can be pushed at ({valid}), got {face}")
+
+    def _next_station(self, face: Face) -> Pose2:
         """Where the feet go after the push: to the box, or back to where they were if it slid out of their reach."""
-        here = self._steps.posture.physics.trunk_pose()
-        station = behind_box(self._box, self._steps.posture.physics.box_pose(), STATION_M)
+        physics = self._steps.posture.physics
+        here = physics.trunk_pose()
+        station = behind_box(pushed_box(self._box, face), pushed_pose(physics.box_pose(), face), STATION_M)
         away = here.inverse() @ station
         near = hypot(away.x_m, away.y_m) <= MAX_OFF_M and abs(away.yaw_rad) <= MAX_OFF_RAD
         return station if near else here

@@ -10,9 +10,10 @@ from msgspec import Meta, Struct
 
 from legpush.geometry import Pose2
 from legpush.robot import FrontLeg
-from legpush.scenario import PlannerName, Scenario
+from legpush.room_shapes import Footprint
+from legpush.scenario import Face, PlannerName, Scenario
 
-PROTOCOL_VERSION: Final = 2
+PROTOCOL_VERSION: Final = 3
 
 Role = Literal["planner", "sim", "agent", "launcher"]
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
@@ -54,7 +55,7 @@ class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """One byte per cell, row after row: 0 free, 1 occupied."""
 
 
-class PlanQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="trunk_path"):
     """Ask for a path of the trunk that keeps `clearance_m` from every occupied cell."""
 
     grid: OccupancyGrid
@@ -71,6 +72,34 @@ class PlanQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Longest edge of the tree."""
     goal_region_m: Annotated[float, Meta(gt=0.0)]
     """Radius of the goal region of Algorithm 1."""
+
+
+class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="box_path"):
+    """Ask for a path of the box, with the robot behind it: forward only, with a minimum turning radius (Dubins).
+
+    Poses are those of the frame that is pushed: its origin is the box's centre, its x axis the pushing direction.
+    """
+
+    grid: OccupancyGrid
+    """Without the box and the robot."""
+    start: Pose2
+    goal: Pose2
+    footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
+    """What moves along, box and robot, in the frame that is pushed."""
+    clearance_m: Annotated[float, Meta(ge=0.0)]
+    """Least distance from any of them to anything occupied."""
+    min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
+    run_in_m: Annotated[float, Meta(ge=0.0)]
+    """The path is straight for at least so long before the goal, where that is free; else all the way is curved."""
+    seed: Annotated[int, Meta(ge=0, lt=2**32)]
+    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
+    """Budget of the search, as for the trunk."""
+    goal_bias: Unit
+    step_m: Annotated[float, Meta(gt=0.0)]
+    """Longest edge of the tree."""
+
+
+PlanQuery = TrunkPathQuery | BoxPathQuery
 
 
 class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -146,6 +175,8 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     leg: FrontLeg
     depth_m: Annotated[float, Meta(ge=0.0, le=0.25)]
     """How far beyond the face of the box the curve ends (the paper's entry value)."""
+    face: Face = "rear"
+    """Which face of the box is pushed; the robot has to stand behind it."""
     locus: Literal["swing", "published"] = "swing"
     """Which half circle `w` runs along: the swing side, theta in [-pi/2, pi/2], or the paper's, [0, pi]."""
 

@@ -5,15 +5,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, rectangle_corners
-from legpush.scenario import Box, Rectangle, Room
+from legpush.scenario import Box, Positive, Rectangle, Room
 
 
-class Footprint(msgspec.Struct, frozen=True, kw_only=True):
+class Footprint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A rectangle anywhere on the floor: `length_m` along the x axis of its centre's pose, `width_m` along y."""
 
     pose: Pose2
-    length_m: float
-    width_m: float
+    length_m: Positive
+    width_m: Positive
 
     def corners(self) -> NDArray[np.float64]:
         """Counter-clockwise from front left, world frame, (4, 2)."""

@@ -13,6 +13,8 @@ BoxSide = Annotated[float, Meta(ge=0.01)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
 BoxShape = Literal["cuboid", "cylinder", "wedge", "l_shape"]
+Face = Literal["rear", "right", "front", "left"]
+"""Of a box, seen along its x axis."""
 STATION_M: Final = HIP_X_M + PUSH_GAP_M
 """From the box's rear face back to the trunk centre when the robot stands ready to push."""
 STAND_OFF_M: Final = 0.75

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid, Plan, PlanQuery
+from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
 
 CLEARANCE_M = 0.44
 
@@ -51,7 +51,7 @@ def random_room(rng: np.random.Generator) -> OccupancyGrid:
     return room(*blocks)
 
 
-def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...], **changes: Any) -> PlanQuery:
+def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...], **changes: Any) -> TrunkPathQuery:
     """A query from (x, y) or (x, y, yaw) to another, with defaults that `changes` replaces."""
     fields: dict[str, Any] = {
         "clearance_m": CLEARANCE_M,
@@ -62,7 +62,7 @@ def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...]
         "step_m": 0.5,
         "goal_region_m": 0.25,
     }
-    return PlanQuery(grid=grid, start=pose(*start), goal=pose(*goal), **(fields | changes))
+    return TrunkPathQuery(grid=grid, start=pose(*start), goal=pose(*goal), **(fields | changes))
 
 
 def pose(x_m: float, y_m: float, yaw_rad: float = 0.0) -> Pose2:

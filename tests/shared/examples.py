@@ -15,7 +15,6 @@ from legpush.messages import (
     Outcome,
     PathProgress,
     Plan,
-    PlanQuery,
     PlanRequest,
     PlanResult,
     Push,
@@ -26,6 +25,7 @@ from legpush.messages import (
     Status,
     Trace,
     Tree,
+    TrunkPathQuery,
     TrunkState,
     Walk,
     WorldState,
@@ -49,7 +49,7 @@ SCENARIO = Scenario(
     goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
 )
 RESET = Reset(scenario=SCENARIO, seed=3)
-QUERY = PlanQuery(
+QUERY = TrunkPathQuery(
     grid=OccupancyGrid(n_columns=3, n_rows=2, resolution_m=0.5, origin_m=(0.0, -1.0), cells=bytes([0, 1, 0, 0, 0, 1])),
     start=POSE,
     goal=Pose2(x_m=0.1, y_m=0.2, yaw_rad=3.0),
