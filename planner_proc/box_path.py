@@ -1,5 +1,6 @@
 """From a query for a path of the box to a plan: check it, search, measure. Pure: equal queries get equal plans."""
 
+from itertools import pairwise
 from math import hypot
 from typing import Final
 
@@ -8,12 +9,14 @@ from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
 from legpush.messages import BoxPathQuery, Plan, Tree
-from planner_proc.dubins import SAMPLE_M, Dubins, search
+from planner_proc.dubins import SAMPLE_M, Dubins, DubinsRoute, search
 from planner_proc.footprint_field import FootprintField
 from planner_proc.occupancy import ClearanceField
 
 Floats = NDArray[np.float64]
 
+EXTRA_CLEARANCE_M: Final = (0.0, 0.01, 0.03)
+"""The search judges quickly; where what it found does not keep the clearance exactly, it is asked to keep more."""
 NEAREST_STEP_M: Final = 0.05
 NEAREST_REACH_M: Final = 2.0
 """How far around a pose that does not fit one that does is looked for, and how finely."""
@@ -25,31 +28,35 @@ def make_box_plan(query: BoxPathQuery, field: ClearanceField) -> Plan:
     # Between two poses no point of the footprints moves farther than this from the nearer one.
     between_m = 0.5 * SAMPLE_M * (1.0 + footprints.reach_m / query.min_turning_radius_m)
     required_m = query.clearance_m + between_m
-
-    def fits(poses: Floats) -> NDArray[np.bool_]:
-        return footprints.free(poses, required_m)
-
     for name, pose in (("start", query.start), ("goal", query.goal)):
-        if not fits(_row(pose))[0]:
+        if not footprints.free(_row(pose), required_m)[0]:
             return Plan(status="invalid", reason=_no_room(name, pose, query, footprints, required_m))
     dubins = Dubins(query.min_turning_radius_m)
     before_goal = _run_in(query, dubins, footprints, required_m)
-    route = search(query, before_goal, dubins, fits)
+    for extra_m in EXTRA_CLEARANCE_M:
+        route = search(query, before_goal, dubins, lambda poses: footprints.seems_free(poses, required_m + extra_m))
+        if not route.keys:
+            break
+        keys = route.keys if before_goal == query.goal else (*route.keys, query.goal)
+        path = dubins.path(keys)
+        if footprints.free(path, required_m).all():
+            return _found(route, keys, dubins, footprints, path)
     tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
-    if not route.keys:
-        reason = _shortfall(query, field, footprints, route.n_iterations)
-        return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
-    keys = route.keys if before_goal == query.goal else (*route.keys, query.goal)
-    path = dubins.path(keys)
-    if not fits(path).all():
-        raise AssertionError("the search returned a path that does not fit")
-    length_m = sum(dubins.length_m(a, b) for a, b in zip(keys, keys[1:], strict=False))
+    reason = _shortfall(query, field, footprints, route.n_iterations)
+    return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
+
+
+def _found(
+    route: DubinsRoute, keys: tuple[Pose2, ...], dubins: Dubins, footprints: FootprintField, path: Floats
+) -> Plan:
+    """A plan whose path was judged exactly."""
+    length_m = sum(dubins.length_m(a, b) for a, b in pairwise(keys))
     return Plan(
         status="exact",
         reason=f"Reached after {route.n_iterations} iterations: {length_m:.2f} m",
         waypoints=tuple(Pose2(x_m=x, y_m=y, yaw_rad=yaw) for x, y, yaw in path.tolist()),
         raw_path_m=tuple((key.x_m, key.y_m) for key in keys),
-        tree=tree,
+        tree=Tree(points_m=route.tree_points_m, parents=route.tree_parents),
         length_m=length_m,
         min_clearance_m=footprints.clearance_m(path),
         n_iterations=route.n_iterations,

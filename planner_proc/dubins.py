@@ -17,8 +17,8 @@ from legpush.messages import BoxPathQuery, Point2
 from planner_proc.route import Budget, tree_of
 
 Floats = NDArray[np.float64]
-Fits = Callable[[Floats], NDArray[np.bool_]]
-"""Which of some poses, (n, 3), are allowed, (n,)."""
+Fits = Callable[[Floats], bool]
+"""Whether poses, (n, 3), are all allowed."""
 
 SAMPLE_M: Final = 0.025
 """Between two poses of a path that is checked, and of one that is returned."""
@@ -96,7 +96,7 @@ def search(query: BoxPathQuery, goal: Pose2, dubins: Dubins, fits: Fits) -> Dubi
     """
     start_m = (query.start.x_m, query.start.y_m)
     direct = dubins.poses(query.start, goal)
-    if fits(direct).all():
+    if fits(direct):
         points = (start_m, (goal.x_m, goal.y_m))
         return DubinsRoute(keys=(query.start, goal), tree_points_m=points, tree_parents=(0, 0), n_iterations=0)
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -145,7 +145,7 @@ class _Fitting(ob.MotionValidator):  # type: ignore[misc]
         self._fits = fits
 
     def checkMotion(self, a: ob.State, b: ob.State) -> bool:  # noqa: N802 - OMPL's name
-        return bool(self._fits(self._dubins.sampled(a, b)).all())
+        return self._fits(self._dubins.sampled(a, b))
 
 
 def _shortened(keys: tuple[Pose2, ...], dubins: Dubins, fits: Fits, seed: int) -> tuple[Pose2, ...]:
@@ -183,4 +183,4 @@ def _gains(keys: tuple[Pose2, ...], dubins: Dubins, fits: Fits) -> bool:
     present_m = sum(dubins.length_m(a, b) for a, b in pairwise(keys))
     if dubins.length_m(keys[0], keys[-1]) > present_m - LEAST_GAIN_M:
         return False
-    return bool(fits(dubins.poses(keys[0], keys[-1])).all())
+    return fits(dubins.poses(keys[0], keys[-1]))

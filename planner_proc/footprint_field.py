@@ -1,7 +1,6 @@
-"""Whether a box with the robot behind it fits: exact distances of moving rectangles to the occupied squares."""
+"""Whether a box with the robot behind it fits: distances of moving rectangles to the occupied squares."""
 
 from collections.abc import Sequence
-from math import ceil
 from typing import Final
 
 import numpy as np
@@ -15,15 +14,15 @@ from planner_proc.occupancy import ROUNDING_M, ClearanceField
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-_DISC_PER_WIDTH: Final = 1.0
-"""Discs that cover a rectangle have centres no farther apart than so many of its widths."""
+_DISC_M: Final = 0.1
+"""Rectangles are covered by discs around squares of about this size, for the quick answer."""
 
 
 class FootprintField:
-    """Clearance of rectangles that are fixed to a moving frame.
+    """Clearance of rectangles that are fixed to a moving frame: a quick answer for searching, an exact one for judging.
 
-    Discs that cover a rectangle, and one that it covers, decide nearly every question by the clearance of a point;
-    where they do not, the distance to the squares around is computed exactly.
+    For the quick one, discs cover each rectangle; they reach beyond it by 2 cm at its corners, and what is nearest to
+    their centres is known to a fraction of a cell.
     """
 
     def __init__(self, grid: OccupancyGrid, footprints: Sequence[Footprint], field: ClearanceField) -> None:
@@ -36,14 +35,27 @@ class FootprintField:
         self.narrowest_m = max(rectangle.inner_m for rectangle in self._rectangles)
         """Radius of the largest disc that one of them covers wherever it is: no path is narrower."""
 
+    def seems_free(self, poses: Floats, clearance_m: float) -> bool:
+        """Whether all footprints about keep the clearance in all poses (x, y, yaw), (n, 3), of the frame."""
+        for rectangle in self._rectangles:
+            far = self._field.bounds_m(rectangle.centres(poses)[:, :2]) < rectangle.radius_m + clearance_m
+            if not far.any():
+                continue
+            points = rectangle.discs(poses[far])
+            distances = np.hypot(*self._field.offsets_m(points).T)
+            if not ((distances >= rectangle.disc_radius_m + clearance_m) & self._field.on_grid(points)).all():
+                return False
+        return True
+
     def free(self, poses: Floats, clearance_m: float) -> Flags:
-        """Whether all footprints keep the clearance in poses (x, y, yaw), (n, 3), of the frame; (n,)."""
+        """Whether all footprints keep the clearance in poses, (n, 3), exactly; (n,)."""
         free = np.ones(len(poses), dtype=np.bool_)
         for rectangle in self._rectangles:
-            left = np.flatnonzero(free)
-            if not left.size:
-                break
-            free[left] = self._keeps(rectangle, poses[left], clearance_m)
+            centres = rectangle.centres(poses)
+            near = self._field.bounds_m(centres[:, :2]) < rectangle.radius_m + clearance_m
+            for index in np.flatnonzero(free & near).tolist():
+                distance_m = self._squares.distance_m(centres[index], rectangle.half_m, clearance_m)
+                free[index] = distance_m >= clearance_m - ROUNDING_M
         return free
 
     def clearance_m(self, poses: Floats) -> float:
@@ -56,16 +68,6 @@ class FootprintField:
                 least_m = min(least_m, self._squares.distance_m(pose, rectangle.half_m, least_m))
         return max(least_m, 0.0)
 
-    def _keeps(self, rectangle: "_Rectangle", poses: Floats, clearance_m: float) -> Flags:
-        discs = rectangle.discs(poses)
-        bounds = self._field.bounds_m(discs.reshape(-1, 2)).reshape(discs.shape[:2]) - rectangle.disc_radius_m
-        free: Flags = np.asarray((bounds >= clearance_m).all(axis=1))
-        unsure = np.flatnonzero(~free)
-        for index, pose in zip(unsure.tolist(), rectangle.centres(poses[unsure]), strict=True):
-            limit_m = clearance_m - ROUNDING_M
-            free[index] = self._squares.distance_m(pose, rectangle.half_m, clearance_m) >= limit_m
-        return free
-
 
 class _Rectangle:
     """A footprint in its moving frame."""
@@ -75,13 +77,15 @@ class _Rectangle:
         self._offset = np.array([pose.x_m, pose.y_m, pose.yaw_rad])
         self.half_m = np.array([footprint.length_m, footprint.width_m]) / 2
         self.reach_m = float(np.hypot(*footprint.corners().T).max())
+        self.radius_m = float(np.hypot(*self.half_m))
         self.inner_m = float(self.half_m.min())
-        along = int(self.half_m.argmax())
-        n = ceil(self.half_m[along] / self.half_m[1 - along] / _DISC_PER_WIDTH)
-        part_m = 2 * self.half_m[along] / n
-        self._discs = np.zeros((n, 2))
-        self._discs[:, along] = -self.half_m[along] + part_m * (np.arange(n) + 0.5)
-        self.disc_radius_m = float(np.hypot(part_m / 2, self.half_m[1 - along]))
+        n = np.ceil(2 * self.half_m / _DISC_M)
+        part_m = 2 * self.half_m / n
+        steps = [
+            -half + part * (np.arange(count) + 0.5) for half, part, count in zip(self.half_m, part_m, n, strict=True)
+        ]
+        self._discs = np.stack(np.meshgrid(*steps), axis=-1).reshape(-1, 2)
+        self.disc_radius_m = float(np.hypot(*part_m) / 2)
 
     def centres(self, poses: Floats) -> Floats:
         """Poses of the rectangle's centre, (n, 3)."""
@@ -93,12 +97,12 @@ class _Rectangle:
         return centres
 
     def discs(self, poses: Floats) -> Floats:
-        """Centres of the discs that cover it, (n, discs, 2)."""
+        """Centres of the discs that cover it in all of the poses, (n * discs, 2)."""
         centres = self.centres(poses)
         c, s = np.cos(centres[:, 2])[:, None], np.sin(centres[:, 2])[:, None]
         x, y = self._discs.T
         discs: Floats = centres[:, None, :2] + np.stack([c * x - s * y, s * x + c * y], axis=-1)
-        return discs
+        return discs.reshape(-1, 2)
 
 
 class _Squares:

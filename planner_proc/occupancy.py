@@ -59,7 +59,7 @@ class ClearanceField:
     def bounds_m(self, points_m: Floats) -> Floats:
         """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell."""
         columns, rows = self._cells_of(self._to_cells(points_m)).T
-        bounds: Floats = np.where(self._on_grid(points_m), self._bound_m[rows, columns], 0.0)
+        bounds: Floats = np.where(self.on_grid(points_m), self._bound_m[rows, columns], 0.0)
         return bounds
 
     def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float], clearance_m: float) -> bool:
@@ -174,7 +174,8 @@ class ClearanceField:
         bounds: Floats = np.minimum(bounds_m[:-1], bounds_m[1:]) - 0.5 * lengths_m
         return bounds
 
-    def _on_grid(self, points_m: Floats) -> NDArray[np.bool_]:
+    def on_grid(self, points_m: Floats) -> NDArray[np.bool_]:
+        """Which points, (n, 2), lie on the grid, (n,)."""
         beyond = points_m - np.array(self._origin_m)
         on_grid: NDArray[np.bool_] = np.all((beyond >= 0.0) & (beyond <= np.array(self.size_m)), axis=-1)
         return on_grid
@@ -182,7 +183,7 @@ class ClearanceField:
     def _segment_clearance_m(self, a_m: Floats, b_m: Floats) -> Floats:
         """Exact distances of segments, (n, 2) to (n, 2), to the nearest occupied square, (n,)."""
         clearance_m = np.zeros(len(a_m))
-        inside = np.flatnonzero(self._on_grid(a_m) & self._on_grid(b_m)).tolist()
+        inside = np.flatnonzero(self.on_grid(a_m) & self.on_grid(b_m)).tolist()
         a, b = self._to_cells(a_m).tolist(), self._to_cells(b_m).tolist()
         for k in inside:
             (ax, ay), (bx, by) = a[k], b[k]
