@@ -1,17 +1,17 @@
-"""From a query for a path of the box to a plan: check it, search, measure. Pure: equal queries get equal plans."""
+"""From a query for a path of the box to a plan: check it, search, judge, measure. Pure: equal queries get equal plans."""
 
 from itertools import pairwise
-from math import hypot
+from math import degrees, hypot
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import BoxPathQuery, Plan, Tree
-from planner_proc.dubins import SAMPLE_M, Dubins, DubinsRoute, search
-from planner_proc.footprint_field import FootprintField
 from planner_proc.occupancy import ClearanceField
+from planner_proc.push_tree import Found, search
+from planner_proc.pushes import Pushes, Way
 
 Floats = NDArray[np.float64]
 
@@ -24,90 +24,107 @@ NEAREST_REACH_M: Final = 2.0
 
 def make_box_plan(query: BoxPathQuery, field: ClearanceField) -> Plan:
     """The plan for a query whose grid is sound; `field` is that of the grid."""
-    footprints = FootprintField(query.grid, query.footprints, field)
-    # Between two poses no point of the footprints moves farther than this from the nearer one.
-    between_m = 0.5 * SAMPLE_M * (1.0 + footprints.reach_m / query.min_turning_radius_m)
-    required_m = query.clearance_m + between_m
-    for name, pose in (("start", query.start), ("goal", query.goal)):
-        if not footprints.free(_row(pose), required_m)[0]:
-            return Plan(status="invalid", reason=_no_room(name, pose, query, footprints, required_m))
-    dubins = Dubins(query.min_turning_radius_m)
-    before_goal = _run_in(query, dubins, footprints, required_m)
+    fault = _side_fault(query)
+    if fault:
+        return Plan(status="invalid", reason=fault)
+    pushes = Pushes(query, field)
+    fault = _pose_fault("start", query.start, query, pushes) or _pose_fault("goal", query.goal, query, pushes)
+    if fault:
+        return Plan(status="invalid", reason=fault)
+    n_iterations = 0
     for extra_m in EXTRA_CLEARANCE_M:
-        route = search(query, before_goal, dubins, lambda poses: footprints.seems_free(poses, required_m + extra_m))
-        if not route.keys:
+        pushes.extra_m = extra_m
+        found = search(query, pushes)
+        n_iterations += found.n_iterations
+        if not found.way:
             break
-        keys = route.keys if before_goal == query.goal else (*route.keys, query.goal)
-        path = dubins.path(keys)
-        if footprints.free(path, required_m).all():
-            return _found(route, keys, dubins, footprints, path)
-    tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
-    reason = _shortfall(query, field, footprints, route.n_iterations)
-    return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
+        plan = _judged(found, pushes, n_iterations)
+        if plan is not None:
+            return plan
+    tree = Tree(points_m=found.tree_points_m, parents=found.tree_parents)
+    reason = _shortfall(query, field, pushes, n_iterations)
+    return Plan(status="failed", reason=reason, tree=tree, n_iterations=n_iterations)
 
 
-def _found(
-    route: DubinsRoute, keys: tuple[Pose2, ...], dubins: Dubins, footprints: FootprintField, path: Floats
-) -> Plan:
-    """A plan whose path was judged exactly."""
-    length_m = sum(dubins.length_m(a, b) for a, b in pairwise(keys))
+def _judged(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
+    """What was found as a plan, if box and robot keep the clearance exactly."""
+    waypoints: list[Pose2] = []
+    sides: list[int] = []
+    clearance_m = np.inf
+    for stage in found.way:
+        side = pushes.sides[stage.side]
+        pushed = side.pushed(stage)
+        if not side.footprints.free(pushed, side.required_m).all():
+            return None
+        clearance_m = min(clearance_m, side.footprints.clearance_m(pushed))
+        poses = side.box(pushed)[1 if waypoints and sides[-1] == stage.side else 0 :].tolist()
+        waypoints += [Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)) for x_m, y_m, yaw_rad in poses]
+        sides += [stage.side] * len(poses)
+    length_m = sum(stage.length_m for stage in found.way)
+    n_stages = 1 + sum(a.side != b.side for a, b in pairwise(found.way))
     return Plan(
         status="exact",
-        reason=f"Reached after {route.n_iterations} iterations: {length_m:.2f} m",
-        waypoints=tuple(Pose2(x_m=x, y_m=y, yaw_rad=yaw) for x, y, yaw in path.tolist()),
-        raw_path_m=tuple((key.x_m, key.y_m) for key in keys),
-        tree=Tree(points_m=route.tree_points_m, parents=route.tree_parents),
+        reason=f"Reached after {n_iterations} iterations: {length_m:.2f} m in {n_stages} stages",
+        waypoints=tuple(waypoints),
+        sides=tuple(sides),
+        raw_path_m=_corners(found.way),
+        tree=Tree(points_m=found.tree_points_m, parents=found.tree_parents),
         length_m=length_m,
-        min_clearance_m=footprints.clearance_m(path),
-        n_iterations=route.n_iterations,
+        min_clearance_m=float(clearance_m),
+        n_iterations=n_iterations,
     )
 
 
-def _run_in(query: BoxPathQuery, dubins: Dubins, footprints: FootprintField, required_m: float) -> Pose2:
-    """Where the straight stretch before the goal begins: as long as asked for, or half of it, or none."""
-    for run_in_m in (query.run_in_m, query.run_in_m / 2):
-        begin = query.goal @ Pose2(x_m=-run_in_m, y_m=0.0, yaw_rad=0.0)
-        if run_in_m > 0.0 and footprints.free(dubins.poses(begin, query.goal), required_m).all():
-            return begin
-    return query.goal
+def _corners(way: Way) -> tuple[tuple[float, float], ...]:
+    """Where stages begin, and where the last one ends."""
+    return tuple((pose.x_m, pose.y_m) for pose in (*(stage.begin for stage in way), way[-1].end))
 
 
-def _no_room(name: str, pose: Pose2, query: BoxPathQuery, footprints: FootprintField, required_m: float) -> str:
-    """Why box and robot cannot be there, and where they could."""
+def _side_fault(query: BoxPathQuery) -> str:
+    if query.present_side is not None and query.present_side >= len(query.sides):
+        return f"Expected present_side below {len(query.sides)}, the number of sides, got {query.present_side}"
+    return ""
+
+
+def _pose_fault(name: str, pose: Pose2, query: BoxPathQuery, pushes: Pushes) -> str:
+    """Why the box cannot be pushed from there, or to there, and where it could; or nothing."""
+    if _works(name, pose, query, pushes):
+        return ""
+    doing = "be pushed away from" if name == "start" else "be pushed to"
     reason = (
-        f"The box and the robot behind it do not fit at the {name} ({pose.x_m:g}, {pose.y_m:g}, "
-        f"{np.degrees(pose.yaw_rad):.0f}°) with a clearance of {query.clearance_m:g} m"
+        f"The box cannot {doing} the {name} ({pose.x_m:g}, {pose.y_m:g}, {degrees(pose.yaw_rad):.0f}°): box and robot "
+        f"do not fit there with a clearance of {query.clearance_m:g} m, whichever face is pushed"
     )
     n = round(NEAREST_REACH_M / NEAREST_STEP_M)
-    steps = NEAREST_STEP_M * np.arange(-n, n + 1)
-    around = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    around = around[np.argsort(np.hypot(*around.T), kind="stable")]
-    poses = np.column_stack([around + pose.xy(), np.full(len(around), pose.yaw_rad)])
-    for some in np.array_split(poses, 32):
-        free = footprints.free(some, required_m)
-        if free.any():
-            x_m, y_m, _ = some[int(free.argmax())].tolist()
-            return f"{reason}; they would {hypot(x_m - pose.x_m, y_m - pose.y_m):.2f} m away, at ({x_m:.2f}, {y_m:.2f})"
+    steps = (NEAREST_STEP_M * np.arange(-n, n + 1)).tolist()
+    for x_m, y_m in sorted(((x, y) for x in steps for y in steps), key=lambda offset: hypot(*offset)):
+        near = Pose2(x_m=pose.x_m + x_m, y_m=pose.y_m + y_m, yaw_rad=pose.yaw_rad)
+        if _works(name, near, query, pushes):
+            return f"{reason}; the nearest place with this heading is {hypot(x_m, y_m):.2f} m away, at " + (
+                f"({near.x_m:.2f}, {near.y_m:.2f})"
+            )
     return f"{reason}, nor within {NEAREST_REACH_M:g} m of it with this heading"
 
 
-def _shortfall(query: BoxPathQuery, field: ClearanceField, footprints: FootprintField, n_iterations: int) -> str:
+def _works(name: str, pose: Pose2, query: BoxPathQuery, pushes: Pushes) -> bool:
+    """Whether there is a side from which the box can be pushed at the pose."""
+    for index, side in enumerate(pushes.sides):
+        standing = name == "goal" or index == query.present_side
+        if side.fits(pose) if standing else side.can_begin(pose):
+            return True
+    return False
+
+
+def _shortfall(query: BoxPathQuery, field: ClearanceField, pushes: Pushes, n_iterations: int) -> str:
     """Why the goal was not reached."""
     start_m, goal_m = (query.start.x_m, query.start.y_m), (query.goal.x_m, query.goal.y_m)
-    needed_m = footprints.narrowest_m + query.clearance_m
+    needed_m = min(side.footprints.narrowest_m for side in pushes.sides) + query.clearance_m
     if field.is_separated(start_m, goal_m, needed_m):
         return f"Obstacles cut off the goal: nowhere a passage of {2 * needed_m:.2f} m, which the box needs"
-    size_m = [query.grid.n_columns * query.grid.resolution_m, query.grid.n_rows * query.grid.resolution_m]
-    if 2 * query.min_turning_radius_m > min(size_m):
-        return (
-            f"A turning circle of {2 * query.min_turning_radius_m:.2f} m does not fit into {min(size_m):.2f} m, and "
-            f"{n_iterations} iterations found no other way"
-        )
+    radius_m = min(side.min_turning_radius_m for side in query.sides)
+    size_m = min(query.grid.n_columns, query.grid.n_rows) * query.grid.resolution_m
+    narrow = f"; a turning circle of {2 * radius_m:.2f} m does not fit into a room of {size_m:.2f} m"
     return (
-        f"No way in {n_iterations} iterations: raise max_iterations, or lower min_turning_radius_m "
-        f"({query.min_turning_radius_m:g} m) or clearance_m ({query.clearance_m:g} m)"
+        f"No way in {n_iterations} iterations: raise max_iterations, or lower the clearance ({query.clearance_m:g} m) "
+        f"or the turning radius ({radius_m:g} m)" + (narrow if 2 * radius_m > size_m else "")
     )
-
-
-def _row(pose: Pose2) -> Floats:
-    return np.array([[pose.x_m, pose.y_m, pose.yaw_rad]])

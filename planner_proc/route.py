@@ -1,10 +1,9 @@
 """Search for a path with OMPL: the only module that imports it."""
 
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +61,7 @@ def search(query: TrunkPathQuery, field: ClearanceField) -> Route:
         planner.setGoalBias(query.goal_bias)
     planner.setProblemDefinition(problem)
     planner.setup()
-    budget = Budget(query.max_iterations)
+    budget = _Budget(query.max_iterations)
     status = planner.solve(ob.PlannerTerminationCondition(budget)).getStatus()
 
     # A status is true for an approximate solution as well, so it is compared by name.
@@ -72,7 +71,7 @@ def search(query: TrunkPathQuery, field: ClearanceField) -> Route:
         points = [(state[0], state[1]) for state in problem.getSolutionPath().getStates()]
     data = ob.PlannerData(information)
     planner.getPlannerData(data)
-    nodes, parents = tree_of(data, lambda state: (state[0], state[1]))
+    nodes, parents = _tree(data)
     if reached and points[-1] != goal:
         parents.append(nodes.index(points[-1]))
         nodes.append(goal)
@@ -132,7 +131,7 @@ class _GoalRegion(ob.GoalSampleableRegion):  # type: ignore[misc]
         return 1
 
 
-class Budget:
+class _Budget:
     """Ends the search after so many iterations; OMPL asks once before each."""
 
     def __init__(self, n_allowed: int) -> None:
@@ -157,7 +156,7 @@ def _space(query: TrunkPathQuery, field: ClearanceField) -> ob.RealVectorStateSp
     return space
 
 
-def tree_of(data: ob.PlannerData, place_m: Callable[[Any], Point2]) -> tuple[list[Point2], list[int]]:
+def _tree(data: ob.PlannerData) -> tuple[list[Point2], list[int]]:
     """Nodes and parents of what was grown, breadth first from the roots: parents come before their children."""
     n_nodes = data.numVertices()
     vertices = [data.getVertex(i) for i in range(n_nodes)]
@@ -182,7 +181,7 @@ def tree_of(data: ob.PlannerData, place_m: Callable[[Any], Point2]) -> tuple[lis
                 parents.append(place[node])
                 waiting.append(child)
     states = [vertices[i].getState() for i in place]
-    return [place_m(state) for state in states], parents
+    return [(state[0], state[1]) for state in states], parents
 
 
 def _thin(nodes: list[Point2], parents: list[int], n_most: int) -> tuple[list[Point2], list[int]]:

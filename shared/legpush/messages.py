@@ -74,23 +74,40 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """Radius of the goal region of Algorithm 1."""
 
 
-class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="box_path"):
-    """Ask for a path of the box, with the robot behind it: forward only, with a minimum turning radius (Dubins).
+class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A face of the box that can be pushed, and what that takes.
 
-    Poses are those of the frame that is pushed: its origin is the box's centre, its x axis the pushing direction.
+    The frame that is pushed has its origin at the box's centre and its x axis in the pushing direction.
+    """
+
+    turn_rad: float
+    """From the box's x axis to the pushing direction."""
+    min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
+    footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
+    """What moves along, box and robot, in the frame that is pushed."""
+    approach: Annotated[tuple[Footprint, ...], Meta(max_length=16)]
+    """What has to be free as well where pushing from this side begins, in the same frame."""
+
+
+class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="box_path"):
+    """Ask for a path of the box, with the robot behind it: forward only, with a minimum turning radius (Dubins), from
+    one side after another where that is shorter or the only way.
     """
 
     grid: OccupancyGrid
     """Without the box and the robot."""
     start: Pose2
+    """Of the box, like the goal."""
     goal: Pose2
-    footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
-    """What moves along, box and robot, in the frame that is pushed."""
+    sides: Annotated[tuple[PushSide, ...], Meta(min_length=1, max_length=8)]
+    present_side: Count | None
+    """Which of them the robot stands at; None where it stands elsewhere."""
+    side_change_m: Annotated[float, Meta(ge=0.0)]
+    """How much more path of the box a change of sides is worth."""
     clearance_m: Annotated[float, Meta(ge=0.0)]
-    """Least distance from any of them to anything occupied."""
-    min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
+    """Least distance from any footprint to anything occupied."""
     run_in_m: Annotated[float, Meta(ge=0.0)]
-    """The path is straight for at least so long before the goal, where that is free; else all the way is curved."""
+    """The path is straight for so long before the goal."""
     seed: Annotated[int, Meta(ge=0, lt=2**32)]
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
     """Budget of the search, as for the trunk."""
@@ -128,7 +145,10 @@ class Plan(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     within the budget. `invalid`: the request itself cannot be met; `reason` says why."""
     reason: str
     waypoints: Annotated[tuple[Pose2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
-    """The smoothed path, dense, heading along it; turns on the spot where consecutive positions coincide."""
+    """The path, dense. Of the trunk: smoothed, heading along it; turns on the spot where consecutive positions coincide.
+    Of the box: its poses."""
+    sides: Annotated[tuple[Count, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
+    """Of a path of the box: the side from which it is pushed to each waypoint, and from the first one on."""
     raw_path_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
     tree: Tree | None = None
     length_m: float = 0.0
