@@ -1,6 +1,8 @@
 """Evaluations that the studies share: each is one `legpush evaluate`, and its rows stay in `results/evaluations/`."""
 
 import csv
+import gzip
+import io
 import json
 import shutil
 import subprocess
@@ -98,11 +100,13 @@ def _estimate(name: str, estimate: Estimate, n_digits: int) -> dict[str, float]:
 
 
 def write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
-    """As CSV, with the keys of the first row as columns."""
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    """As CSV, with the keys of the first row as columns; compressed where the path ends with `.gz`."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    data = text.getvalue().encode()
+    path.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
 
 
 def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[list[float], list[list[float]]]:
