@@ -1,28 +1,69 @@
-"""The two questions to the planner: the way to where the box should be, and the way to where it is."""
+"""The questions to the planner: the way to where the box should be, to where it is, and the path of the box."""
 
 import numpy as np
 
-from agent_proc.station import nominal_obstacle, stand_off
+from agent_proc.station import nominal_obstacle, stand_off, station
+from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid, TrunkPathQuery
-from legpush.robot import FOOT_RECTANGLE_RADIUS_M
+from legpush.messages import BoxPathQuery, OccupancyGrid, PushSide, TrunkPathQuery
+from legpush.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
-from legpush.scenario import Scenario
+from legpush.scenario import Face, Scenario
 
 SLACK_M = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
 
 
-def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2) -> TrunkPathQuery:
-    """From far away: to the stand-off at the box's nominal pose, around everything that the box may cover."""
-    goal = stand_off(scenario, scenario.box.pose.pose())
+def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2, face: Face) -> TrunkPathQuery:
+    """From far away: to the stand-off behind a face of the box at its nominal pose, around everything that it may
+    cover.
+    """
+    goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(scenario.box.pose.pose(), face))
     return _query(scenario, seed, start, goal, nominal_obstacle(scenario))
 
 
-def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2) -> TrunkPathQuery:
-    """After the hand-over: to the stand-off at the pose that the box has."""
-    return _query(scenario, seed, start, stand_off(scenario, box_pose), box_footprint(scenario.box, box_pose))
+def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2, face: Face) -> TrunkPathQuery:
+    """After the hand-over: to the stand-off behind a face of the box at the pose that it has."""
+    goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(box_pose, face))
+    return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
+
+
+def query_for_box(
+    scenario: Scenario, seed: int, box_pose: Pose2, faces: tuple[Face, ...], present: Face | None
+) -> BoxPathQuery:
+    """From where the box is to its goal, pushed at some of its faces; the robot may stand at one of them already."""
+    pushing = scenario.pushing
+    return BoxPathQuery(
+        grid=occupancy_grid(scenario.room),
+        start=box_pose,
+        goal=scenario.goal.pose.pose(),
+        sides=tuple(_side(scenario, face) for face in faces),
+        present_side=faces.index(present) if present in faces else None,
+        side_change_m=pushing.face_change_m,
+        clearance_m=pushing.margin_m,
+        run_in_m=pushing.run_in_m,
+        seed=seed,
+        max_iterations=pushing.max_iterations,
+        goal_bias=pushing.goal_bias,
+        step_m=pushing.step_m,
+    )
+
+
+def _side(scenario: Scenario, face: Face) -> PushSide:
+    """What pushing a face takes: box and robot, and beforehand the place where the robot's way to it ends."""
+    box = pushed_box(scenario.box, face)
+    here = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    clear_m = 2 * clearance_m(scenario.planning)
+    return PushSide(
+        turn_rad=TURN_RAD[face],
+        min_turning_radius_m=scenario.pushing.min_turning_radius_m,
+        footprints=(
+            box_footprint(box, here),
+            Footprint(pose=station(box, here), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M),
+        ),
+        approach=(Footprint(pose=stand_off(scenario, box, here), length_m=clear_m, width_m=clear_m),),
+    )
 
 
 def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> TrunkPathQuery:

@@ -26,7 +26,7 @@ def at_station(trunk: Pose2, box: Box, box_pose: Pose2) -> bool:
     return distance_m(trunk, place) <= AT_STATION_M and abs(wrap_angle(trunk.yaw_rad - place.yaw_rad)) <= AT_STATION_RAD
 
 
-def stand_off(scenario: Scenario, box_pose: Pose2) -> Pose2:
+def stand_off(scenario: Scenario, box: Box, box_pose: Pose2) -> Pose2:
     """The trunk's pose behind the box where a planned path ends.
 
     `STAND_OFF_M` behind it, or more where that is needed to keep the planner's clearance from every cell that
@@ -34,12 +34,12 @@ def stand_off(scenario: Scenario, box_pose: Pose2) -> Pose2:
     """
     cells_m = 2 * scenario.room.resolution_m
     needed_m = clearance_m(scenario.planning) + box_reach_m(scenario.box, scenario.randomization) + cells_m
-    return behind_box(scenario.box, box_pose, max(STAND_OFF_M, needed_m))
+    return behind_box(box, box_pose, max(STAND_OFF_M, needed_m))
 
 
-def last_stretch(scenario: Scenario, box_pose: Pose2) -> tuple[Pose2, ...]:
+def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, ...]:
     """Waypoints straight ahead from the stand-off, not included, to the station, heading like the box."""
-    begin, end = stand_off(scenario, box_pose), station(scenario.box, box_pose)
+    begin, end = stand_off(scenario, box, box_pose), station(box, box_pose)
     n_steps = ceil(distance_m(begin, end) / LAST_STRETCH_STEP_M)
     return tuple(
         Pose2(

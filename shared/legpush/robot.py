@@ -24,6 +24,9 @@ FOOT_RECTANGLE_LENGTH_M: Final = 0.5963
 FOOT_RECTANGLE_WIDTH_M: Final = 0.3346
 """Nominal stance: the four feet at the corners of this rectangle about the trunk's ground projection."""
 FOOT_RECTANGLE_RADIUS_M: Final = hypot(FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M) / 2
+BODY_LENGTH_M: Final = 0.76
+BODY_WIDTH_M: Final = 0.44
+"""The floor that trunk and stance cover, about the trunk's ground projection."""
 PUSH_GAP_M: Final = 0.12
 """From the front feet to the rear face of the box when the robot stands ready to push."""
 

@@ -118,6 +118,28 @@ class Mission(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     max_push_cycles: Annotated[int, Meta(ge=1, le=10_000)] = 200
 
 
+class Pushing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the box is pushed along a path."""
+
+    composition: Literal["closed_loop", "open_loop"] = "closed_loop"
+    """Whether each push depends on where the box has come to, or all are chosen before the first one."""
+    faces: Annotated[tuple[Face, ...], Meta(min_length=1, max_length=4)] = ("rear", "right", "front", "left")
+    """Those that may be pushed."""
+    min_turning_radius_m: Positive = 0.7
+    """Of the planned path; the box itself can turn more tightly, which leaves room to correct."""
+    margin_m: NonNegative = 0.05
+    """Clearance of box and robot to everything else."""
+    run_in_m: NonNegative = 0.4
+    """The path is straight for so long before the goal."""
+    face_change_m: NonNegative = 0.5
+    """How much more pushing a walk around the box is worth."""
+    max_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 3000
+    """Budget of the search for a path."""
+    goal_bias: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1
+    step_m: Positive = 1.0
+    """Longest edge of the tree."""
+
+
 class Randomization(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Half-widths of the uniform offsets that the seed draws for each episode."""
 
@@ -140,4 +162,5 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     description: str = ""
     planning: Planning = Planning()
     mission: Mission = Mission()
+    pushing: Pushing = Pushing()
     randomization: Randomization = Randomization()
