@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import degrees, radians
 from typing import Final, Literal, Protocol
 
+import numpy as np
 from msgspec.structs import replace
 
 from agent_proc.box_path import BoxPath
@@ -21,7 +22,7 @@ from agent_proc.push_estimate import PushEstimate
 from agent_proc.routes import query_for_box, query_to_measured_box, query_to_nominal_box
 from agent_proc.station import at_station, last_stretch
 from legpush.errors import PeerError
-from legpush.faces import PUSHABLE, pushed_box, pushed_pose
+from legpush.faces import FACES, PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Reset, Walk, WorldState
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
@@ -37,6 +38,9 @@ LEAST_TURN_RAD: Final = radians(0.5)
 """The same for its heading."""
 MAX_STAGES: Final = 20
 """Paths of the box that are begun at most."""
+BACK_OFF_M: Final = 0.2
+BACK_OFF_STEP_M: Final = 0.05
+"""How far the robot steps back from a face before it walks to another one, and the waypoints on that way."""
 MAX_BOX_TILT_RAD: Final = radians(15.0)
 """A box that leans farther is tipping over, or has."""
 
@@ -100,7 +104,8 @@ class _Mission:
         self._policy = policy
         self._handover_distance_m: float | None = None
         self._n_push_cycles = 0
-        self._estimate = PushEstimate()
+        self._estimates = {face: PushEstimate(pushed_box(scenario.box, face)) for face in FACES}
+        """What pushes at each face do."""
 
     def run(self) -> MissionResult:
         """The step order of Fig. 5."""
@@ -170,6 +175,14 @@ class _Mission:
             self._walk_behind(face, plan)
         return stages
 
+    def _back_off(self) -> None:
+        """From the box, straight back, so far that the robot can turn."""
+        if self._standing_at() is None:
+            return
+        ways_m = np.linspace(0.0, BACK_OFF_M, round(BACK_OFF_M / BACK_OFF_STEP_M) + 1).tolist()
+        here = self._trunk()
+        self._walk("backing off", tuple(here @ Pose2(x_m=-way_m, y_m=0.0, yaw_rad=0.0) for way_m in ways_m))
+
     def _way_to_push(
         self, box: Pose2, query: Callable[[Face], PlanQuery], what: str
     ) -> tuple[list[BoxPath], Plan | None]:
@@ -182,6 +195,7 @@ class _Mission:
             first = stages[0].face
             if self._at_station(first):
                 return stages, None
+            self._back_off()
             plan = self._ask(query(first), what)
             if plan.status == "exact":
                 return stages, plan
@@ -192,7 +206,8 @@ class _Mission:
     def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[BoxPath]:
         """The planned path of the box; with the least clearance where it has come closer to something than planned."""
         present = self._standing_at()
-        query = query_for_box(self._scenario, self._seed, box, faces, present)
+        radii_m = {face: self._estimates[face].turning_radius_m for face in faces}
+        query = query_for_box(self._scenario, self._seed, box, radii_m, present)
         plan = self._ask(query, "the path of the box")
         if plan.status == "invalid" and self._n_push_cycles and query.clearance_m > 0.0:
             plan = self._ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
@@ -227,7 +242,8 @@ class _Mission:
         """Push along a stage of the path until it ends or the box has left it."""
         max_cycles = self._scenario.mission.max_push_cycles
         first_error_m = self._box_error().position_m
-        follower = Follower(path, self._policy, self._scenario, self._estimate)
+        estimate = self._estimates[path.face]
+        follower = Follower(path, self._policy, self._scenario, estimate)
         boxes = deque([self._box()], STILL_CYCLES + 1)
         while True:
             error = self._box_error()
@@ -244,7 +260,7 @@ class _Mission:
             self._n_push_cycles += 1
             before = pushed_pose(self._box(), path.face)
             self._step(decision.push)
-            self._estimate.learn(before, decision.push, pushed_pose(self._box(), path.face))
+            estimate.learn(before, decision.push, pushed_pose(self._box(), path.face))
             boxes.append(self._box())
             if len(boxes) > STILL_CYCLES and _moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
                 self._require_goal("stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}")

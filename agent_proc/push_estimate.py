@@ -8,12 +8,14 @@ from agent_proc.push_model import Floats, PushModel
 from agent_proc.scripted import MIRROR
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Push
+from legpush.scenario import Box
 
 PRIOR_M: Final = 0.05
 PRIOR_RAD: Final = 0.1
 """The model counts as much as pushes that move and turn the box by so much, as root of their sum of squares."""
 FORGETTING: Final = 0.9
 """What a past push counts after each further one."""
+USUAL_DEPTH_M: Final = 0.05
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
 
@@ -21,9 +23,14 @@ MOST_SCALE: Final = 3.0
 class PushEstimate:
     """Scales of travel and turn by least squares over the pushes that were seen, with the model as prior."""
 
-    def __init__(self, model: PushModel | None = None) -> None:
-        """Begin with the measured model unless another is given."""
+    def __init__(self, box: Box, model: PushModel | None = None) -> None:
+        """Begin with the measured model unless another is given; `box` is as it is pushed.
+
+        A box that rests on its corners is turned by a push in proportion to the push's arm over the square of the
+        corners' distance from its centre.
+        """
         self._model = PushModel() if model is None else model
+        self._turn_prior = _turn_per_travel(box) / _turn_per_travel(self._model.box)
         self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
         """Sums of measured times predicted, and of predicted squared."""
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
@@ -41,7 +48,13 @@ class PushEstimate:
     @property
     def turn_scale(self) -> float:
         """Turn of the box over that of the model."""
-        return float(np.clip(self._turn[0] / self._turn[1], LEAST_SCALE, MOST_SCALE))
+        return self._turn_prior * float(np.clip(self._turn[0] / self._turn[1], LEAST_SCALE, MOST_SCALE))
+
+    @property
+    def turning_radius_m(self) -> float:
+        """Of the circle that the box is pushed along by one foot, push after push."""
+        ((forward_m, _, turn_rad),) = self.push(np.zeros((1, 3)), np.array([-1.0]), np.array([USUAL_DEPTH_M])).tolist()
+        return float(forward_m / turn_rad)
 
     def push(self, poses: Floats, mirror: Floats, depth_m: Floats) -> Floats:
         """Poses after one push each, (n, 3), as `PushModel.push`."""
@@ -60,7 +73,8 @@ class PushEstimate:
         if (push.w1, push.w2) != self.curve:
             return
         row = np.zeros((1, 3))
-        ((x_m, _, yaw_rad),) = self._model.push(row, np.array([MIRROR[push.leg]]), np.array([push.depth_m])).tolist()
+        mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
+        ((x_m, _, yaw_rad),) = self._model.push(row, mirror, depth_m, turn_scale=self._turn_prior).tolist()
         moved = before.inverse() @ after
         for sums, prior, measured, predicted in (
             (self._travel, PRIOR_M, moved.x_m, x_m),
@@ -68,3 +82,9 @@ class PushEstimate:
         ):
             sums -= (1.0 - FORGETTING) * (sums - prior**2)
             sums += np.array([measured * predicted, predicted * predicted])
+
+
+def _turn_per_travel(box: Box) -> float:
+    """Of a box that is pushed at the usual share of its width, but for a factor, 1/m."""
+    length_m, width_m, _ = box.size_m
+    return width_m / (length_m**2 + width_m**2)

@@ -1,11 +1,17 @@
 """What one push cycle does to the box, as measured: the knowledge of the scripted policy."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from legpush.scenario import Box, PoseDeg
+
 Floats = NDArray[np.float64]
+
+NOMINAL: Final = Box(pose=PoseDeg(x_m=0.0, y_m=0.0, yaw_deg=0.0))
+"""The default box."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +22,8 @@ class PushModel:
     at friction 0.5.
     """
 
+    box: Box = NOMINAL
+    """That was pushed."""
     w1: float = 0.5
     w2: float = 0.5
     """The curve that the rows were measured with."""

@@ -1,5 +1,8 @@
 """The questions to the planner: the way to where the box should be, to where it is, and the path of the box."""
 
+from collections.abc import Mapping
+from math import radians
+
 import numpy as np
 
 from agent_proc.station import nominal_obstacle, stand_off, station
@@ -11,6 +14,8 @@ from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
 from legpush.scenario import Face, Scenario
 
+TOLERANCE_SHARE = 0.3
+"""Of the goal's tolerances: what a planned path of the box may leave."""
 SLACK_M = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
 
@@ -30,19 +35,24 @@ def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose:
 
 
 def query_for_box(
-    scenario: Scenario, seed: int, box_pose: Pose2, faces: tuple[Face, ...], present: Face | None
+    scenario: Scenario, seed: int, box_pose: Pose2, turning_radii_m: Mapping[Face, float], present: Face | None
 ) -> BoxPathQuery:
-    """From where the box is to its goal, pushed at some of its faces; the robot may stand at one of them already."""
+    """From where the box is to its goal, pushed at the faces that have a turning radius, those that one foot alone
+    turns the box at; the robot may stand at one of them already.
+    """
+    faces = tuple(turning_radii_m)
     pushing = scenario.pushing
     return BoxPathQuery(
         grid=occupancy_grid(scenario.room),
         start=box_pose,
         goal=scenario.goal.pose.pose(),
-        sides=tuple(_side(scenario, face) for face in faces),
+        sides=tuple(_side(scenario, face, radius_m) for face, radius_m in turning_radii_m.items()),
         present_side=faces.index(present) if present in faces else None,
         side_change_m=pushing.face_change_m,
         clearance_m=pushing.margin_m,
         run_in_m=pushing.run_in_m,
+        position_tolerance_m=TOLERANCE_SHARE * scenario.goal.position_tolerance_m,
+        angle_tolerance_rad=TOLERANCE_SHARE * radians(scenario.goal.angle_tolerance_deg),
         seed=seed,
         max_iterations=pushing.max_iterations,
         goal_bias=pushing.goal_bias,
@@ -50,14 +60,14 @@ def query_for_box(
     )
 
 
-def _side(scenario: Scenario, face: Face) -> PushSide:
+def _side(scenario: Scenario, face: Face, turning_radius_m: float) -> PushSide:
     """What pushing a face takes: box and robot, and beforehand the place where the robot's way to it ends."""
     box = pushed_box(scenario.box, face)
     here = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
     clear_m = 2 * clearance_m(scenario.planning)
     return PushSide(
         turn_rad=TURN_RAD[face],
-        min_turning_radius_m=scenario.pushing.min_turning_radius_m,
+        min_turning_radius_m=scenario.pushing.turning_reserve * turning_radius_m,
         footprints=(
             box_footprint(box, here),
             Footprint(pose=station(box, here), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M),

@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, sin
+from math import cos, hypot, sin
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import BoxPathQuery, PushSide
 from planner_proc.dubins import SAMPLE_M, Dubins
 from planner_proc.footprint_field import FootprintField
@@ -17,7 +17,7 @@ from planner_proc.occupancy import ClearanceField
 
 Floats = NDArray[np.float64]
 
-LEAST_STAGE_M: Final = 0.02
+LEAST_STAGE_M: Final = 0.005
 """What is pushed less far than this from a side is not worth to change for."""
 
 
@@ -68,7 +68,8 @@ class Side:
 
     def box(self, pushed: Floats) -> Floats:
         """Poses of the box at poses of the frame that is pushed, (n, 3)."""
-        return pushed - np.array([0.0, 0.0, self.turn_rad])
+        placed: Floats = pushed - np.array([0.0, 0.0, self.turn_rad])
+        return placed
 
     def seems_free(self, stage: Stage, extra_m: float) -> bool:
         """Whether box and robot about fit all along."""
@@ -88,6 +89,7 @@ class Pushes:
 
     def __init__(self, query: BoxPathQuery, field: ClearanceField) -> None:
         self.sides = [Side(side, query, field) for side in query.sides]
+        self._query = query
         self._change_m = query.side_change_m
         self._run_in_m = query.run_in_m
         self.extra_m = 0.0
@@ -127,7 +129,20 @@ class Pushes:
             straight = self.stage(index, a, goal)
             if straight.length_m <= self._run_in_m:
                 yield (straight,)
+            near = self._near_goal(side, a, goal)
+            if near is not None:
+                yield (self.stage(index, a, near),)
         yield from self.doubles(a, goal)
+
+    def _near_goal(self, side: Side, a: Pose2, goal: Pose2) -> Pose2 | None:
+        """Where a straight push ends that passes the goal within its tolerances."""
+        yaw_rad = a.yaw_rad + side.turn_rad
+        end = side.ahead(a, (goal.x_m - a.x_m) * cos(yaw_rad) + (goal.y_m - a.y_m) * sin(yaw_rad))
+        query = self._query
+        ahead = (end.x_m - a.x_m) * cos(yaw_rad) + (end.y_m - a.y_m) * sin(yaw_rad) > 0.0
+        near = hypot(end.x_m - goal.x_m, end.y_m - goal.y_m) <= query.position_tolerance_m
+        aligned = abs(wrap_angle(a.yaw_rad - goal.yaw_rad)) <= query.angle_tolerance_rad
+        return end if ahead and near and aligned else None
 
     def doubles(self, a: Pose2, b: Pose2) -> Iterator[Way]:
         """Straight from one side, as far as it has to go in that direction, and the rest from another side."""

@@ -108,6 +108,9 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Least distance from any footprint to anything occupied."""
     run_in_m: Annotated[float, Meta(ge=0.0)]
     """The path is straight for so long before the goal."""
+    position_tolerance_m: Annotated[float, Meta(ge=0.0)]
+    angle_tolerance_rad: Annotated[float, Meta(ge=0.0)]
+    """How far from the goal pose the path may end, where that saves a way around."""
     seed: Annotated[int, Meta(ge=0, lt=2**32)]
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
     """Budget of the search, as for the trunk."""

@@ -125,8 +125,9 @@ class Pushing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Whether each push depends on where the box has come to, or all are chosen before the first one."""
     faces: Annotated[tuple[Face, ...], Meta(min_length=1, max_length=4)] = ("rear", "right", "front", "left")
     """Those that may be pushed."""
-    min_turning_radius_m: Positive = 0.7
-    """Of the planned path; the box itself can turn more tightly, which leaves room to correct."""
+    turning_reserve: Annotated[float, Meta(ge=1.0)] = 1.4
+    """Least turning radius of a planned path over the one that the box turns at when one foot alone pushes it: what is
+    more than 1 leaves room to correct."""
     margin_m: NonNegative = 0.05
     """Clearance of box and robot to everything else."""
     run_in_m: NonNegative = 0.4
