@@ -1,5 +1,6 @@
 """A stage of the box's path, pushed at one face: where on it a pose is, and how straight it is there."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from math import cos, hypot, radians, sin
@@ -33,17 +34,23 @@ class Deviation:
 
 
 class BoxPath:
-    """Poses of the frame that is pushed, from one end of a stage to the other."""
+    """One end of a stage to the other.
 
-    def __init__(self, face: Face, poses: tuple[Pose2, ...]) -> None:
+    The path is that of the axle, a point behind the box's centre that does not slip sideways; poses that come in and go
+    out are those of the centre, heading in the pushing direction.
+    """
+
+    def __init__(self, face: Face, poses: tuple[Pose2, ...], axle_m: float) -> None:
         """`poses` are those of the box, at least two, as the planner gave them."""
         self.face = face
-        pushed = [pushed_pose(pose, face) for pose in poses]
+        self._axle_m = axle_m
+        behind = Pose2(x_m=-axle_m, y_m=0.0, yaw_rad=0.0)
+        pushed = [pushed_pose(pose, face) @ behind for pose in poses]
         kept = [pushed[0]]
         for pose in pushed[1:]:
             if hypot(pose.x_m - kept[-1].x_m, pose.y_m - kept[-1].y_m) > SAME_PLACE_M:
                 kept.append(pose)
-        self.end = pushed[-1]
+        self.end = pushed_pose(poses[-1], face)
         self._xy = np.array([pose.xy() for pose in kept])
         self._yaw = np.unwrap([pose.yaw_rad for pose in kept])
         steps = np.hypot(*np.diff(self._xy, axis=0).T)
@@ -63,7 +70,7 @@ class BoxPath:
         within_m = min(max(at_m, 0.0), self.length_m)
         x_m, y_m = (float(np.interp(within_m, self._at_m, self._xy[:, axis])) for axis in (0, 1))
         yaw_rad = float(np.interp(within_m, self._at_m, self._yaw))
-        beyond_m = max(0.0, at_m - self.length_m)
+        beyond_m = max(0.0, at_m - self.length_m) + self._axle_m
         return Pose2(x_m=x_m + beyond_m * cos(yaw_rad), y_m=y_m + beyond_m * sin(yaw_rad), yaw_rad=yaw_rad)
 
     def straight_until_m(self, at_m: float) -> float:
@@ -77,9 +84,11 @@ class BoxPath:
         high = max(int(np.searchsorted(self._at_m, to_m, side="left")) + 1, low + 2)
         low = min(max(low, 0), len(self._at_m) - 2)
         points, at = self._xy[low:high], self._at_m[low:high]
+        heading = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
+        axles = poses[:, :2] - self._axle_m * heading
         steps = np.diff(points, axis=0)
         lengths = np.diff(at)
-        offset = poses[:, None, :2] - points[None, :-1]
+        offset = axles[:, None] - points[None, :-1]
         share = np.clip((offset * steps).sum(axis=-1) / lengths**2, 0.0, 1.0)
         apart = np.hypot(*np.moveaxis(offset - share[..., None] * steps, -1, 0))
         nearest = apart.argmin(axis=1)
@@ -87,10 +96,9 @@ class BoxPath:
         along = at[nearest] + share[rows, nearest] * lengths[nearest]
         yaw = np.interp(along, self._at_m, self._yaw)
         x, y = np.interp(along, self._at_m, self._xy[:, 0]), np.interp(along, self._at_m, self._xy[:, 1])
-        left = np.cos(yaw) * (poses[:, 1] - y) - np.sin(yaw) * (poses[:, 0] - x)
+        left = np.cos(yaw) * (axles[:, 1] - y) - np.sin(yaw) * (axles[:, 0] - x)
         turn = poses[:, 2] - yaw
-        heading = np.arctan2(np.sin(turn), np.cos(turn))
-        return along, left, heading
+        return along, left, np.arctan2(np.sin(turn), np.cos(turn))
 
     def deviation(self, pose: Pose2, from_m: float, to_m: float) -> Deviation:
         """Of one pose of the frame that is pushed."""
@@ -98,10 +106,11 @@ class BoxPath:
         return Deviation(distance_m=float(along[0]), left_m=float(left[0]), heading_rad=float(heading[0]))
 
 
-def stages(plan: Plan, faces: tuple[Face, ...]) -> list[BoxPath]:
-    """A planned path of the box, face by face."""
-    found = []
+def stages(plan: Plan, axles_m: Mapping[Face, float]) -> list[BoxPath]:
+    """A planned path of the box, face by face; the faces in the order of the query's sides, each with its axle."""
+    found, faces = [], tuple(axles_m)
     numbered = list(zip(plan.sides, plan.waypoints, strict=True))
     for side, run in groupby(numbered, key=lambda item: item[0]):
-        found.append(BoxPath(faces[side], tuple(pose for _, pose in run)))
+        face = faces[side]
+        found.append(BoxPath(face, tuple(pose for _, pose in run), axles_m[face]))
     return found

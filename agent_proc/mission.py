@@ -206,14 +206,14 @@ class _Mission:
     def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[BoxPath]:
         """The planned path of the box; with the least clearance where it has come closer to something than planned."""
         present = self._standing_at()
-        radii_m = {face: self._estimates[face].turning_radius_m for face in faces}
-        query = query_for_box(self._scenario, self._seed, box, radii_m, present)
+        estimates = {face: self._estimates[face] for face in faces}
+        query = query_for_box(self._scenario, self._seed, box, estimates, present)
         plan = self._ask(query, "the path of the box")
         if plan.status == "invalid" and self._n_push_cycles and query.clearance_m > 0.0:
             plan = self._ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
         if plan.status != "exact":
             raise _EndedError("no_path", f"the path of the box: the planner's answer is {plan.status}: {plan.reason}")
-        return path_stages(plan, faces)
+        return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})
 
     def _faces(self) -> tuple[Face, ...]:
         """Those that can be pushed and may be."""

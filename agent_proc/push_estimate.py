@@ -16,6 +16,7 @@ PRIOR_RAD: Final = 0.1
 FORGETTING: Final = 0.9
 """What a past push counts after each further one."""
 USUAL_DEPTH_M: Final = 0.05
+MOST_AXLE_M: Final = 0.3
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
 
@@ -55,6 +56,15 @@ class PushEstimate:
         """Of the circle that the box is pushed along by one foot, push after push."""
         ((forward_m, _, turn_rad),) = self.push(np.zeros((1, 3)), np.array([-1.0]), np.array([USUAL_DEPTH_M])).tolist()
         return float(forward_m / turn_rad)
+
+    @property
+    def axle_m(self) -> float:
+        """How far behind its centre the box does not slip sideways when one foot turns it, (its turn moves that point
+        along the pushing direction only).
+        """
+        row = self.push(np.zeros((1, 3)), np.array([-1.0]), np.array([USUAL_DEPTH_M]))
+        ((_, left_m, turn_rad),) = row.tolist()
+        return float(np.clip(left_m / turn_rad, 0.0, MOST_AXLE_M))
 
     def push(self, poses: Floats, mirror: Floats, depth_m: Floats) -> Floats:
         """Poses after one push each, (n, 3), as `PushModel.push`."""

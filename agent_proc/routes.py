@@ -5,6 +5,7 @@ from math import radians
 
 import numpy as np
 
+from agent_proc.push_estimate import PushEstimate
 from agent_proc.station import nominal_obstacle, stand_off, station
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
@@ -35,18 +36,18 @@ def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose:
 
 
 def query_for_box(
-    scenario: Scenario, seed: int, box_pose: Pose2, turning_radii_m: Mapping[Face, float], present: Face | None
+    scenario: Scenario, seed: int, box_pose: Pose2, estimates: Mapping[Face, PushEstimate], present: Face | None
 ) -> BoxPathQuery:
-    """From where the box is to its goal, pushed at the faces that have a turning radius, those that one foot alone
-    turns the box at; the robot may stand at one of them already.
+    """From where the box is to its goal, pushed at the faces that there are estimates for; the robot may stand at one of
+    them already.
     """
-    faces = tuple(turning_radii_m)
+    faces = tuple(estimates)
     pushing = scenario.pushing
     return BoxPathQuery(
         grid=occupancy_grid(scenario.room),
         start=box_pose,
         goal=scenario.goal.pose.pose(),
-        sides=tuple(_side(scenario, face, radius_m) for face, radius_m in turning_radii_m.items()),
+        sides=tuple(_side(scenario, face, estimate) for face, estimate in estimates.items()),
         present_side=faces.index(present) if present in faces else None,
         side_change_m=pushing.face_change_m,
         clearance_m=pushing.margin_m,
@@ -60,14 +61,14 @@ def query_for_box(
     )
 
 
-def _side(scenario: Scenario, face: Face, turning_radius_m: float) -> PushSide:
+def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:
     """What pushing a face takes: box and robot, and beforehand the place where the robot's way to it ends."""
     box = pushed_box(scenario.box, face)
-    here = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    here = Pose2(x_m=estimate.axle_m, y_m=0.0, yaw_rad=0.0)
     clear_m = 2 * clearance_m(scenario.planning)
     return PushSide(
-        turn_rad=TURN_RAD[face],
-        min_turning_radius_m=scenario.pushing.turning_reserve * turning_radius_m,
+        frame=Pose2(x_m=0.0, y_m=0.0, yaw_rad=TURN_RAD[face]) @ Pose2(x_m=-estimate.axle_m, y_m=0.0, yaw_rad=0.0),
+        min_turning_radius_m=scenario.pushing.turning_reserve * estimate.turning_radius_m,
         footprints=(
             box_footprint(box, here),
             Footprint(pose=station(box, here), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M),

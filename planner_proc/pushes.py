@@ -38,8 +38,9 @@ class Side:
     """A face that can be pushed, in a room."""
 
     def __init__(self, side: PushSide, query: BoxPathQuery, field: ClearanceField) -> None:
-        self._turn = Pose2(x_m=0.0, y_m=0.0, yaw_rad=side.turn_rad)
-        self.turn_rad = side.turn_rad
+        self._frame = side.frame
+        self._box_from_frame = side.frame.inverse()
+        self.turn_rad = side.frame.yaw_rad
         self._dubins = Dubins(side.min_turning_radius_m)
         self.footprints = FootprintField(query.grid, side.footprints, field)
         self._standing = FootprintField(query.grid, (*side.footprints, *side.approach), field)
@@ -49,11 +50,11 @@ class Side:
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
         """Of the push from one pose of the box to another."""
-        return self._dubins.length_m(a @ self._turn, b @ self._turn)
+        return self._dubins.length_m(a @ self._frame, b @ self._frame)
 
     def along(self, a: Pose2, b: Pose2, distance_m: float) -> Pose2:
         """Pose of the box after so much of that push."""
-        return self._dubins.along(a @ self._turn, b @ self._turn, distance_m) @ self._turn.inverse()
+        return self._dubins.along(a @ self._frame, b @ self._frame, distance_m) @ self._box_from_frame
 
     def ahead(self, pose: Pose2, distance_m: float) -> Pose2:
         """The box pushed straight by so much; back, where that is negative."""
@@ -64,11 +65,13 @@ class Side:
 
     def pushed(self, stage: Stage) -> Floats:
         """Poses of the frame that is pushed, all along, (n, 3)."""
-        return self._dubins.poses(stage.begin @ self._turn, stage.end @ self._turn)
+        return self._dubins.poses(stage.begin @ self._frame, stage.end @ self._frame)
 
     def box(self, pushed: Floats) -> Floats:
         """Poses of the box at poses of the frame that is pushed, (n, 3)."""
-        placed: Floats = pushed - np.array([0.0, 0.0, self.turn_rad])
+        c, s = np.cos(pushed[:, 2]), np.sin(pushed[:, 2])
+        x_m, y_m, turn_rad = self._box_from_frame.x_m, self._box_from_frame.y_m, self._box_from_frame.yaw_rad
+        placed: Floats = pushed + np.stack([c * x_m - s * y_m, s * x_m + c * y_m, np.full_like(c, turn_rad)], axis=1)
         return placed
 
     def seems_free(self, stage: Stage, extra_m: float) -> bool:
@@ -77,11 +80,11 @@ class Side:
 
     def can_begin(self, pose: Pose2) -> bool:
         """Whether the robot can come to stand behind a box at the pose."""
-        return bool(self._standing.free(_row(pose @ self._turn), self.required_m)[0])
+        return bool(self._standing.free(_row(pose @ self._frame), self.required_m)[0])
 
     def fits(self, pose: Pose2) -> bool:
         """Whether box and robot fit with the box at the pose."""
-        return bool(self.footprints.free(_row(pose @ self._turn), self.required_m)[0])
+        return bool(self.footprints.free(_row(pose @ self._frame), self.required_m)[0])
 
 
 class Pushes:

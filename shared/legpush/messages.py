@@ -77,11 +77,12 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A face of the box that can be pushed, and what that takes.
 
-    The frame that is pushed has its origin at the box's centre and its x axis in the pushing direction.
+    The frame that is pushed has its x axis in the pushing direction, and its origin where the box does not slip
+    sideways when it turns, as between the rear wheels of a car.
     """
 
-    turn_rad: float
-    """From the box's x axis to the pushing direction."""
+    frame: Pose2
+    """The frame that is pushed, in the frame of the box."""
     min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
     footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
     """What moves along, box and robot, in the frame that is pushed."""
