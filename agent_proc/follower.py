@@ -29,7 +29,7 @@ LINE_AHEAD_M: Final = 0.6
 LEAST_LINE_M: Final = 0.12
 """A straight stretch that ends in an arc is pushed like the arc when no more than this is left of it."""
 HORIZON: Final = 4
-FIRST_DEPTHS_M: Final = (0.02, 0.05, 0.08)
+FIRST_DEPTHS_M: Final = (0.05, 0.08)
 LATER_DEPTH_M: Final = 0.05
 LEFT_M: Final = 0.02
 HEADING_RAD: Final = radians(4.0)
