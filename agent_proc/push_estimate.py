@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.push_model import Floats, PushModel
+from agent_proc.push_model import Floats, PushModel, nearest_model
 from agent_proc.scripted import MIRROR
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Push
@@ -16,7 +16,7 @@ PRIOR_RAD: Final = 0.1
 FORGETTING: Final = 0.9
 """What a past push counts after each further one."""
 USUAL_DEPTH_M: Final = 0.05
-MOST_AXLE_M: Final = 0.3
+MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
 
@@ -30,7 +30,7 @@ class PushEstimate:
         A box that rests on its corners is turned by a push in proportion to the push's arm over the square of the
         corners' distance from its centre.
         """
-        self._model = PushModel() if model is None else model
+        self._model = nearest_model(box) if model is None else model
         self._turn_prior = _turn_per_travel(box) / _turn_per_travel(self._model.box)
         self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
         """Sums of measured times predicted, and of predicted squared."""

@@ -57,3 +57,19 @@ class PushModel:
         """The depth that moves the box by `forward_m`, at most the deepest that was measured, (n,)."""
         depth: Floats = np.interp(forward_m, self.forward_m, self.depth_m)
         return depth
+
+
+ON_ITS_SIDE: Final = PushModel(
+    box=Box(pose=NOMINAL.pose, size_m=(0.5, 0.4, 0.4)),
+    forward_m=(0.0, 0.0022, 0.0066, 0.0158, 0.0248, 0.0423, 0.0685, 0.0846, 0.1016),
+    left_m=(0.0, -0.0004, -0.0019, -0.0049, -0.008, -0.0143, -0.0248, -0.0289, -0.0353),
+    turn_deg=(0.0, -0.14, -0.37, -0.78, -1.26, -2.36, -3.93, -5.63, -6.7),
+)
+"""Of the default box, pushed at its left or right face."""
+
+
+def nearest_model(box: Box) -> PushModel:
+    """The measured model of the box whose width is most nearly the same share of its length; `box` is as it is pushed."""
+    slenderness = np.log(box.size_m[1] / box.size_m[0])
+    models = (PushModel(), ON_ITS_SIDE)
+    return min(models, key=lambda model: abs(np.log(model.box.size_m[1] / model.box.size_m[0]) - slenderness))

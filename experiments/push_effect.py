@@ -1,8 +1,9 @@
-"""`python experiments/push_effect.py`: what one push cycle does to the box, by depth, curve, mass and friction.
+"""`python experiments/push_effect.py`: what one push cycle does to the box, by depth, curve, size, mass and friction.
 
 One simulator in this process, on the `push` scenario. Each row of `results/push_effect.csv` is over the same series of
 left and right pushes from three drawn starts; right pushes are mirrored. The rows at 0.1 kg, friction 0.5 and
-w1 = w2 = 0.5 are what the scripted policy's `PushModel` holds.
+w1 = w2 = 0.5 are what `PushModel` holds: those of the default box as it is pushed at its rear or front face, 0.4 m long
+and 0.5 m wide, and as it is pushed at its left or right one.
 """
 
 import csv
@@ -11,20 +12,30 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from msgspec.structs import replace
 from rich.progress import track
 
 from agent_proc.poses import planar_pose
+from agent_proc.station import station
 from legpush.messages import Push, Reset
 from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario, override
+from legpush.scenario_file import load_scenario
 from sim_proc.simulator import Simulator
 
 TABLE: Final = Path(__file__).parent / "results" / "push_effect.csv"
 DEPTHS_M: Final = (0.005, 0.01, 0.02, 0.03, 0.05, 0.08, 0.10, 0.12)
 CURVES: Final = ((0.5, 0.5), (0.2, 0.2), (0.8, 0.8))
-BOXES: Final = ((0.1, 0.5), (0.1, 0.3), (0.1, 0.8), (0.9, 0.5))
-"""Mass in kg and friction coefficient."""
+BOXES: Final = (
+    (0.4, 0.5, 0.1, 0.5),
+    (0.4, 0.5, 0.1, 0.3),
+    (0.4, 0.5, 0.1, 0.8),
+    (0.4, 0.5, 0.9, 0.5),
+    (0.5, 0.4, 0.1, 0.5),
+    (0.5, 0.4, 0.1, 0.3),
+    (0.5, 0.4, 0.1, 0.8),
+)
+"""Length and width in m, mass in kg and friction coefficient."""
 SEEDS: Final = (1000, 1001, 1002)
 SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
 """0 is a push with FL, 1 with FR."""
@@ -42,13 +53,15 @@ def main() -> None:
     print(TABLE.read_text(), end="")
 
 
-def measure(box: tuple[float, float], curve: tuple[float, float], depth_m: float) -> dict[str, Any]:
+def measure(box: tuple[float, float, float, float], curve: tuple[float, float], depth_m: float) -> dict[str, Any]:
     """One row: means and standard deviations over the series."""
-    mass_kg, friction = box
-    scenario = override(load_scenario("push"), {"box.mass_kg": mass_kg, "box.friction": friction})
+    length_m, width_m, mass_kg, friction = box
+    scenario = _scenario(length_m, width_m, mass_kg, friction)
     samples = np.array([sample for seed in SEEDS for sample in push_series(scenario, seed, curve, depth_m)])
     mean, spread = samples.mean(axis=0), samples.std(axis=0, ddof=1)
     return {
+        "length_m": length_m,
+        "width_m": width_m,
         "mass_kg": mass_kg,
         "friction": friction,
         "w1": curve[0],
@@ -65,6 +78,15 @@ def measure(box: tuple[float, float], curve: tuple[float, float], depth_m: float
         "least_margin_m": round(samples[:, 4].min(), 4),
         "longest_s": round(samples[:, 5].max(), 2),
     }
+
+
+def _scenario(length_m: float, width_m: float, mass_kg: float, friction: float) -> Scenario:
+    """A robot at the station of the box."""
+    scenario = load_scenario("push")
+    size_m = (length_m, width_m, scenario.box.size_m[2])
+    box = replace(scenario.box, size_m=size_m, mass_kg=mass_kg, friction=friction)
+    place = station(box, box.pose.pose())
+    return replace(scenario, box=box, start=replace(scenario.start, x_m=place.x_m, y_m=place.y_m))
 
 
 def push_series(
