@@ -1,8 +1,8 @@
 """Pushing the box along a path: straight stretches by a policy, arcs by what the push model says, one rule for both.
 
-After each push the box is measured. Where the path ahead is straight, the policy decides, for a target on that line: the
-end of the stage where the line leads there, else a point `LINE_AHEAD_M` ahead on it. On an arc, and just before one, the
-next `HORIZON` pushes are predicted for every choice of legs, and the first push of the best choice is taken.
+After each push the box is measured. Where the path ahead is straight, the policy decides, for a target on that line:
+the end of the stage where the line leads there, else a point `LINE_AHEAD_M` ahead on it. On an arc, and just before
+one, the next `HORIZON` pushes are predicted for every choice of legs, and the first push of the best choice is taken.
 """
 
 from dataclasses import dataclass

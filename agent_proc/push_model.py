@@ -69,7 +69,7 @@ ON_ITS_SIDE: Final = PushModel(
 
 
 def nearest_model(box: Box) -> PushModel:
-    """The measured model of the box whose width is most nearly the same share of its length; `box` is as it is pushed."""
+    """The measured model of the box that is most nearly as slender; `box` is as it is pushed."""
     slenderness = np.log(box.size_m[1] / box.size_m[0])
     models = (PushModel(), ON_ITS_SIDE)
     return min(models, key=lambda model: abs(np.log(model.box.size_m[1] / model.box.size_m[0]) - slenderness))

@@ -38,8 +38,8 @@ def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose:
 def query_for_box(
     scenario: Scenario, seed: int, box_pose: Pose2, estimates: Mapping[Face, PushEstimate], present: Face | None
 ) -> BoxPathQuery:
-    """From where the box is to its goal, pushed at the faces that there are estimates for; the robot may stand at one of
-    them already.
+    """From where the box is to its goal, pushed at the faces that there are estimates for; the robot may stand at one
+    of them already.
     """
     faces = tuple(estimates)
     pushing = scenario.pushing

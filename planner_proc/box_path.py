@@ -1,4 +1,4 @@
-"""From a query for a path of the box to a plan: check it, search, judge, measure. Pure: equal queries get equal plans."""
+"""From a query for a path of the box to a plan: check it, search, judge. Pure: equal queries get equal plans."""
 
 from itertools import pairwise
 from math import degrees, hypot

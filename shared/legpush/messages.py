@@ -149,8 +149,8 @@ class Plan(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     within the budget. `invalid`: the request itself cannot be met; `reason` says why."""
     reason: str
     waypoints: Annotated[tuple[Pose2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
-    """The path, dense. Of the trunk: smoothed, heading along it; turns on the spot where consecutive positions coincide.
-    Of the box: its poses."""
+    """The path, dense. Of the trunk: smoothed, heading along it; turns on the spot where consecutive positions
+    coincide. Of the box: its poses."""
     sides: Annotated[tuple[Count, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
     """Of a path of the box: the side from which it is pushed to each waypoint, and from the first one on."""
     raw_path_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()

@@ -9,13 +9,15 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from agent_proc.push_model import PushModel
+from agent_proc.push_model import nearest_model
 from agent_proc.scripted import MIRROR
 from agent_proc.station import station
 from legpush import codec
 from legpush.episode import PlanRecord, StepRecord
+from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages import (
+    BoxPathQuery,
     BoxState,
     Follow,
     Imu,
@@ -27,6 +29,7 @@ from legpush.messages import (
     Push,
     Reset,
     Trace,
+    TrunkPathQuery,
     TrunkState,
     Walk,
     WorldState,
@@ -94,12 +97,13 @@ def make_state(
 
 
 def straight_plan(query: PlanQuery) -> Plan:
-    """The straight line from start to goal, turning evenly on the way."""
+    """The straight line from start to goal, turning evenly on the way; the box at its first face."""
     points = np.linspace(query.start.xy(), query.goal.xy(), 50)
     turn = query.goal.yaw_rad - query.start.yaw_rad
     yaws = query.start.yaw_rad + (turn - 2 * pi * round(turn / (2 * pi))) * np.linspace(0.0, 1.0, 50)
     poses = (Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw)) for (x, y), yaw in zip(points, yaws, strict=True))
-    return Plan(status="exact", reason="", waypoints=tuple(poses))
+    sides = (0,) * 50 if isinstance(query, BoxPathQuery) else ()
+    return Plan(status="exact", reason="", waypoints=tuple(poses), sides=sides)
 
 
 @dataclass
@@ -150,9 +154,13 @@ class FakeWorld:
         """All motions of one kind."""
         return [r.motion for r in self.records if isinstance(r, StepRecord) and isinstance(r.motion, kind)]
 
-    def queries(self) -> list[PlanQuery]:
-        """All plan queries."""
-        return [r.query for r in self.records if isinstance(r, PlanRecord)]
+    def queries(self) -> list[TrunkPathQuery]:
+        """All queries for a path of the trunk."""
+        return [r.query for r in self.records if isinstance(r, PlanRecord) and isinstance(r.query, TrunkPathQuery)]
+
+    def box_queries(self) -> list[BoxPathQuery]:
+        """All queries for a path of the box."""
+        return [r.query for r in self.records if isinstance(r, PlanRecord) and isinstance(r.query, BoxPathQuery)]
 
     def _move(self, motion: Motion) -> int:
         """Change the state; returns the ticks that it took."""
@@ -176,17 +184,20 @@ class FakeWorld:
                 return WALK_TICKS
             case Push():
                 self._box = self._pushed(motion)
-                self._trunk = station(self._scenario.box, self._box)
+                box, pose = pushed_box(self._scenario.box, motion.face), pushed_pose(self._box, motion.face)
+                self._trunk = station(box, pose)
                 self._path = None
                 return PUSH_TICKS
 
     def _pushed(self, push: Push) -> Pose2:
-        box = np.array([[self._box.x_m, self._box.y_m, self._box.yaw_rad]])
+        before = pushed_pose(self._box, push.face)
+        box = np.array([[before.x_m, before.y_m, before.yaw_rad]])
         mirror, depth = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
         scale = self.push_scale
         factor, slip = (1.0, 0.0) if self.noise is None else self.noise.normal([1.0, 0.0], [0.1, radians(0.2)])
-        x, y, yaw = PushModel().push(box, mirror, depth, scale * factor, scale * factor)[0]
-        return Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw) + slip)
+        model = nearest_model(pushed_box(self._scenario.box, push.face))
+        x, y, yaw = model.push(box, mirror, depth, scale * factor, scale * factor)[0]
+        return Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw) + slip - TURN_RAD[push.face])
 
     def _progress(self) -> PathProgress | None:
         return None if self._path is None else self._path.progress()

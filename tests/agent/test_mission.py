@@ -69,9 +69,9 @@ def test_the_second_plan_starts_where_the_robot_is_and_leads_behind_the_measured
     nominal, measured = world.queries()
     box = Pose2(x_m=6.05, y_m=3.05, yaw_rad=radians(5.0))
     assert nominal.start == Pose2(x_m=1.5, y_m=3.0, yaw_rad=0.0)
-    assert nominal.goal == stand_off(scenario, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0))
+    assert nominal.goal == stand_off(scenario, scenario.box, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0))
     assert measured.start.x_m > 2.0
-    assert measured.goal.x_m == pytest.approx(stand_off(scenario, box).x_m)
+    assert measured.goal.x_m == pytest.approx(stand_off(scenario, scenario.box, box).x_m)
     assert measured.goal.yaw_rad == pytest.approx(box.yaw_rad)
     approach = world.motions(Follow)[1]
     assert isinstance(approach, Follow)
@@ -97,7 +97,7 @@ def test_a_wide_margin_moves_the_stand_off_back_from_the_box() -> None:
     wide = replace(scenario, planning=replace(scenario.planning, margin_m=0.5))
     box = scenario.box.pose.pose()
 
-    assert stand_off(wide, box).x_m < stand_off(scenario, box).x_m
+    assert stand_off(wide, scenario.box, box).x_m < stand_off(scenario, scenario.box, box).x_m
 
 
 def test_a_robot_that_came_close_to_a_wall_keeps_the_clearance_that_it_has() -> None:

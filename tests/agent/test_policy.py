@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent_proc.push_model import PushModel
+from agent_proc.push_model import ON_ITS_SIDE, PushModel
 from agent_proc.scripted import MIRROR, ScriptedPolicy
 from legpush.geometry import Pose2
 from legpush.scenario import Goal, PoseDeg, Scenario
@@ -181,12 +181,14 @@ def test_the_depth_for_a_travel_is_the_inverse_of_the_model() -> None:
     np.testing.assert_allclose(MODEL.depth_for(travel), depth)
 
 
-def test_the_push_model_holds_what_was_measured() -> None:
+@pytest.mark.parametrize("model", [PushModel(), ON_ITS_SIDE])
+def test_a_push_model_holds_what_was_measured(model: PushModel) -> None:
     table = Path(__file__).parents[2] / "experiments" / "results" / "push_effect.csv"
     with table.open(newline="") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
-    model = PushModel()
-    curve = {"mass_kg": 0.1, "friction": 0.5, "w1": model.w1, "w2": model.w2}
+    length_m, width_m, _ = model.box.size_m
+    box = {"length_m": length_m, "width_m": width_m, "mass_kg": 0.1, "friction": 0.5}
+    curve = {**box, "w1": model.w1, "w2": model.w2}
     measured = [row for row in rows if curve.items() <= row.items()]
     assert len(measured) == 8
     for name in ("depth_m", "forward_m", "left_m", "turn_deg"):

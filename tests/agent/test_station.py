@@ -34,9 +34,9 @@ def test_at_the_station_the_front_feet_are_the_gap_behind_the_box(box: Pose2) ->
 def test_the_last_stretch_leads_straight_from_the_stand_off_to_the_station(box: Pose2) -> None:
     scenario = make_scenario()
 
-    seen = [box.inverse() @ pose for pose in last_stretch(scenario, box)]
+    seen = [box.inverse() @ pose for pose in last_stretch(scenario, scenario.box, box)]
 
-    begin, end = box.inverse() @ stand_off(scenario, box), box.inverse() @ station(scenario.box, box)
+    begin, end = box.inverse() @ stand_off(scenario, scenario.box, box), box.inverse() @ station(scenario.box, box)
     ahead = [begin.x_m, *(pose.x_m for pose in seen)]
     assert ahead[-1] == pytest.approx(end.x_m)
     assert all(0.0 < step <= 0.05 + 1e-9 for step in np.diff(ahead))
@@ -46,7 +46,7 @@ def test_the_last_stretch_leads_straight_from_the_stand_off_to_the_station(box: 
 def test_the_stand_off_clears_the_box_wherever_the_seed_puts_it() -> None:
     offsets = Randomization(box_xy_m=0.3, box_yaw_deg=20.0)
     scenario = make_scenario(randomization=offsets)
-    place = stand_off(scenario, scenario.box.pose.pose())
+    place = stand_off(scenario, scenario.box, scenario.box.pose.pose())
 
     assert distance_to_point_m(nominal_obstacle(scenario), place.xy()) > FOOT_RECTANGLE_RADIUS_M + 0.1
 
@@ -102,7 +102,7 @@ def test_a_robot_closer_than_its_footprint_asks_for_no_less_than_that() -> None:
     wall = Rectangle(x_min_m=0.0, x_max_m=12.0, y_min_m=0.0, y_max_m=2.8)
     scenario = make_scenario(room=Room(size_m=(12.0, 6.0), obstacles=(wall,)))
 
-    query = query_to_measured_box(scenario, 3, scenario.start.pose(), scenario.box.pose.pose())
+    query = query_to_measured_box(scenario, 3, scenario.start.pose(), scenario.box.pose.pose(), "rear")
 
     assert query.clearance_m == FOOT_RECTANGLE_RADIUS_M
     assert (query.seed, query.planner) == (3, "rrt_connect")
