@@ -14,6 +14,7 @@ import tyro
 from legpush.errors import ConfigError, LegpushError
 from legpush.launch.learning import EvaluateOptions, TrainOptions, start_program
 from legpush.launch.options import RunOptions
+from legpush.random_room import RandomRoom
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -44,14 +45,25 @@ class CopyScenario:
     """The new file."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class RandomScenario(RandomRoom):
+    """Draw a room with obstacles, start, box and goal from a seed, and write it to a new file."""
+
+    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    """The new file."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Equal seeds give equal rooms."""
+
+
 @dataclass(frozen=True)
 class Scenarios:
-    """List, show or copy scenarios."""
+    """List, show, copy or draw scenarios."""
 
     action: (
         Annotated[ListScenarios, tyro.conf.subcommand("list")]
         | Annotated[ShowScenario, tyro.conf.subcommand("show")]
         | Annotated[CopyScenario, tyro.conf.subcommand("copy")]
+        | Annotated[RandomScenario, tyro.conf.subcommand("random")]
     )
 
 
@@ -139,6 +151,15 @@ def _copy_scenario(command: CopyScenario) -> int:
 
     for path in copy_scenario(command.name, command.file):
         sys.stdout.write(f"wrote {path}\n")
+    return 0
+
+
+@execute.register
+def _random_scenario(command: RandomScenario) -> int:
+    from legpush.random_scenario import random_scenario
+    from legpush.scenario_file import write_scenario
+
+    sys.stdout.write(f"wrote {write_scenario(random_scenario(command, command.seed), command.file)}\n")
     return 0
 
 

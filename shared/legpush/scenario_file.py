@@ -95,12 +95,22 @@ def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
     if grid_file is not None:
         copies[target.parent / grid_file] = (_folder(source) / grid_file).read_bytes()
     for path, content in copies.items():
-        try:
-            with path.open("xb") as file:
-                file.write(content)
-        except OSError as error:
-            raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
+        _write_new(path, content)
     return tuple(copies)
+
+
+def write_scenario(scenario: Scenario, target: Path) -> Path:
+    """Write every field to a new file; `ScenarioError` where it exists or cannot be written."""
+    _write_new(target, dump_scenario(scenario).encode())
+    return target
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    try:
+        with path.open("xb") as file:
+            file.write(content)
+    except OSError as error:
+        raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
 
 
 def _read_toml(source: Traversable) -> dict[str, Any]:

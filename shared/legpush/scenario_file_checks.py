@@ -3,11 +3,13 @@
 What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed.
 """
 
+from collections.abc import Callable, Sequence
 from math import hypot, radians, sin
 
 import numpy as np
 
 from legpush.errors import ScenarioError
+from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages import MAX_CELLS
 from legpush.robot import FOOT_RADIUS_M, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_RADIUS_M, FOOT_RECTANGLE_WIDTH_M
@@ -21,7 +23,7 @@ from legpush.room_shapes import (
     distance_to_point_m,
     obstacle_footprint,
 )
-from legpush.scenario import STAND_OFF_M, STATION_M, Room, Scenario
+from legpush.scenario import STAND_OFF_M, STATION_M, Face, Room, Scenario
 
 
 def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
@@ -61,17 +63,49 @@ def _check(scenario: Scenario) -> None:
         _because(0.0, foot_reach + box_reach),
     )
 
+    faces = tuple(face for face in scenario.pushing.faces if face in PUSHABLE[box.shape])
+    if not faces:
+        valid = ", ".join(PUSHABLE[box.shape])
+        raise ScenarioError(
+            f"at `pushing.faces`: expected a face that a {box.shape} can be pushed at ({valid}), "
+            f"got {', '.join(scenario.pushing.faces)}"
+        )
+    _check_any(faces, lambda face: _check_place_to_begin(scenario, face))
+    _check_any(faces, lambda face: _check_place_to_end(scenario, face))
+
+
+def _check_any(faces: Sequence[Face], check: Callable[[Face], None]) -> None:
+    """One of the faces passes; else the error is that of the first one."""
+    errors: list[ScenarioError] = []
+    for face in faces:
+        try:
+            return check(face)
+        except ScenarioError as error:
+            errors.append(error)
+    raise errors[0] if len(errors) == 1 else ScenarioError(f"{errors[0]}; nor is there space at another face")
+
+
+def _check_place_to_begin(scenario: Scenario, face: Face) -> None:
+    """The robot can come to stand behind a face of the box."""
+    offsets = scenario.randomization
+    box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.box.pose.pose(), face)
     for back_m, what in (
         (STAND_OFF_M, "the robot's place where walking ends"),
         (STATION_M, "the robot's place to push"),
     ):
-        behind = behind_box(box, box_pose, back_m)
+        behind = behind_box(box, pose, back_m)
         swing = _turn_reach(box.size_m[0] / 2 + back_m, offsets.box_yaw_deg) + hypot(offsets.box_xy_m, offsets.box_xy_m)
-        _check_circle(room, behind, clear, swing, "box.pose", f"{what}, {back_m:.2f} m behind the box,")
-    behind = behind_box(box, goal_pose, STATION_M)
-    _check_circle(
-        room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", "the robot's place behind the box at its goal"
-    )
+        clear = clearance_m(scenario.planning)
+        where = f"{what}, {back_m:.2f} m behind the {face} face,"
+        _check_circle(scenario.room, behind, clear, swing, "box.pose", where)
+
+
+def _check_place_to_end(scenario: Scenario, face: Face) -> None:
+    """The robot can stand behind a face of the box at its goal."""
+    box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.goal.pose.pose(), face)
+    behind = behind_box(box, pose, STATION_M)
+    what = f"the robot's place behind the {face} face of the box at its goal"
+    _check_circle(scenario.room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", what)
 
 
 def _check_room(room: Room) -> None:
