@@ -28,6 +28,11 @@ LINE_AHEAD_M: Final = 0.6
 """How far ahead on a straight stretch the policy's target is, unless that is where the stage ends."""
 LEAST_LINE_M: Final = 0.12
 """A straight stretch that ends in an arc is pushed like the arc when no more than this is left of it."""
+LAST_LINE_M: Final = 0.5
+LAST_LEFT_M: Final = 0.05
+LAST_TURN_RAD: Final = radians(5.0)
+"""So near to the end of a stage, and to the line through it, the policy decides even where the path curves: what it
+learned to correct."""
 HORIZON: Final = 4
 FIRST_DEPTHS_M: Final = (0.05, 0.08)
 LATER_DEPTH_M: Final = 0.05
@@ -96,7 +101,7 @@ class Follower:
 
     def _next(self, seen: WorldState, pose: Pose2) -> Push | None:
         line_ends_m = self._path.straight_until_m(self._at_m)
-        if line_ends_m >= self._path.length_m:
+        if line_ends_m >= self._path.length_m or self._on_last_line(pose):
             return self._policy.decide(seen, pushed_scenario(self._scenario, self._path.face, self._path.end))
         if line_ends_m - self._at_m > LEAST_LINE_M:
             here = self._path.pose(self._at_m)
@@ -105,6 +110,12 @@ class Follower:
         if self._at_m > self._path.length_m - ENOUGH_M:
             return None
         return self._on_arc(pose)
+
+    def _on_last_line(self, pose: Pose2) -> bool:
+        """Whether the end of the stage is near, and nearly ahead."""
+        left = self._path.end.inverse() @ pose
+        near = self._path.length_m - self._at_m <= LAST_LINE_M and left.x_m < 0.0
+        return near and abs(left.y_m) <= LAST_LEFT_M and abs(left.yaw_rad) <= LAST_TURN_RAD
 
     def _on_arc(self, pose: Pose2) -> Push:
         """The first push of the sequence that is predicted to stay nearest to the path."""

@@ -5,14 +5,29 @@ from typing import Final
 
 from agent_proc.poses import distance_m
 from legpush.geometry import Pose2, wrap_angle
+from legpush.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m
-from legpush.room_shapes import Footprint, behind_box, box_footprint
+from legpush.room_shapes import (
+    Footprint,
+    behind_box,
+    box_footprint,
+    distance_to_border_m,
+    distance_to_point_m,
+    obstacle_footprint,
+)
+from legpush.room_shapes import distance_m as footprint_distance_m
 from legpush.scenario import STAND_OFF_M, STATION_M, Box, Randomization, Scenario
 
 AT_STATION_M: Final = 0.15
 AT_STATION_RAD: Final = radians(15.0)
 """How far from the station the robot may stand to push from there; each push cycle ends at the station again."""
 LAST_STRETCH_STEP_M: Final = 0.05
+BACK_STEP_M: Final = 0.05
+LEAST_BACK_M: Final = 0.2
+MOST_BACK_M: Final = 1.2
+"""How far the robot steps back from a face before it walks to another one."""
+CELLS: Final = 1.5
+"""An occupied cell may reach so many cells beyond what occupies it."""
 
 
 def station(box: Box, box_pose: Pose2) -> Pose2:
@@ -49,6 +64,30 @@ def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, 
         )
         for k in range(1, n_steps + 1)
     )
+
+
+def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, ...]:
+    """Waypoints straight back from the box, to where the robot has space to turn around, or as far as it can."""
+    solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
+    way = [trunk]
+    while len(way) * BACK_STEP_M <= MOST_BACK_M:
+        back = trunk @ Pose2(x_m=-BACK_STEP_M * len(way), y_m=0.0, yaw_rad=0.0)
+        body = Footprint(pose=back, length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        if distance_to_border_m(body.corners(), scenario.room) <= 0.0 or any(
+            footprint_distance_m(body, other) <= 0.0 for other in solid
+        ):
+            break
+        way.append(back)
+        space_m = min(
+            distance_to_border_m(back.xy()[None], scenario.room),
+            *(distance_to_point_m(other, back.xy()) for other in solid),
+        )
+        if (
+            len(way) * BACK_STEP_M > LEAST_BACK_M
+            and space_m >= FOOT_RECTANGLE_RADIUS_M + CELLS * scenario.room.resolution_m
+        ):
+            break
+    return tuple(way)
 
 
 def box_reach_m(box: Box, offsets: Randomization) -> float:
