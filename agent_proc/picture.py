@@ -16,10 +16,10 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
 from agent_proc.mission import MissionResult
-from agent_proc.poses import planar_pose
+from agent_proc.poses import distance_m, planar_pose
 from agent_proc.record import Floats, MissionRecord, Step
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Push, Walk
+from legpush.messages import BoxPathQuery, Follow, Plan, Push, TrunkPathQuery, Walk
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
 from legpush.room_shapes import Footprint, box_footprint, obstacle_footprint
 
@@ -83,15 +83,8 @@ def _headline(record: MissionRecord, result: MissionResult) -> str:
 def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None:
     """The room with everything that happened in it."""
     _draw_room(axes, record)
-    for index, planned in enumerate(record.plans):
-        tree = planned.plan.tree
-        if tree is not None and tree.points_m:
-            points = np.array(tree.points_m)
-            edges = np.stack([points, points[list(tree.parents)]], axis=1)
-            label = "search tree" if index == 0 else None
-            axes.add_collection(LineCollection(list(edges), colors=TREE, linewidths=0.5, label=label, zorder=2))
-        raw = np.array(planned.plan.raw_path_m).reshape(-1, 2)
-        axes.plot(*raw.T, color=RAW, lw=0.9, ls=(0, (4, 2)), label="raw path" if index == 0 else None, zorder=3)
+    _draw_trunk_plans(axes, [each.plan for each in record.plans if isinstance(each.query, TrunkPathQuery)])
+    _draw_box_plans(axes, [each.plan for each in record.plans if isinstance(each.query, BoxPathQuery)])
     follows = [step for step in record.steps if isinstance(step.motion, Follow)]
     for index, step in enumerate(follows):
         label = "smoothed path" if index == 0 else None
@@ -101,13 +94,38 @@ def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None
     _draw_robot(axes, planar_pose(record.steps[0].world.trunk), label="robot at start and end")
     _draw_robot(axes, planar_pose(record.steps[-1].world.trunk))
     if result.handover_distance_m is not None and len(follows) > 1:
-        here = planar_pose(record.steps[record.steps.index(follows[-1])].world.trunk)
+        here = planar_pose(min(follows, key=lambda step: _off_handover_m(step, result)).world.trunk)
         label = f"hand-over, {result.handover_distance_m:.2f} m from the box"
         axes.plot(here.x_m, here.y_m, "o", ms=5.5, mfc="white", mec=INK, mew=1.2, ls="", label=label, zorder=7)
     _draw_box(axes, record)
     low, high = _extent(record)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]", ylabel="y [m]", aspect="equal")
     axes.set_anchor("N")
+
+
+def _draw_trunk_plans(axes: Axes, plans: list[Plan]) -> None:
+    for index, plan in enumerate(plans):
+        if plan.tree is not None and plan.tree.points_m:
+            points = np.array(plan.tree.points_m)
+            edges = np.stack([points, points[list(plan.tree.parents)]], axis=1)
+            label = "search tree" if index == 0 else None
+            axes.add_collection(LineCollection(list(edges), colors=TREE, linewidths=0.5, label=label, zorder=2))
+        raw = np.array(plan.raw_path_m).reshape(-1, 2)
+        axes.plot(*raw.T, color=RAW, lw=0.9, ls=(0, (4, 2)), label="raw path" if index == 0 else None, zorder=3)
+
+
+def _draw_box_plans(axes: Axes, plans: list[Plan]) -> None:
+    """The first path of the box, and more lightly those that were planned on the way."""
+    for index, plan in enumerate(plans):
+        path = np.array([[pose.x_m, pose.y_m] for pose in plan.waypoints]).reshape(-1, 2)
+        label = "planned path of the box" if index == 0 else None
+        alpha = 1.0 if index == 0 else 0.4
+        axes.plot(*path.T, color=GOAL, lw=1.6, ls=(0, (1, 1)), alpha=alpha, label=label, zorder=6)
+
+
+def _off_handover_m(step: Step, result: MissionResult) -> float:
+    apart_m = distance_m(planar_pose(step.world.trunk), planar_pose(step.world.box))
+    return abs(apart_m - (result.handover_distance_m or 0.0))
 
 
 def _draw_zoom(axes: Axes, record: MissionRecord) -> None:

@@ -5,7 +5,8 @@ from math import cos, hypot, pi, radians, sin
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.mission import STILL_CYCLES, MissionResult, run_mission
+from agent_proc.actor import STILL_CYCLES
+from agent_proc.mission import MissionResult, run_mission
 from agent_proc.poses import box_error, planar_pose
 from agent_proc.routes import distance_to_occupied_m
 from agent_proc.scripted import ScriptedPolicy

@@ -1,0 +1,162 @@
+"""What a mission does in its world: walk, approach a face of the box, ask the planner, and know where everything is."""
+
+from collections import deque
+from math import degrees, radians
+from typing import Final, Literal, Protocol
+
+from agent_proc.poses import BoxError, box_error, box_tilt_rad, distance_m, planar_pose
+from agent_proc.routes import query_to_measured_box
+from agent_proc.station import at_station, last_stretch, way_back
+from legpush.errors import PeerError
+from legpush.faces import PUSHABLE, pushed_box, pushed_pose
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Walk, WorldState
+from legpush.robot import FOOT_RECTANGLE_RADIUS_M
+from legpush.scenario import Face, Scenario
+
+STILL_CYCLES: Final = 5
+"""The robot is stuck when this many cycles in a row change too little."""
+LEAST_WALK_M: Final = 0.02
+"""That is: the trunk, or its place on the path, moved less than this in all of them."""
+MAX_BOX_TILT_RAD: Final = radians(15.0)
+"""A box that leans farther is tipping over, or has."""
+
+Reason = Literal[
+    "success", "fell", "box_tipped", "no_path", "stuck", "missed_station", "max_push_cycles", "tolerance_missed"
+]
+
+
+class World(Protocol):
+    """All that the mission can do and learn."""
+
+    def step(self, motion: Motion) -> Outcome:
+        """Carry out one motion."""
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """Ask the planner."""
+
+    def tell(self, phase: str, fraction: float | None, detail: str) -> None:
+        """Let people know what goes on."""
+
+
+class MissionEndedError(Exception):
+    """The mission is over, for this reason."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(detail)
+        self.reason: Reason = reason
+
+
+class Actor:
+    """A robot with its box; `state` is the last one that the world was in."""
+
+    state: WorldState
+
+    def __init__(self, world: World, scenario: Scenario, seed: int) -> None:
+        self.world = world
+        self.scenario = scenario
+        self.seed = seed
+
+    def walk(self, phase: str, waypoints: tuple[Pose2, ...], until_m: float = 0.0) -> None:
+        """Gait cycle by gait cycle to the end of the path, or until the box is nearer than `until_m`."""
+        self.step(Follow(waypoints=waypoints))
+        past: deque[tuple[Pose2, float]] = deque(maxlen=STILL_CYCLES + 1)
+        while True:
+            path = self.state.path
+            if path is None:
+                raise PeerError(f"Expected `path` in the state of the world at tick {self.state.tick}, got none")
+            share = min(path.travelled_m / path.length_m, 1.0) if path.length_m > 0.0 else 1.0
+            self.world.tell(phase, share, f"{path.travelled_m:.1f} of {path.length_m:.1f} m")
+            if path.done or self.box_distance_m() <= until_m:
+                return
+            past.append((self.trunk(), path.travelled_m))
+            (then, then_m), (now, now_m) = past[0], past[-1]
+            if len(past) > STILL_CYCLES and min(moved_m(then, now), now_m - then_m) < LEAST_WALK_M:
+                raise MissionEndedError(
+                    "stuck", f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it"
+                )
+            self.step(Walk())
+
+    def query_behind(self, face: Face) -> PlanQuery:
+        """For the way from here to the stand-off behind a face of the box where it is."""
+        return query_to_measured_box(self.scenario, self.seed, self.trunk(), self.box(), face)
+
+    def walk_behind(self, face: Face, plan: Plan) -> None:
+        """Along the path to the stand-off, and on to the station."""
+        box, pose = pushed_box(self.scenario.box, face), pushed_pose(self.box(), face)
+        self.walk("approaching", plan.waypoints + last_stretch(self.scenario, box, pose))
+        if not self.at_station(face):
+            raise MissionEndedError(
+                "missed_station", f"the approach ended {self.box_distance_m():.2f} m from the box, not at the station"
+            )
+
+    def approach(self, face: Face) -> None:
+        """Walk to the stand-off behind a face of the measured box, and straight on to the station."""
+        plan = self.ask(self.query_behind(face), "the way behind the box")
+        if plan.status != "exact":
+            raise MissionEndedError(
+                "no_path", f"the way behind the box: the planner's answer is {plan.status}: {plan.reason}"
+            )
+        self.walk_behind(face, plan)
+
+    def back_off(self) -> None:
+        """From the box, straight back, so far that the robot can turn."""
+        if self.standing_at() is None:
+            return
+        self.walk("backing off", way_back(self.scenario, self.trunk(), self.box()))
+
+    def ask(self, query: PlanQuery, what: str) -> Plan:
+        """The planner's answer, whatever it is."""
+        self.world.tell("planning", None, what)
+        return self.world.plan(query)
+
+    def step(self, motion: Motion) -> None:
+        """Move; a fall, of robot or box, ends the mission."""
+        self.state = self.world.step(motion).world
+        if self.state.fallen:
+            raise MissionEndedError(
+                "fell", f"the robot fell during {type(motion).__name__.lower()}, tick {self.state.tick}"
+            )
+        if (tilt_rad := box_tilt_rad(self.state)) > MAX_BOX_TILT_RAD:
+            raise MissionEndedError(
+                "box_tipped", f"the box leans by {degrees(tilt_rad):.0f}° at tick {self.state.tick}"
+            )
+
+    def require_goal(self, reason: Reason, detail: str) -> None:
+        """End the mission unless the box is where it should be."""
+        if not self.box_error().within(self.scenario.goal):
+            raise MissionEndedError(reason, detail)
+
+    def faces(self) -> tuple[Face, ...]:
+        """Those that can be pushed and may be."""
+        return tuple(face for face in self.scenario.pushing.faces if face in PUSHABLE[self.scenario.box.shape])
+
+    def trunk(self) -> Pose2:
+        """Where the robot is."""
+        return planar_pose(self.state.trunk)
+
+    def box(self) -> Pose2:
+        """Where the box is."""
+        return planar_pose(self.state.box)
+
+    def box_distance_m(self) -> float:
+        """From the trunk to the box."""
+        return distance_m(self.trunk(), self.box())
+
+    def box_error(self) -> BoxError:
+        """How far the box is from its goal."""
+        return box_error(self.state, self.scenario)
+
+    def at_station(self, face: Face) -> bool:
+        """Whether a face of the box can be pushed from where the robot stands."""
+        box = self.scenario.box
+        return at_station(self.trunk(), pushed_box(box, face), pushed_pose(self.box(), face))
+
+    def standing_at(self) -> Face | None:
+        """The face that the robot can push as it stands."""
+        return next((face for face in self.faces() if self.at_station(face)), None)
+
+
+def moved_m(a: Pose2, b: Pose2) -> float:
+    """Between two poses, turning counted by the arc of the foot rectangle's corners."""
+    return distance_m(a, b) + abs(wrap_angle(b.yaw_rad - a.yaw_rad)) * FOOT_RECTANGLE_RADIUS_M

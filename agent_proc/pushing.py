@@ -1,0 +1,160 @@
+"""Pushing the box to its goal: stage after stage along a planned path, each followed push by push."""
+
+from collections import deque
+from collections.abc import Callable
+from math import radians
+from typing import Final
+
+from msgspec.structs import replace
+
+from agent_proc.actor import STILL_CYCLES, Actor, MissionEndedError, moved_m
+from agent_proc.box_path import BoxPath
+from agent_proc.box_path import stages as path_stages
+from agent_proc.follower import Ending, Follower
+from agent_proc.policy import Policy
+from agent_proc.poses import BoxError
+from agent_proc.push_estimate import PushEstimate
+from agent_proc.routes import query_for_box
+from legpush.faces import FACES, pushed_box, pushed_pose
+from legpush.geometry import Pose2
+from legpush.messages import Plan, PlanQuery
+from legpush.scenario import Face, Goal
+
+LEAST_PUSH_M: Final = 0.005
+"""The box is stuck when `STILL_CYCLES` pushes in a row move it less than this."""
+LEAST_TURN_RAD: Final = radians(0.5)
+"""The same for its heading."""
+MAX_STAGES: Final = 20
+"""Paths of the box that are begun at most."""
+AIM_M: Final = 0.02
+AIM_DEG: Final = 2.0
+MAX_BETTER: Final = 2
+"""A box that is within its tolerances, but not within these, is pushed on so many times at most."""
+
+
+class Pushing:
+    """The pushes of a mission."""
+
+    def __init__(self, actor: Actor, policy: Policy) -> None:
+        self._actor = actor
+        self._policy = policy
+        self._estimates = {face: PushEstimate(pushed_box(actor.scenario.box, face)) for face in FACES}
+        """What pushes at each face do."""
+        self.n_cycles = 0
+        """Pushes up to now."""
+
+    def run(self) -> None:
+        """Push stage after stage along the path of the box; after each stage, and off the path, plan anew.
+
+        A box within the tolerances is pushed on, a few times at most, until it is within `AIM` as well.
+        """
+        n_good = 0
+        for _ in range(MAX_STAGES):
+            before = self._actor.box_error()
+            n_good += before.within(self._actor.scenario.goal)
+            if before.within(self._aim()) or n_good > MAX_BETTER:
+                return None
+            stages = self._come_to_push()
+            if self._actor.scenario.pushing.composition == "open_loop":
+                return self._push_blindly(stages)
+            ending = self._follow(stages[0])
+            error = self._actor.box_error()
+            if ending == "done" and len(stages) == 1 and not n_good and not _is_better(error, before):
+                return self._actor.require_goal("tolerance_missed", f"pushing ended at box error {error}")
+        return self._actor.require_goal(
+            "tolerance_missed", f"box error {self._actor.box_error()} after {MAX_STAGES} paths"
+        )
+
+    def _push_blindly(self, stages: list[BoxPath]) -> None:
+        """All stages as they were planned, whatever comes of it."""
+        for path in stages:
+            if not self._actor.at_station(path.face):
+                self._actor.approach(path.face)
+            self._follow(path)
+        self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
+
+    def _come_to_push(self) -> list[BoxPath]:
+        """Plan the path of the box and walk to the face where it begins."""
+        stages, plan = self.way_to_push(self._actor.box(), self._actor.query_behind, "the way behind the box")
+        face = stages[0].face
+        if plan is not None:
+            self._actor.walk_behind(face, plan)
+        return stages
+
+    def way_to_push(
+        self, box: Pose2, query: Callable[[Face], PlanQuery], what: str
+    ) -> tuple[list[BoxPath], Plan | None]:
+        """The path of a box, and the robot's way to its first face if it does not stand there: of those paths whose
+        first face can be reached, the planner's favourite.
+        """
+        faces = self._actor.faces()
+        while True:
+            stages = self._box_stages(box, faces)
+            first = stages[0].face
+            if self._actor.at_station(first):
+                return stages, None
+            self._actor.back_off()
+            plan = self._actor.ask(query(first), what)
+            if plan.status == "exact":
+                return stages, plan
+            faces = tuple(face for face in faces if face != first)
+            if not faces:
+                raise MissionEndedError("no_path", f"{what}: the planner's answer is {plan.status}: {plan.reason}")
+
+    def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[BoxPath]:
+        """The planned path of the box; with the least clearance where it has come closer to something than planned."""
+        present = self._actor.standing_at()
+        estimates = {face: self._estimates[face] for face in faces}
+        query = query_for_box(self._actor.scenario, self._actor.seed, box, estimates, present)
+        plan = self._actor.ask(query, "the path of the box")
+        if plan.status == "invalid" and self.n_cycles and query.clearance_m > 0.0:
+            plan = self._actor.ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
+        if plan.status != "exact":
+            raise MissionEndedError(
+                "no_path", f"the path of the box: the planner's answer is {plan.status}: {plan.reason}"
+            )
+        return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})
+
+    def _aim(self) -> Goal:
+        """The goal with tolerances no wider than the aim."""
+        goal = self._actor.scenario.goal
+        return replace(
+            goal,
+            position_tolerance_m=min(goal.position_tolerance_m, AIM_M),
+            angle_tolerance_deg=min(goal.angle_tolerance_deg, AIM_DEG),
+        )
+
+    def _follow(self, path: BoxPath) -> Ending:
+        """Push along a stage of the path until it ends or the box has left it."""
+        max_cycles = self._actor.scenario.mission.max_push_cycles
+        first_error_m = self._actor.box_error().position_m
+        estimate = self._estimates[path.face]
+        follower = Follower(path, self._policy, self._actor.scenario, estimate)
+        boxes = deque([self._actor.box()], STILL_CYCLES + 1)
+        while True:
+            error = self._actor.box_error()
+            done = max(0.0, 1.0 - error.position_m / first_error_m) if first_error_m > 0.0 else None
+            self._actor.world.tell("pushing", done, f"cycle {self.n_cycles}, box error {error}")
+            decision = follower.decide(self._actor.state)
+            if decision.push is None:
+                return decision.ending or "done"
+            if self.n_cycles == max_cycles:
+                self._actor.require_goal("max_push_cycles", f"box error {error} after {max_cycles} push cycles")
+                return "done"
+            if not self._actor.at_station(path.face):
+                self._actor.approach(path.face)
+            self.n_cycles += 1
+            before = pushed_pose(self._actor.box(), path.face)
+            self._actor.step(decision.push)
+            estimate.learn(before, decision.push, pushed_pose(self._actor.box(), path.face))
+            boxes.append(self._actor.box())
+            if len(boxes) > STILL_CYCLES and moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
+                self._actor.require_goal(
+                    "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}"
+                )
+                return "done"
+
+
+def _is_better(error: BoxError, before: BoxError) -> bool:
+    """Whether pushing has brought the box nearer to its goal pose by more than chance would."""
+    return error.position_m < before.position_m - LEAST_PUSH_M or error.angle_rad < before.angle_rad - LEAST_TURN_RAD
