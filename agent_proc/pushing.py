@@ -24,7 +24,7 @@ LEAST_PUSH_M: Final = 0.005
 """The box is stuck when `STILL_CYCLES` pushes in a row move it less than this."""
 LEAST_TURN_RAD: Final = radians(0.5)
 """The same for its heading."""
-MAX_STAGES: Final = 20
+MAX_PATHS: Final = 20
 """Paths of the box that are begun at most."""
 AIM_M: Final = 0.02
 AIM_DEG: Final = 2.0
@@ -44,34 +44,43 @@ class Pushing:
         """Pushes up to now."""
 
     def run(self) -> None:
-        """Push stage after stage along the path of the box; after each stage, and off the path, plan anew.
+        """Push along the path of the box, and plan anew where that was left, or did not lead to the goal.
 
-        A box within the tolerances is pushed on, a few times at most, until it is within `AIM` as well.
+        A box within the tolerances is pushed on, a few times at most, until it is within the aim as well.
         """
         n_good = 0
-        for _ in range(MAX_STAGES):
+        for _ in range(MAX_PATHS):
             before = self._actor.box_error()
             n_good += before.within(self._actor.scenario.goal)
             if before.within(self._aim()) or n_good > MAX_BETTER:
                 return None
-            stages = self._come_to_push()
-            if self._actor.scenario.pushing.composition == "open_loop":
-                return self._push_blindly(stages)
-            ending = self._follow(stages[0])
+            to_the_end = self._push_along(self._come_to_push())
             error = self._actor.box_error()
-            if ending == "done" and len(stages) == 1 and not n_good and not _is_better(error, before):
+            if self._actor.scenario.pushing.composition == "open_loop":
+                return self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {error}")
+            if to_the_end and not n_good and not _is_better(error, before):
                 return self._actor.require_goal("tolerance_missed", f"pushing ended at box error {error}")
         return self._actor.require_goal(
-            "tolerance_missed", f"box error {self._actor.box_error()} after {MAX_STAGES} paths"
+            "tolerance_missed", f"box error {self._actor.box_error()} after {MAX_PATHS} paths"
         )
 
-    def _push_blindly(self, stages: list[BoxPath]) -> None:
-        """All stages as they were planned, whatever comes of it."""
+    def _push_along(self, stages: list[BoxPath]) -> bool:
+        """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
         for path in stages:
-            if not self._actor.at_station(path.face):
-                self._actor.approach(path.face)
-            self._follow(path)
-        self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
+            if not self._actor.at_station(path.face) and not self._change_face(path.face):
+                return False
+            if self._follow(path) == "left_path":
+                return False
+        return True
+
+    def _change_face(self, face: Face) -> bool:
+        """Walk around the box, if there is a way."""
+        self._actor.back_off()
+        plan = self._actor.ask(self._actor.query_behind(face), "the way to another face of the box")
+        if plan.status != "exact":
+            return False
+        self._actor.walk_behind(face, plan)
+        return True
 
     def _come_to_push(self) -> list[BoxPath]:
         """Plan the path of the box and walk to the face where it begins."""

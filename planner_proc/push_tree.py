@@ -21,6 +21,11 @@ N_DIRECT: Final = 12
 """Ways from start to goal that are tried before a tree is grown, cheapest first."""
 N_TO_GOAL: Final = 3
 """The same from each node of the tree."""
+MORE: Final = 2
+LEAST_MORE: Final = 40
+"""Once the goal is reached, the tree grows on for as many iterations again, and some: a cheaper way may show up."""
+N_SHORTENED: Final = 3
+"""Of what was found, so many of the cheapest are made shorter."""
 N_SHORTCUTS: Final = 80
 """Attempts to shorten what was found."""
 LEAST_GAIN_M: Final = 0.01
@@ -43,13 +48,17 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
     if direct is not None:
         return Found(way=direct, tree_points_m=_points(query.start, query.goal), tree_parents=(0, 0), n_iterations=0)
     tree = _Tree(query, pushes)
-    way: Way = ()
-    n_iterations = 0
-    while not way and n_iterations < query.max_iterations:
+    ways: list[Way] = []
+    n_iterations, n_wanted = 0, query.max_iterations
+    while n_iterations < min(n_wanted, query.max_iterations):
         n_iterations += 1
         way = tree.grow()
-    if way:
-        way = _shortened(way, query, pushes)
+        if way:
+            ways.append(way)
+            n_wanted = min(n_wanted, MORE * n_iterations + LEAST_MORE)
+    ways.sort(key=lambda way: pushes.cost_m(way, query.present_side))
+    shorter = [_shortened(way, query, pushes) for way in ways[:N_SHORTENED]]
+    way = min(shorter, key=lambda way: pushes.cost_m(way, query.present_side), default=())
     return Found(
         way=way,
         tree_points_m=tuple((node.pose.x_m, node.pose.y_m) for node in tree.nodes),

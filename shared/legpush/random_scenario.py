@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from legpush.errors import ConfigError, ScenarioError
 from legpush.geometry import Pose2
 from legpush.random_room import RandomRoom
-from legpush.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
+from legpush.scenario import Box, Goal, Mission, PoseDeg, Rectangle, Room, Scenario
 from legpush.scenario_file_checks import check_scenario
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,8 @@ N_PLACES: Final = 100
 """Starts, boxes and goals that are tried in each."""
 CELL_M: Final = 0.1
 """Of the grid that the disc moves on."""
+MAX_PUSH_CYCLES: Final = 600
+"""Enough for a path of 20 m."""
 LEAST_WALK_M: Final = 1.5
 """From the start to the box, at least."""
 
@@ -118,6 +120,7 @@ def _scenario(options: RandomRoom, seed: int, room: Room, start: PoseDeg, box: P
             position_tolerance_m=options.position_tolerance_m,
             angle_tolerance_deg=options.angle_tolerance_deg,
         ),
+        mission=Mission(max_push_cycles=MAX_PUSH_CYCLES),
     )
 
 
