@@ -27,6 +27,10 @@ SHARE: Final = 0.9
 """Of the final value, for the speed of learning."""
 GRID: Final = 64
 """Pushes between the points of a curve over steps."""
+LEAST_SEEDS: Final = 3
+"""An interval is drawn of no fewer."""
+SHOWN: Final = {"position_error_m": (0.1, 20.0), "angle_error_deg": (0.05, 20.0)}
+"""Limits of the axes, in cm and degrees."""
 COMPARED: Final = {
     "2x64 (tuned)": "tuned-variable",
     "2x128": "network-2x128",
@@ -136,9 +140,11 @@ def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]
                     steps, curves = _over_steps(seeds, key, scale)
                     mean, half = _mean_interval(np.log(curves))
                     (line,) = axis.plot(steps, np.exp(mean), label=f"{label}, {len(seeds)} seeds")
-                    low, high = np.exp(mean - half), np.exp(mean + half)
-                    axis.fill_between(steps, low, high, color=line.get_color(), alpha=0.15)
+                    if len(seeds) >= LEAST_SEEDS:
+                        low, high = np.exp(mean - half), np.exp(mean + half)
+                        axis.fill_between(steps, low, high, color=line.get_color(), alpha=0.15)
             axis.set_yscale("log")
+            axis.set_ylim(*SHOWN[key])
             plain_ticks(axis)
             axis.set_ylabel(name)
             axis.grid(which="both", alpha=0.25)
