@@ -6,6 +6,7 @@ from legpush.geometry import Pose2
 from legpush.messages import (
     PROTOCOL_VERSION,
     Action,
+    BoxPathQuery,
     BoxState,
     Follow,
     Header,
@@ -19,6 +20,7 @@ from legpush.messages import (
     PlanResult,
     Push,
     PushReport,
+    PushSide,
     Refusal,
     Reset,
     Role,
@@ -30,6 +32,7 @@ from legpush.messages import (
     Walk,
     WorldState,
 )
+from legpush.room_shapes import Footprint
 from legpush.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
 
 
@@ -61,10 +64,34 @@ QUERY = TrunkPathQuery(
     step_m=0.5,
     goal_region_m=0.25,
 )
+BOX_QUERY = BoxPathQuery(
+    grid=QUERY.grid,
+    start=POSE,
+    goal=QUERY.goal,
+    sides=(
+        PushSide(
+            frame=Pose2(x_m=0.0, y_m=-0.15, yaw_rad=1.5),
+            min_turning_radius_m=0.7,
+            footprints=(Footprint(pose=POSE, length_m=0.4, width_m=0.5),),
+            approach=(Footprint(pose=POSE, length_m=0.9, width_m=0.9),),
+        ),
+    ),
+    present_side=0,
+    side_change_m=0.5,
+    clearance_m=0.05,
+    run_in_m=0.4,
+    position_tolerance_m=0.01,
+    angle_tolerance_rad=0.02,
+    seed=3,
+    max_iterations=1000,
+    goal_bias=0.1,
+    step_m=1.0,
+)
 PLAN = Plan(
     status="exact",
     reason="",
     waypoints=(POSE, Pose2(x_m=0.1, y_m=0.2, yaw_rad=3.0)),
+    sides=(0, 0),
     raw_path_m=((1.0, 2.5), (0.1, 0.2)),
     tree=Tree(points_m=((1.0, 2.5), (0.1, 0.2)), parents=(0, 0)),
     length_m=2.47,
@@ -112,11 +139,12 @@ def _action(motion: Reset | Follow | Walk | Push, step: int) -> Action:
 
 MESSAGES: Mapping[str, PlanRequest | PlanResult | Action | Observation | Refusal | Status] = {
     "plan_request": PlanRequest(header=header("agent"), request_id=2, query=QUERY),
+    "plan_request_box": PlanRequest(header=header("agent"), request_id=3, query=BOX_QUERY),
     "plan_result": PlanResult(header=header("planner"), client_incarnation="agent-0a1b2c", request_id=2, plan=PLAN),
     "action_reset": _action(RESET, 0),
     "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
     "action_walk": _action(Walk(), 2),
-    "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12), 3),
+    "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12, face="left"), 3),
     "observation": Observation(
         header=header("sim"),
         agent_incarnation="agent-0a1b2c",
