@@ -10,8 +10,8 @@ from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Push
 from legpush.scenario import Box
 
-PRIOR_M: Final = 0.05
-PRIOR_RAD: Final = 0.1
+PRIOR_M: Final = 0.03
+PRIOR_RAD: Final = 0.05
 """The model counts as much as pushes that move and turn the box by so much, as root of their sum of squares."""
 FORGETTING: Final = 0.9
 """What a past push counts after each further one."""

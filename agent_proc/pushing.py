@@ -155,7 +155,8 @@ class Pushing:
             self.n_cycles += 1
             before = pushed_pose(self._actor.box(), path.face)
             self._actor.step(decision.push)
-            estimate.learn(before, decision.push, pushed_pose(self._actor.box(), path.face))
+            if self._actor.scenario.pushing.composition == "closed_loop":
+                estimate.learn(before, decision.push, pushed_pose(self._actor.box(), path.face))
             boxes.append(self._actor.box())
             if len(boxes) > STILL_CYCLES and moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
                 self._actor.require_goal(

@@ -182,7 +182,7 @@ def test_what_is_wrong_with_a_message_is_counted_by_cause_and_named_in_the_log(
         assert eventually(lambda: sim.tally.as_dict() != {})
         assert sim.tally.as_dict() == {cause: 1}
         assert heard.drain() == []
-        text = f"{cause} (1 so far): legpush/v2/test/tap/agent/main/status: "
+        text = f"{cause} (1 so far): legpush/v{PROTOCOL_VERSION}/test/tap/agent/main/status: "
         assert eventually(lambda: text in caplog.text)
 
 

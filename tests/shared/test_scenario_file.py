@@ -50,6 +50,16 @@ def put(*place: str | int, value: Any) -> Callable[[Plain], None]:
     return edit
 
 
+def rear_only(edit: Callable[[Plain], None]) -> Callable[[Plain], None]:
+    """The same, and no face but the rear one may be pushed."""
+
+    def edits(plain: Plain) -> None:
+        edit(plain)
+        put("pushing", "faces", value=["rear"])(plain)
+
+    return edits
+
+
 def drop(table: str, field: str) -> Callable[[Plain], None]:
     def edit(plain: Plain) -> None:
         del plain[table][field]
@@ -218,8 +228,16 @@ ROOM_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
         r"at `box\.pose`: expected at least 2\.828 m from the box .*for `randomization`",
     ),
     "no place behind the box": (
-        put("box", "pose", value={"x_m": 4.2, "y_m": 1.5, "yaw_deg": 0.0}),
-        r"at `box\.pose`: .*place where walking ends, 0\.75 m behind the box, to `room\.obstacles\[0\]`",
+        rear_only(put("box", "pose", value={"x_m": 4.2, "y_m": 1.5, "yaw_deg": 0.0})),
+        r"at `box\.pose`: .*place where walking ends, 0\.75 m behind the rear face, to `room\.obstacles\[0\]`",
+    ),
+    "no place behind any face": (
+        put("box", "pose", value={"x_m": 7.6, "y_m": 0.4, "yaw_deg": 0.0}),
+        r"at `box\.pose`: .*; nor is there space at another face",
+    ),
+    "no face that can be pushed": (
+        lambda plain: plain.update(box={**plain["box"], "shape": "wedge"}, pushing={"faces": ["left"]}),
+        r"at `pushing\.faces`: expected a face that a wedge can be pushed at \(rear\), got left",
     ),
     "goal in a wall": (
         put("goal", "pose", value={"x_m": 3.0, "y_m": 1.0, "yaw_deg": 0.0}),
@@ -230,8 +248,8 @@ ROOM_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
         r"at `goal\.pose`: .*border of the room, got 0\.100 m inside",
     ),
     "no place behind the box at its goal": (
-        put("goal", "pose", value={"x_m": 3.5, "y_m": 1.0, "yaw_deg": 0.0}),
-        r"at `goal\.pose`: .*the robot's place behind the box at its goal to `room\.obstacles\[0\]`",
+        rear_only(put("goal", "pose", value={"x_m": 3.5, "y_m": 1.0, "yaw_deg": 0.0})),
+        r"at `goal\.pose`: .*the robot's place behind the rear face of the box at its goal to `room\.obstacles\[0\]`",
     ),
     "obstacle elsewhere": (
         put("room", "obstacles", 0, value={"x_min_m": 9.0, "x_max_m": 10.0, "y_min_m": 0.0, "y_max_m": 1.0}),
