@@ -36,6 +36,8 @@ class Report(Struct, frozen=True, kw_only=True):
     success: bool
     reason: str
     """`success`, or what ended the mission without."""
+    detail: str
+    """One sentence for people."""
     box_position_error_m: float
     box_angle_error_deg: float
     walk_tracking_rms_m: float | None
@@ -72,6 +74,7 @@ def make_report(
     return Report(
         success=result.success,
         reason=result.reason,
+        detail=result.detail,
         box_position_error_m=error.position_m,
         box_angle_error_deg=degrees(error.angle_rad),
         walk_tracking_rms_m=tracking_rms_m([step for step in record.steps if isinstance(step.motion, Walk)]),
