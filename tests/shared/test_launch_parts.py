@@ -158,7 +158,8 @@ def test_the_live_display_shows_the_last_phase_and_keeps_notices() -> None:
 
 REPORT = {
     "success": True,
-    "reason": "the box is at its goal",
+    "reason": "success",
+    "detail": "the box is at its goal",
     "box_position_error_m": 0.0123,
     "box_angle_error_deg": 1.26,
     "walk_tracking_rms_m": None,

@@ -15,6 +15,7 @@ from legpush.launch.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE
 ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "success": ("mission", lambda done: "success" if done else "no success"),
     "reason": ("reason", str),
+    "detail": ("how it ended", str),
     "box_position_error_m": ("box position error", lambda m: f"{100 * m:.1f} cm"),
     "box_angle_error_deg": ("box angle error", lambda deg: f"{deg:.1f}°"),
     "walk_tracking_rms_m": ("walking path error, RMS", lambda m: f"{100 * m:.1f} cm"),
