@@ -2,6 +2,8 @@
 
 import os
 import threading
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -10,10 +12,38 @@ import torch
 from agent_proc.checkpoint import CheckpointError, load_checkpoint
 from agent_proc.files import DiskError
 from agent_proc.learned import load_learned
-from agent_proc.profiles import PpoProfile
-from agent_proc.training import BEST, CHECKPOINT_FILE, LAST, Progress
+from agent_proc.profiles import AnyProfile, PpoProfile
+from agent_proc.training import BEST, CHECKPOINT_FILE, LAST, Progress, Result, Training
 from legpush.errors import PeerError
 from tests.agent.learning import make_training, small_profile, weights
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoTrainings:
+    """One that ran through, and one that was interrupted and went on."""
+
+    whole: Training
+    expected: Result
+    first: Result
+    second: Training
+    result: Result
+
+
+def train_twice(folder: Path, profile: AnyProfile, is_time_to_stop: Callable[[Progress], bool]) -> TwoTrainings:
+    """In `whole` and `parts` of the folder."""
+    whole = make_training(folder / "whole", profile)
+    expected = whole.run()
+    stop = threading.Event()
+
+    def interrupt(progress: Progress) -> None:
+        if is_time_to_stop(progress):
+            stop.set()
+
+    (folder / "parts").mkdir()
+    first = make_training(folder / "parts", profile, on_progress=interrupt, stop=stop).run()
+    second = make_training(folder / "parts", profile)
+    second.resume()
+    return TwoTrainings(whole=whole, expected=expected, first=first, second=second, result=second.run())
 
 
 @pytest.mark.parametrize(("name", "stop_at"), [("tuned", 70), ("tuned", 96), ("sac", 70), ("td3", 101)])
@@ -21,25 +51,14 @@ def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
     tmp_path: Path, name: str, stop_at: int
 ) -> None:
     profile = small_profile(name)
-    whole = make_training(tmp_path / "whole", profile)
-    expected = whole.run()
-    stop = threading.Event()
 
-    def interrupt(progress: Progress) -> None:
-        if progress.step >= stop_at:
-            stop.set()
+    both = train_twice(tmp_path, profile, lambda progress: progress.step >= stop_at)
 
-    (tmp_path / "parts").mkdir()
-    first = make_training(tmp_path / "parts", profile, on_progress=interrupt, stop=stop).run()
-    second = make_training(tmp_path / "parts", profile)
-    second.resume()
-    result = second.run()
-
-    assert not first.finished
-    assert 0 < first.step < profile.steps
-    assert result == expected
-    assert result.finished
-    assert weights(second.learner.model) == weights(whole.learner.model)
+    assert not both.first.finished
+    assert 0 < both.first.step < profile.steps
+    assert both.result == both.expected
+    assert both.result.finished
+    assert weights(both.second.learner.model) == weights(both.whole.learner.model)
     ends = [load_checkpoint(tmp_path / part / CHECKPOINT_FILE) for part in ("whole", "parts")]
     assert ends[0].curve == ends[1].curve
     assert len(ends[0].curve) > 5
@@ -52,25 +71,16 @@ def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
 def test_a_training_is_interrupted_amid_an_evaluation_which_is_then_done_again(
     tmp_path: Path, name: str, step: int
 ) -> None:
-    profile = small_profile(name)
-    whole = make_training(tmp_path / "whole", profile)
-    expected = whole.run()
-    stop = threading.Event()
+    both = train_twice(
+        tmp_path,
+        small_profile(name),
+        lambda progress: progress.doing == "evaluating, episode 0 of 2" and progress.step >= step,
+    )
 
-    def interrupt(progress: Progress) -> None:
-        if progress.doing == "evaluating, episode 0 of 2" and progress.step >= step:
-            stop.set()
-
-    (tmp_path / "parts").mkdir()
-    first = make_training(tmp_path / "parts", profile, on_progress=interrupt, stop=stop).run()
-    second = make_training(tmp_path / "parts", profile)
-    second.resume()
-    result = second.run()
-
-    assert not first.finished
-    assert step <= first.step < step + 32
-    assert result == expected
-    assert weights(second.learner.model) == weights(whole.learner.model)
+    assert not both.first.finished
+    assert step <= both.first.step < step + 32
+    assert both.result == both.expected
+    assert weights(both.second.learner.model) == weights(both.whole.learner.model)
 
 
 def test_exploration_narrows_as_the_profile_says(tmp_path: Path) -> None:
