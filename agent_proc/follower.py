@@ -7,7 +7,7 @@ one, the next `HORIZON` pushes are predicted for every choice of legs, and the f
 
 from dataclasses import dataclass
 from itertools import product
-from math import degrees, radians
+from math import radians
 from typing import Final, Literal
 
 import numpy as np
@@ -141,12 +141,3 @@ def _moved(world: WorldState, pose: Pose2) -> WorldState:
     orientation = (float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
     position = (pose.x_m, pose.y_m, world.box.position_m[2])
     return replace(world, box=replace(world.box, position_m=position, orientation_wxyz=orientation))
-
-
-def describe(deviation: Deviation, path: BoxPath) -> str:
-    """For people."""
-    return (
-        f"{deviation.distance_m:.2f} of {path.length_m:.2f} m at the {path.face} face, "
-        f"{100 * abs(deviation.left_m):.1f} cm and "
-        f"{abs(degrees(deviation.heading_rad)):.1f}° off the path"
-    )

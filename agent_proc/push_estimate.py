@@ -54,17 +54,21 @@ class PushEstimate:
     @property
     def turning_radius_m(self) -> float:
         """Of the circle that the box is pushed along by one foot, push after push."""
-        ((forward_m, _, turn_rad),) = self.push(np.zeros((1, 3)), np.array([-1.0]), np.array([USUAL_DEPTH_M])).tolist()
-        return float(forward_m / turn_rad)
+        forward_m, _, turn_rad = self._one_push()
+        return forward_m / turn_rad
 
     @property
     def axle_m(self) -> float:
-        """How far behind its centre the box does not slip sideways when one foot turns it, (its turn moves that point
-        along the pushing direction only).
-        """
-        row = self.push(np.zeros((1, 3)), np.array([-1.0]), np.array([USUAL_DEPTH_M]))
-        ((_, left_m, turn_rad),) = row.tolist()
+        """How far behind its centre the box does not slip sideways when one foot turns it."""
+        _, left_m, turn_rad = self._one_push()
         return float(np.clip(left_m / turn_rad, 0.0, MOST_AXLE_M))
+
+    def _one_push(self) -> tuple[float, float, float]:
+        """Forward and left [m] and turn [rad] of the box by one push of FR, as deep as usual."""
+        ((forward_m, left_m, turn_rad),) = self.push(
+            np.zeros((1, 3)), np.array([MIRROR["FR"]]), np.array([USUAL_DEPTH_M])
+        ).tolist()
+        return forward_m, left_m, turn_rad
 
     def push(self, poses: Floats, mirror: Floats, depth_m: Floats) -> Floats:
         """Poses after one push each, (n, 3), as `PushModel.push`."""

@@ -1,7 +1,5 @@
 """The picture of `python -m experiments.circles`, from what it left in `results/`."""
 
-import csv
-import gzip
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from experiments.evaluations import RESULTS
+from experiments.evaluations import RESULTS, read_table
 
 PUBLISHED: Final = Path(__file__).parent / "published"
 SHOWN: Final = (0.03, 0.05, 0.08)
@@ -25,10 +23,10 @@ PUBLISHED_FITS: Final = {
 
 def draw() -> None:
     """Tracks from above, a coordinate over time with its sine, and the published one with its own."""
-    with (RESULTS / "circles.csv").open(newline="") as file:
-        rows = [{key: _number(value) for key, value in row.items()} for row in csv.DictReader(file)]
-    with gzip.open(RESULTS / "circles_series.csv.gz", "rt", newline="") as file:
-        series = [{key: _number(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    rows, series = (
+        [{key: _number(value) for key, value in row.items()} for row in read_table(RESULTS / name)]
+        for name in ("circles.csv", "circles_series.csv.gz")
+    )
     figure = Figure(figsize=(13.0, 7.4), layout="constrained")
     for axes, direction in zip(figure.subplots(2, 3), ("left", "right"), strict=True):
         _draw_tracks(axes[0], direction, rows, series)
@@ -68,8 +66,9 @@ def _draw_ours(axis: Axes, direction: str, rows: list[dict[str, Any]], series: l
 
 
 def _draw_published(axis: Axes, direction: str) -> None:
-    with (PUBLISHED / f"circle_{direction}.csv").open(newline="") as file:
-        data = np.array([[float(value) for value in row] for row in list(csv.reader(file))[1:]])
+    data = np.array(
+        [[float(value) for value in row.values()] for row in read_table(PUBLISHED / f"circle_{direction}.csv")]
+    )
     *fit, begin_s, r2 = PUBLISHED_FITS[direction]
     fitted_s = data[data[:, 0] >= begin_s, 0]
     axis.plot(data[:, 0], data[:, 1], label="box")

@@ -65,8 +65,7 @@ def _run(evaluation: Evaluation) -> None:
 
 def read_rows(name: str) -> list[dict[str, Any]]:
     """The episodes of an evaluation, numbers as numbers."""
-    with (EVALUATIONS / f"{name}.csv").open(newline="") as file:
-        return [{key: _value(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    return [{key: _value(value) for key, value in row.items()} for row in read_table(EVALUATIONS / f"{name}.csv")]
 
 
 def _value(text: str) -> float | str | bool:
@@ -107,6 +106,15 @@ def write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
     writer.writerows(rows)
     data = text.getvalue().encode()
     path.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    """The rows of a table as text, none where there is no file."""
+    if not path.exists():
+        return []
+    data = path.read_bytes()
+    text = (gzip.decompress(data) if path.suffix == ".gz" else data).decode()
+    return list(csv.DictReader(io.StringIO(text)))
 
 
 def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[list[float], list[list[float]]]:

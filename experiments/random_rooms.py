@@ -6,8 +6,6 @@ and a friction from 0.3 to 0.8, and one `legpush run` in three processes. A row 
 a mosaic of all rooms to `results/random_rooms.png`. What is in the table already is not run again.
 """
 
-import csv
-import gzip
 import json
 import subprocess
 import sys
@@ -25,7 +23,7 @@ from rich.progress import Progress
 
 from agent_proc.record import MissionRecord, read_record
 from agent_proc.statistics import mean_interval, wilson
-from experiments.evaluations import RESULTS, write_table
+from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.random_rooms_plot import draw
 from legpush.episode import read_episode
 from legpush.messages import BoxPathQuery, Push
@@ -72,7 +70,8 @@ class Config:
 
 def main(config: Config) -> int:
     """Run what is missing, tabulate, draw."""
-    rows, tracks = _read(TABLE), _read_tracks()
+    rows: dict[int, dict[str, Any]] = {int(row["seed"]): dict(row) for row in read_table(TABLE)}
+    tracks: list[dict[str, Any]] = [dict(row) for row in read_table(TRACKS)]
     seeds = range(config.first_seed, config.first_seed + config.n_rooms)
     missing = [seed for seed in seeds if seed not in rows]
     with Progress() as bar, ThreadPoolExecutor(config.jobs) as pool:
@@ -182,20 +181,6 @@ def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _is_true(value: Any) -> bool:
     return str(value) == "True"
-
-
-def _read(table: Path) -> dict[int, dict[str, Any]]:
-    if not table.exists():
-        return {}
-    with table.open(newline="") as file:
-        return {int(row["seed"]): dict(row) for row in csv.DictReader(file)}
-
-
-def _read_tracks() -> list[dict[str, Any]]:
-    if not TRACKS.exists():
-        return []
-    with gzip.open(TRACKS, "rt", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 if __name__ == "__main__":

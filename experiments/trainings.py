@@ -6,9 +6,6 @@ and how the policy of its last step does on the seeds of the check to `results/t
 `python -m experiments.learning` draws them.
 """
 
-import csv
-import gzip
-import io
 import subprocess
 import sys
 from collections.abc import Iterable, Sequence
@@ -25,8 +22,8 @@ from rich.progress import Progress
 from agent_proc.policy_folder import CARD_FILE, Card, read_card
 from agent_proc.profiles import dump_profile, load_profile
 from agent_proc.training import CHECKPOINT_FILE, LAST
+from experiments.evaluations import RESULTS, read_table, write_table
 
-RESULTS: Final = Path(__file__).parent / "results"
 EPISODES_FILE: Final = RESULTS / "trainings_episodes.csv.gz"
 FINAL_FILE: Final = RESULTS / "trainings.csv"
 SEEDS: Final = (1, 2, 3, 4, 5)
@@ -174,9 +171,9 @@ def collect(planned: Sequence[Training], folder: Path) -> None:
     order = {t.name: index for index, t in enumerate(planned)}
     for rows in (episodes, final):
         rows.sort(key=lambda row: order[_name(row)])
-    text = _as_csv(episodes).encode()
-    EPISODES_FILE.write_bytes(gzip.compress(text, mtime=0))
-    FINAL_FILE.write_text(_as_csv(final))
+    for rows, path in ((episodes, EPISODES_FILE), (final, FINAL_FILE)):
+        if rows:
+            write_table(rows, path)
 
 
 def _name(row: dict[str, Any]) -> str:
@@ -223,25 +220,12 @@ def _final_row(training: Training, card: Card) -> dict[str, Any]:
 
 def read_episodes() -> list[dict[str, Any]]:
     """Every episode of the trainings that are in the file."""
-    if not EPISODES_FILE.exists():
-        return []
-    return list(csv.DictReader(io.StringIO(gzip.decompress(EPISODES_FILE.read_bytes()).decode())))
+    return [dict(row) for row in read_table(EPISODES_FILE)]
 
 
 def read_final() -> list[dict[str, Any]]:
     """How each training in the file ended."""
-    if not FINAL_FILE.exists():
-        return []
-    return list(csv.DictReader(io.StringIO(FINAL_FILE.read_text())))
-
-
-def _as_csv(rows: Sequence[dict[str, Any]]) -> str:
-    text = io.StringIO()
-    if rows:
-        writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    return text.getvalue()
+    return [dict(row) for row in read_table(FINAL_FILE)]
 
 
 if __name__ == "__main__":

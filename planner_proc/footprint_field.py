@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid
 from legpush.room_shapes import Footprint
 from planner_proc.occupancy import ROUNDING_M, ClearanceField
@@ -18,6 +19,20 @@ _DISC_M: Final = 0.1
 """Rectangles are covered by discs around squares of about this size, for the quick answer."""
 
 
+def placed(poses: Floats, what: Pose2) -> Floats:
+    """Poses of what is fixed at `what` to a frame at poses (x, y, yaw), (n, 3)."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    at: Floats = np.stack(
+        [
+            poses[:, 0] + c * what.x_m - s * what.y_m,
+            poses[:, 1] + s * what.x_m + c * what.y_m,
+            poses[:, 2] + what.yaw_rad,
+        ],
+        axis=1,
+    )
+    return at
+
+
 class FootprintField:
     """Clearance of rectangles that are fixed to a moving frame: a quick answer for searching, an exact one for judging.
 
@@ -25,11 +40,11 @@ class FootprintField:
     their centres is known to a fraction of a cell.
     """
 
-    def __init__(self, grid: OccupancyGrid, footprints: Sequence[Footprint], field: ClearanceField) -> None:
-        """`field` is that of the grid."""
+    def __init__(self, footprints: Sequence[Footprint], field: ClearanceField, squares: "Squares") -> None:
+        """`field` and `squares` are those of one grid."""
         self._field = field
         self._rectangles = [_Rectangle(footprint) for footprint in footprints]
-        self._squares = _Squares(grid)
+        self._squares = squares
         self.reach_m = max(rectangle.reach_m for rectangle in self._rectangles)
         """Of the point of all footprints that is farthest from the frame's origin."""
         self.narrowest_m = max(rectangle.inner_m for rectangle in self._rectangles)
@@ -74,7 +89,7 @@ class _Rectangle:
 
     def __init__(self, footprint: Footprint) -> None:
         pose = footprint.pose
-        self._offset = np.array([pose.x_m, pose.y_m, pose.yaw_rad])
+        self._pose = pose
         self.half_m = np.array([footprint.length_m, footprint.width_m]) / 2
         self.reach_m = float(np.hypot(*footprint.corners().T).max())
         self.radius_m = float(np.hypot(*self.half_m))
@@ -89,12 +104,7 @@ class _Rectangle:
 
     def centres(self, poses: Floats) -> Floats:
         """Poses of the rectangle's centre, (n, 3)."""
-        c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-        x, y, yaw = self._offset
-        centres: Floats = np.stack(
-            [poses[:, 0] + c * x - s * y, poses[:, 1] + s * x + c * y, poses[:, 2] + yaw], axis=1
-        )
-        return centres
+        return placed(poses, self._pose)
 
     def discs(self, poses: Floats) -> Floats:
         """Centres of the discs that cover it in all of the poses, (n * discs, 2)."""
@@ -105,7 +115,7 @@ class _Rectangle:
         return discs.reshape(-1, 2)
 
 
-class _Squares:
+class Squares:
     """The occupied cells, and a ring of them around the grid."""
 
     def __init__(self, grid: OccupancyGrid) -> None:

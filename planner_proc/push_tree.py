@@ -50,7 +50,7 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
     tree = _Tree(query, pushes)
     ways: list[Way] = []
     n_iterations, n_wanted = 0, query.max_iterations
-    while n_iterations < min(n_wanted, query.max_iterations):
+    while n_iterations < n_wanted:
         n_iterations += 1
         way = tree.grow()
         if way:
@@ -74,8 +74,6 @@ class _Node:
     stage: Stage | None
     """Which led to it from its parent."""
     side: int | None
-    way_m: float
-    """What it costs to be there."""
 
 
 @dataclass
@@ -91,22 +89,17 @@ class _Tree:
         self._low = np.array([*query.grid.origin_m, -np.pi])
         self._high = np.array([*(np.array(query.grid.origin_m) + size_m), np.pi])
         self._poses = np.empty((query.max_iterations + 1, 3))
-        self._add(_Node(pose=query.start, parent=0, stage=None, side=query.present_side, way_m=0.0))
+        self._add(_Node(pose=query.start, parent=0, stage=None, side=query.present_side))
 
     def grow(self) -> Way:
         """One iteration; all of the way once the goal is reached, else nothing."""
         target = self._sample()
-        grown = min(
-            (self._toward(index, target) for index in self._nearest(target)), key=lambda growth: growth[0], default=None
-        )
-        if grown is None:
-            return ()
-        _, index, stage = grown
+        growths = [self._toward(index, target) for index in self._nearest(target)]
+        _, index, stage = min(growths, key=lambda growth: growth[0])
         node = self.nodes[index]
         if not self.pushes.free((stage,), node.side):
             return ()
-        way_m = node.way_m + self.pushes.cost_m((stage,), node.side)
-        self._add(_Node(pose=stage.end, parent=index, stage=stage, side=stage.side, way_m=way_m))
+        self._add(_Node(pose=stage.end, parent=index, stage=stage, side=stage.side))
         last = self.pushes.best(self.pushes.to_goal(stage.end, self.query.goal), stage.side, inf, N_TO_GOAL)
         return () if last is None else (*self._way_to(len(self.nodes) - 1), *last)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import BoxPathQuery, PushSide
 from planner_proc.dubins import SAMPLE_M, Dubins
-from planner_proc.footprint_field import FootprintField
+from planner_proc.footprint_field import FootprintField, Squares, placed
 from planner_proc.occupancy import ClearanceField
 
 Floats = NDArray[np.float64]
@@ -37,16 +37,16 @@ Way = tuple[Stage, ...]
 class Side:
     """A face that can be pushed, in a room."""
 
-    def __init__(self, side: PushSide, query: BoxPathQuery, field: ClearanceField) -> None:
+    def __init__(self, side: PushSide, clearance_m: float, field: ClearanceField, squares: Squares) -> None:
         self._frame = side.frame
         self._box_from_frame = side.frame.inverse()
         self.turn_rad = side.frame.yaw_rad
         self._dubins = Dubins(side.min_turning_radius_m)
-        self.footprints = FootprintField(query.grid, side.footprints, field)
-        self._standing = FootprintField(query.grid, (*side.footprints, *side.approach), field)
+        self.footprints = FootprintField(side.footprints, field, squares)
+        self._standing = FootprintField((*side.footprints, *side.approach), field, squares)
         # Between two poses no point of the footprints moves farther than this from the nearer one.
         between_m = 0.5 * SAMPLE_M * (1.0 + self.footprints.reach_m / side.min_turning_radius_m)
-        self.required_m = query.clearance_m + between_m
+        self.required_m = clearance_m + between_m
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
         """Of the push from one pose of the box to another."""
@@ -69,10 +69,7 @@ class Side:
 
     def box(self, pushed: Floats) -> Floats:
         """Poses of the box at poses of the frame that is pushed, (n, 3)."""
-        c, s = np.cos(pushed[:, 2]), np.sin(pushed[:, 2])
-        x_m, y_m, turn_rad = self._box_from_frame.x_m, self._box_from_frame.y_m, self._box_from_frame.yaw_rad
-        placed: Floats = pushed + np.stack([c * x_m - s * y_m, s * x_m + c * y_m, np.full_like(c, turn_rad)], axis=1)
-        return placed
+        return placed(pushed, self._box_from_frame)
 
     def seems_free(self, stage: Stage, extra_m: float) -> bool:
         """Whether box and robot about fit all along."""
@@ -91,10 +88,9 @@ class Pushes:
     """All that a query allows."""
 
     def __init__(self, query: BoxPathQuery, field: ClearanceField) -> None:
-        self.sides = [Side(side, query, field) for side in query.sides]
+        squares = Squares(query.grid)
+        self.sides = [Side(side, query.clearance_m, field, squares) for side in query.sides]
         self._query = query
-        self._change_m = query.side_change_m
-        self._run_in_m = query.run_in_m
         self.extra_m = 0.0
         """Kept beyond what is required."""
 
@@ -102,7 +98,7 @@ class Pushes:
         """Length, and what changes of sides are worth."""
         sides = [side_before, *(stage.side for stage in way)]
         n_changes = sum(a != b for a, b in pairwise(sides))
-        return sum(stage.length_m for stage in way) + self._change_m * n_changes
+        return sum(stage.length_m for stage in way) + self._query.side_change_m * n_changes
 
     def stage(self, side: int, begin: Pose2, end: Pose2) -> Stage:
         """The shortest push."""
@@ -127,10 +123,10 @@ class Pushes:
     def to_goal(self, a: Pose2, goal: Pose2) -> Iterator[Way]:
         """From one side with a straight stretch at the end, or from two, one of the two stages straight."""
         for index, side in enumerate(self.sides):
-            before = side.ahead(goal, -self._run_in_m)
+            before = side.ahead(goal, -self._query.run_in_m)
             yield (self.stage(index, a, before), self.stage(index, before, goal))
             straight = self.stage(index, a, goal)
-            if straight.length_m <= self._run_in_m:
+            if straight.length_m <= self._query.run_in_m:
                 yield (straight,)
             near = self._near_goal(side, a, goal)
             if near is not None:
