@@ -61,7 +61,8 @@ def _draw_ours(axis: Axes, direction: str, rows: list[dict[str, Any]], series: l
     fit = (one["amplitude_m"], one["omega_rad_s"], one["phi_rad"], one["offset_m"])
     axis.plot(time_s, _sine(time_s, *fit), "--", label=f"A sin(ωt + φ) + c, R² {one['r2']:.4f}")
     axis.set(xlabel="time [s]", ylabel=f"{one['axis']} [m]", title=f"{direction}: depth {100 * USUAL_DEPTH_M:g} cm")
-    axis.legend(fontsize=8, loc="upper right", framealpha=0.7)
+    axis.margins(y=0.25)
+    axis.legend(fontsize=8, loc="upper right")
     axis.grid(alpha=0.25)
 
 
@@ -74,7 +75,8 @@ def _draw_published(axis: Axes, direction: str) -> None:
     axis.plot(data[:, 0], data[:, 1], label="box")
     axis.plot(fitted_s, _sine(fitted_s, *fit), "--", label=f"A sin(ωt + φ) + c, R² {r2:.3f}")
     axis.set(xlabel="time [s]", ylabel="coordinate [m]", title=f"{direction}: published (Fig. 20)")
-    axis.legend(fontsize=8, loc="upper right", framealpha=0.7)
+    axis.margins(y=0.25)
+    axis.legend(fontsize=8, loc="upper right")
     axis.grid(alpha=0.25)
 
 
