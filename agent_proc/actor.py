@@ -22,7 +22,15 @@ MAX_BOX_TILT_RAD: Final = radians(15.0)
 """A box that leans farther is tipping over, or has."""
 
 Reason = Literal[
-    "success", "fell", "box_tipped", "no_path", "stuck", "missed_station", "max_push_cycles", "tolerance_missed"
+    "success",
+    "fell",
+    "box_tipped",
+    "no_path",
+    "stuck",
+    "missed_station",
+    "left_reference",
+    "max_push_cycles",
+    "tolerance_missed",
 ]
 
 

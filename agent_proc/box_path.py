@@ -40,8 +40,10 @@ class BoxPath:
     out are those of the centre, heading in the pushing direction.
     """
 
-    def __init__(self, face: Face, poses: tuple[Pose2, ...], axle_m: float) -> None:
-        """`poses` are those of the box, at least two, as the planner gave them."""
+    def __init__(self, face: Face, poses: tuple[Pose2, ...], axle_m: float, end: Pose2 | None = None) -> None:
+        """`poses` are those of the box, at least two, as the planner gave them; `end`, where the box should be at last,
+        if that is not the last one.
+        """
         self.face = face
         self._axle_m = axle_m
         behind = Pose2(x_m=-axle_m, y_m=0.0, yaw_rad=0.0)
@@ -50,7 +52,7 @@ class BoxPath:
         for pose in pushed[1:]:
             if hypot(pose.x_m - kept[-1].x_m, pose.y_m - kept[-1].y_m) > SAME_PLACE_M:
                 kept.append(pose)
-        self.end = pushed_pose(poses[-1], face)
+        self.end = pushed_pose(poses[-1] if end is None else end, face)
         self._xy = np.array([pose.xy() for pose in kept])
         self._yaw = np.unwrap([pose.yaw_rad for pose in kept])
         steps = np.hypot(*np.diff(self._xy, axis=0).T)

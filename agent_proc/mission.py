@@ -22,8 +22,8 @@ class MissionResult:
     """The box is within the tolerances of its goal and the robot stands."""
     reason: Reason
     """`success`, or what ended it without: the robot `fell` or is `stuck`, the `box_tipped` over, the planner knew
-    `no_path`, the approach `missed_station`, `max_push_cycles` were not enough, or the policy stopped with the
-    `tolerance_missed`."""
+    `no_path`, the approach `missed_station`, the box `left_reference`, `max_push_cycles` were not enough, or pushing
+    ended with the `tolerance_missed`."""
     detail: str
     """One sentence for people."""
     handover_distance_m: float | None

@@ -84,6 +84,8 @@ def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None
     """The room with everything that happened in it."""
     _draw_room(axes, record)
     _draw_trunk_plans(axes, [each.plan for each in record.plans if isinstance(each.query, TrunkPathQuery)])
+    if record.scenario.reference is not None:
+        axes.plot(*record.steps[0].box_path_m.T, color=GOAL, lw=1.6, ls=(0, (4, 1)), label="reference", zorder=6)
     _draw_box_plans(axes, [each.plan for each in record.plans if isinstance(each.query, BoxPathQuery)])
     follows = [step for step in record.steps if isinstance(step.motion, Follow)]
     for index, step in enumerate(follows):

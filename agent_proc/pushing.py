@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from math import radians
+from math import hypot, radians
 from typing import Final
 
 from msgspec.structs import replace
@@ -14,10 +14,12 @@ from agent_proc.follower import Ending, Follower
 from agent_proc.policy import Policy
 from agent_proc.poses import BoxError
 from agent_proc.push_estimate import PushEstimate
+from agent_proc.reference_path import reference_path
 from agent_proc.routes import query_for_box
 from legpush.faces import FACES, pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages import Plan, PlanQuery
+from legpush.reference import Reference, least_radius_m
 from legpush.scenario import Face, Goal
 
 LEAST_PUSH_M: Final = 0.005
@@ -40,14 +42,19 @@ class Pushing:
         self._policy = policy
         self._estimates = {face: PushEstimate(pushed_box(actor.scenario.box, face)) for face in FACES}
         """What pushes at each face do."""
+        self._reference = actor.scenario.reference
+        """Until it has been followed."""
         self.n_cycles = 0
         """Pushes up to now."""
 
     def run(self) -> None:
-        """Push along the path of the box, and plan anew where that was left, or did not lead to the goal.
+        """Push along the reference, if there is one, or the path of the box, and plan anew where that was left, or did
+        not lead to the goal.
 
         A box within the tolerances is pushed on, a few times at most, until it is within the aim as well.
         """
+        if self._reference is not None:
+            self._push_along_reference()
         n_good = 0
         for _ in range(MAX_PATHS):
             before = self._actor.box_error()
@@ -63,6 +70,15 @@ class Pushing:
         return self._actor.require_goal(
             "tolerance_missed", f"box error {self._actor.box_error()} after {MAX_PATHS} paths"
         )
+
+    def _push_along_reference(self) -> None:
+        """To its end; a mission that leaves it is over."""
+        stages = self._come_to_push()
+        self._reference = None
+        if not self._push_along(stages):
+            raise MissionEndedError("left_reference", f"the box left its reference after {self.n_cycles} push cycles")
+        if self._actor.scenario.pushing.composition == "open_loop":
+            self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
 
     def _push_along(self, stages: list[BoxPath]) -> bool:
         """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
@@ -96,7 +112,7 @@ class Pushing:
         """The path of a box, and the robot's way to its first face if it does not stand there: of those paths whose
         first face can be reached, the planner's favourite.
         """
-        faces = self._actor.faces()
+        faces = self._actor.faces() if self._reference is None else ("rear",)
         while True:
             stages = self._box_stages(box, faces)
             first = stages[0].face
@@ -111,7 +127,11 @@ class Pushing:
                 raise MissionEndedError("no_path", f"{what}: the planner's answer is {plan.status}: {plan.reason}")
 
     def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[BoxPath]:
-        """The planned path of the box; with the least clearance where it has come closer to something than planned."""
+        """The reference, or the planned path of the box: with the least clearance where it has come closer to something
+        than planned.
+        """
+        if self._reference is not None:
+            return [self._reference_path(self._reference)]
         present = self._actor.standing_at()
         estimates = {face: self._estimates[face] for face in faces}
         query = query_for_box(self._actor.scenario, self._actor.seed, box, estimates, present)
@@ -123,6 +143,17 @@ class Pushing:
                 "no_path", f"the path of the box: the planner's answer is {plan.status}: {plan.reason}"
             )
         return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})
+
+    def _reference_path(self, reference: Reference) -> BoxPath:
+        """Whatever place the box has: the reference begins at its nominal one."""
+        estimate = self._estimates["rear"]
+        tightest_m, radius_m = least_radius_m(reference), hypot(estimate.turning_radius_m, estimate.axle_m)
+        if tightest_m < radius_m:
+            raise MissionEndedError(
+                "no_path",
+                f"the reference turns on a radius of {tightest_m:.2f} m, the box on no less than {radius_m:.2f} m",
+            )
+        return reference_path(reference, self._actor.scenario.box.pose.pose(), estimate.axle_m)
 
     def _aim(self) -> Goal:
         """The goal with tolerances no wider than the aim."""
@@ -136,15 +167,14 @@ class Pushing:
     def _follow(self, path: BoxPath) -> Ending:
         """Push along a stage of the path until it ends or the box has left it."""
         max_cycles = self._actor.scenario.mission.max_push_cycles
-        first_error_m = self._actor.box_error().position_m
         estimate = self._estimates[path.face]
         follower = Follower(path, self._policy, self._actor.scenario, estimate)
         boxes = deque([self._actor.box()], STILL_CYCLES + 1)
         while True:
             error = self._actor.box_error()
-            done = max(0.0, 1.0 - error.position_m / first_error_m) if first_error_m > 0.0 else None
-            self._actor.world.tell("pushing", done, f"cycle {self.n_cycles}, box error {error}")
             decision = follower.decide(self._actor.state)
+            share = min(1.0, decision.deviation.distance_m / path.length_m) if path.length_m > 0.0 else None
+            self._actor.world.tell("pushing", share, f"cycle {self.n_cycles}, box error {error}")
             if decision.push is None:
                 return decision.ending or "done"
             if self.n_cycles == max_cycles:

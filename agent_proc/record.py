@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from agent_proc.poses import BoxError, box_error
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
-from legpush.geometry import rpy_from_quaternion
-from legpush.messages import Follow, Motion, Push, Reset, Trace, WorldState
+from legpush.geometry import Pose2, rpy_from_quaternion
+from legpush.messages import BoxPathQuery, Follow, Motion, Push, Reset, Trace, WorldState
+from legpush.reference import reference_curve
 from legpush.robot import CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario
 
@@ -50,6 +51,8 @@ class Step:
     ticks: Ticks
     path_m: Floats
     """The path that was given last, (m, 2); empty before the first."""
+    box_path_m: Floats
+    """The path of the box that was planned last, (m, 2); before the first, the reference, or nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,25 +83,34 @@ def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
     """Read a mission; `JournalError` if it does not begin with a reset or has a step without its trace."""
     plans: list[PlanRecord] = []
     steps: list[Step] = []
-    path_m = np.empty((0, 2))
+    path_m = box_path_m = np.empty((0, 2))
     for record in records:
         if isinstance(record, PlanRecord):
             plans.append(record)
+            if isinstance(record.query, BoxPathQuery) and record.plan.waypoints:
+                box_path_m = _positions(record.plan.waypoints)
             continue
         motion, outcome = record
         if isinstance(motion, Follow):
-            path_m = np.array([[pose.x_m, pose.y_m] for pose in motion.waypoints])
+            path_m = _positions(motion.waypoints)
+        elif isinstance(motion, Reset) and motion.scenario.reference is not None:
+            box_path_m = reference_curve(motion.scenario.reference, motion.scenario.box.pose.pose())[:, :2]
         step = Step(
             motion=motion,
             world=outcome.world,
             state_crc=outcome.state_crc,
             ticks=_ticks(outcome.trace, len(steps)),
             path_m=path_m,
+            box_path_m=box_path_m,
         )
         steps.append(step)
     if not steps or not isinstance(reset := steps[0].motion, Reset):
         raise JournalError("Expected a reset as the first step of the journal")
     return MissionRecord(scenario=reset.scenario, seed=reset.seed, plans=plans, steps=steps)
+
+
+def _positions(waypoints: Iterable[Pose2]) -> Floats:
+    return np.array([[pose.x_m, pose.y_m] for pose in waypoints])
 
 
 def _ticks(trace: Trace | None, index: int) -> Ticks:

@@ -10,6 +10,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from agent_proc.mission import MissionResult
+from agent_proc.poses import planar_pose
 from agent_proc.record import MissionRecord, Step
 from legpush.messages import PROTOCOL_VERSION, Push, Walk
 from legpush.robot import CONTROL_PERIOD_S
@@ -29,6 +30,9 @@ PACKAGES: Final = {
 }
 """Name in the report to name of the distribution."""
 
+LOOK_AHEAD_M: Final = 0.5
+"""So far ahead on its path the box may be after one more push cycle."""
+
 
 class Report(Struct, frozen=True, kw_only=True):
     """The fields of `report.json`; what could not be measured is None."""
@@ -42,6 +46,9 @@ class Report(Struct, frozen=True, kw_only=True):
     box_angle_error_deg: float
     walk_tracking_rms_m: float | None
     """Of the distance from the trunk, on the floor, to the path that it followed, over all ticks of gait cycles."""
+    box_path_rms_m: float | None
+    """Of the distance from the box's centre to the path that it was pushed along, planned or reference, after each
+    push cycle."""
     handover_distance_m: float | None
     """From trunk to box where walking handed over to pushing."""
     trunk_max_abs_pitch_deg: float | None
@@ -78,6 +85,7 @@ def make_report(
         box_position_error_m=error.position_m,
         box_angle_error_deg=degrees(error.angle_rad),
         walk_tracking_rms_m=tracking_rms_m([step for step in record.steps if isinstance(step.motion, Walk)]),
+        box_path_rms_m=box_path_rms_m(record.steps),
         handover_distance_m=result.handover_distance_m,
         trunk_max_abs_pitch_deg=float(tilt_deg[:, 1].max()) if len(tilt_deg) else None,
         trunk_max_abs_roll_deg=float(tilt_deg[:, 0].max()) if len(tilt_deg) else None,
@@ -107,6 +115,27 @@ def tracking_rms_m(walks: list[Step]) -> float | None:
     squares = [distances_m(step.ticks.trunk_m, step.path_m) ** 2 for step in walks]
     n_ticks = sum(map(len, squares))
     return sqrt(sum(float(part.sum()) for part in squares) / n_ticks) if n_ticks else None
+
+
+def box_path_rms_m(steps: list[Step]) -> float | None:
+    """Root mean square distance of the box's centre from its path, over all push cycles; None without any.
+
+    A path is followed from its beginning to its end: where it comes near itself, what counts is the part ahead.
+    """
+    squares: list[float] = []
+    path_m, progress = np.empty((0, 2)), 0
+    for step in steps:
+        if not isinstance(step.motion, Push) or not len(step.box_path_m):
+            continue
+        if step.box_path_m is not path_m:
+            path_m, progress = step.box_path_m, 0
+            at_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path_m, axis=0).T))])
+        end = int(np.searchsorted(at_m, at_m[progress] + LOOK_AHEAD_M, side="right"))
+        point = planar_pose(step.world.box).xy()
+        ahead = path_m[progress : max(end, progress + 2)]
+        squares.append(float(distances_m(point[None], ahead)[0]) ** 2)
+        progress += int(np.hypot(*(ahead - point).T).argmin())
+    return sqrt(sum(squares) / len(squares)) if squares else None
 
 
 def distances_m(points_m: Floats, polyline_m: Floats) -> Floats:

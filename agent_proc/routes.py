@@ -49,6 +49,8 @@ def query_for_box(
         goal=scenario.goal.pose.pose(),
         sides=tuple(_side(scenario, face, estimate) for face, estimate in estimates.items()),
         present_side=faces.index(present) if present in faces else None,
+        box=box_footprint(scenario.box, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)),
+        walk_clearance_m=clearance_m(scenario.planning),
         side_change_m=pushing.face_change_m,
         clearance_m=pushing.margin_m,
         run_in_m=pushing.run_in_m,
@@ -65,7 +67,6 @@ def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:
     """What pushing a face takes: box and robot, and beforehand the place where the robot's way to it ends."""
     box = pushed_box(scenario.box, face)
     here = Pose2(x_m=estimate.axle_m, y_m=0.0, yaw_rad=0.0)
-    clear_m = 2 * clearance_m(scenario.planning)
     return PushSide(
         frame=Pose2(x_m=0.0, y_m=0.0, yaw_rad=TURN_RAD[face]) @ Pose2(x_m=-estimate.axle_m, y_m=0.0, yaw_rad=0.0),
         min_turning_radius_m=scenario.pushing.turning_reserve * estimate.turning_radius_m,
@@ -73,7 +74,7 @@ def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:
             box_footprint(box, here),
             Footprint(pose=station(box, here), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M),
         ),
-        approach=(Footprint(pose=stand_off(scenario, box, here), length_m=clear_m, width_m=clear_m),),
+        stand_off=stand_off(scenario, box, here),
     )
 
 

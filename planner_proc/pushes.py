@@ -7,6 +7,7 @@ from math import cos, hypot, sin
 from typing import Final
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
@@ -14,11 +15,14 @@ from legpush.messages import BoxPathQuery, PushSide
 from planner_proc.dubins import SAMPLE_M, Dubins
 from planner_proc.footprint_field import FootprintField, Squares, placed
 from planner_proc.occupancy import ClearanceField
+from planner_proc.walking_space import WalkingSpace, places_behind
 
 Floats = NDArray[np.float64]
 
 LEAST_STAGE_M: Final = 0.005
 """What is pushed less far than this from a side is not worth to change for."""
+STEPS_BACK_M: Final = (0.0, 0.1, 0.2, 0.3, 0.4)
+"""Beyond its stand-off: to where the robot may step back before it walks to another side."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,16 +41,18 @@ Way = tuple[Stage, ...]
 class Side:
     """A face that can be pushed, in a room."""
 
-    def __init__(self, side: PushSide, clearance_m: float, field: ClearanceField, squares: Squares) -> None:
+    def __init__(self, side: PushSide, query: BoxPathQuery, field: ClearanceField, squares: Squares) -> None:
+        self._field = field
+        self._walk_clearance_m = query.walk_clearance_m
+        self._stand_off = side.frame @ side.stand_off
         self._frame = side.frame
         self._box_from_frame = side.frame.inverse()
         self.turn_rad = side.frame.yaw_rad
         self._dubins = Dubins(side.min_turning_radius_m)
         self.footprints = FootprintField(side.footprints, field, squares)
-        self._standing = FootprintField((*side.footprints, *side.approach), field, squares)
         # Between two poses no point of the footprints moves farther than this from the nearer one.
         between_m = 0.5 * SAMPLE_M * (1.0 + self.footprints.reach_m / side.min_turning_radius_m)
-        self.required_m = clearance_m + between_m
+        self.required_m = query.clearance_m + between_m
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
         """Of the push from one pose of the box to another."""
@@ -77,7 +83,12 @@ class Side:
 
     def can_begin(self, pose: Pose2) -> bool:
         """Whether the robot can come to stand behind a box at the pose."""
-        return bool(self._standing.free(_row(pose @ self._frame), self.required_m)[0])
+        room_m = self._field.clearance_m(self.stand_off(pose).xy()[None])[0]
+        return bool(room_m >= self._walk_clearance_m) and self.fits(pose)
+
+    def stand_off(self, pose: Pose2) -> Pose2:
+        """Where the robot's way to this side of a box at the pose ends."""
+        return pose @ self._stand_off
 
     def fits(self, pose: Pose2) -> bool:
         """Whether box and robot fit with the box at the pose."""
@@ -89,7 +100,8 @@ class Pushes:
 
     def __init__(self, query: BoxPathQuery, field: ClearanceField) -> None:
         squares = Squares(query.grid)
-        self.sides = [Side(side, query.clearance_m, field, squares) for side in query.sides]
+        self.sides = [Side(side, query, field, squares) for side in query.sides]
+        self._walking = WalkingSpace(query.grid, field, query.walk_clearance_m)
         self._query = query
         self.extra_m = 0.0
         """Kept beyond what is required."""
@@ -105,15 +117,21 @@ class Pushes:
         return Stage(side=side, begin=begin, end=end, length_m=self.sides[side].length_m(begin, end))
 
     def free(self, way: Sequence[Stage], side_before: int | None) -> bool:
-        """Whether box and robot about fit all along, and the robot can come to stand where it changes sides."""
-        for stage in way:
-            side = self.sides[stage.side]
-            if stage.side != side_before and not side.can_begin(stage.begin):
-                return False
-            if not side.seems_free(stage, self.extra_m):
-                return False
-            side_before = stage.side
-        return True
+        """Whether box and robot about fit all along, and the robot can walk to where it changes sides."""
+        sides = [side_before, *(stage.side for stage in way)]
+        changes = [(stage, before) for stage, before in zip(way, sides, strict=False) if stage.side != before]
+        return (
+            all(self.sides[stage.side].can_begin(stage.begin) for stage, _ in changes)
+            and all(self.sides[stage.side].seems_free(stage, self.extra_m) for stage in way)
+            and all(self._can_walk(before, stage) for stage, before in changes if before is not None)
+        )
+
+    def _can_walk(self, before: int, stage: Stage) -> bool:
+        """Whether the robot comes around the box, from one side of it to where a stage begins."""
+        begins_m = places_behind(self.sides[before].stand_off(stage.begin), STEPS_BACK_M)
+        end_m = self.sides[stage.side].stand_off(stage.begin).xy()
+        box = replace(self._query.box, pose=stage.begin @ self._query.box.pose)
+        return self._walking.joins(begins_m, end_m, box)
 
     def singles(self, a: Pose2, b: Pose2) -> Iterator[Way]:
         """From one side all along."""

@@ -13,7 +13,7 @@ from legpush.robot import FrontLeg
 from legpush.room_shapes import Footprint
 from legpush.scenario import Face, PlannerName, Scenario
 
-PROTOCOL_VERSION: Final = 3
+PROTOCOL_VERSION: Final = 4
 
 Role = Literal["planner", "sim", "agent", "launcher"]
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
@@ -86,8 +86,8 @@ class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
     footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
     """What moves along, box and robot, in the frame that is pushed."""
-    approach: Annotated[tuple[Footprint, ...], Meta(max_length=16)]
-    """What has to be free as well where pushing from this side begins, in the same frame."""
+    stand_off: Pose2
+    """Where the trunk's way to this side ends, in the same frame; its way to another side begins there, or behind."""
 
 
 class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="box_path"):
@@ -103,6 +103,10 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     sides: Annotated[tuple[PushSide, ...], Meta(min_length=1, max_length=8)]
     present_side: Count | None
     """Which of them the robot stands at; None where it stands elsewhere."""
+    box: Footprint
+    """What the robot walks around from one side to another, in the frame of the box."""
+    walk_clearance_m: Annotated[float, Meta(gt=0.0)]
+    """Least distance of the trunk's centre from anything occupied, the box included, where it walks."""
     side_change_m: Annotated[float, Meta(ge=0.0)]
     """How much more path of the box a change of sides is worth."""
     clearance_m: Annotated[float, Meta(ge=0.0)]

@@ -21,6 +21,9 @@ class RandomRoom:
     """From the box to its goal, at least."""
     mass_kg: float = 0.1
     friction: float = 0.5
+    box_xy_m: float = 0.05
+    box_yaw_deg: float = 5.0
+    """How far the box may be from where the map has it."""
     position_tolerance_m: float = 0.03
     angle_tolerance_deg: float = 3.0
 

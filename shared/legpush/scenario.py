@@ -6,6 +6,7 @@ from typing import Annotated, Final, Literal
 from msgspec import Meta, Struct
 
 from legpush.geometry import Pose2
+from legpush.reference import Reference
 from legpush.robot import HIP_X_M, PUSH_GAP_M
 
 Positive = Annotated[float, Meta(gt=0.0)]
@@ -164,4 +165,7 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     planning: Planning = Planning()
     mission: Mission = Mission()
     pushing: Pushing = Pushing()
+    reference: Reference | None = None
+    """A curve for the box's centre, from its nominal pose on and pushed at its rear face, instead of a planned path; it
+    ends at the goal."""
     randomization: Randomization = Randomization()

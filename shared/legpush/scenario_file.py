@@ -41,8 +41,8 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
 
 
 def dump_scenario(scenario: Scenario) -> str:
-    """The scenario as TOML with every field in it; loading it gives an equal record."""
-    return tomli_w.dumps(msgspec.to_builtins(scenario))
+    """The scenario as TOML with every field in it that has a value; loading it gives an equal record."""
+    return tomli_w.dumps({name: value for name, value in msgspec.to_builtins(scenario).items() if value is not None})
 
 
 def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

@@ -4,15 +4,24 @@ What the seed moves is checked where its offsets move it farthest: a scenario th
 """
 
 from collections.abc import Callable, Sequence
-from math import hypot, radians, sin
+from math import degrees, hypot, radians, sin
+from typing import Final
 
 import numpy as np
 
 from legpush.errors import ScenarioError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import MAX_CELLS
-from legpush.robot import FOOT_RADIUS_M, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_RADIUS_M, FOOT_RECTANGLE_WIDTH_M
+from legpush.reference import Reference, reference_curve
+from legpush.robot import (
+    BODY_LENGTH_M,
+    BODY_WIDTH_M,
+    FOOT_RADIUS_M,
+    FOOT_RECTANGLE_LENGTH_M,
+    FOOT_RECTANGLE_RADIUS_M,
+    FOOT_RECTANGLE_WIDTH_M,
+)
 from legpush.room import clearance_m, grid_shape
 from legpush.room_shapes import (
     Footprint,
@@ -24,6 +33,12 @@ from legpush.room_shapes import (
     obstacle_footprint,
 )
 from legpush.scenario import STAND_OFF_M, STATION_M, Face, Room, Scenario
+
+REFERENCE_END_M: Final = 0.01
+REFERENCE_END_DEG: Final = 0.5
+"""How far the goal may be from where the reference ends."""
+REFERENCE_EVERY: Final = 5
+"""Points of the reference at which space is checked."""
 
 
 def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
@@ -70,6 +85,9 @@ def _check(scenario: Scenario) -> None:
             f"at `pushing.faces`: expected a face that a {box.shape} can be pushed at ({valid}), "
             f"got {', '.join(scenario.pushing.faces)}"
         )
+    if scenario.reference is not None:
+        _check_reference(scenario, scenario.reference)
+        faces = ("rear",)
     _check_any(faces, lambda face: _check_place_to_begin(scenario, face))
     _check_any(faces, lambda face: _check_place_to_end(scenario, face))
 
@@ -108,6 +126,33 @@ def _check_place_to_end(scenario: Scenario, face: Face) -> None:
     _check_circle(scenario.room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", what)
 
 
+def _check_reference(scenario: Scenario, reference: Reference) -> None:
+    """It ends at the goal, and box and robot have space all along it."""
+    if "rear" not in scenario.pushing.faces:
+        raise ScenarioError(
+            f"at `pushing.faces`: expected the rear face, at which a reference is pushed, "
+            f"got {', '.join(scenario.pushing.faces)}"
+        )
+    curve = reference_curve(reference, scenario.box.pose.pose())
+    x_m, y_m, yaw_rad = curve[-1].tolist()
+    end, goal = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)), scenario.goal.pose.pose()
+    off_m = hypot(end.x_m - goal.x_m, end.y_m - goal.y_m)
+    if off_m > REFERENCE_END_M or degrees(abs(wrap_angle(end.yaw_rad - goal.yaw_rad))) > REFERENCE_END_DEG:
+        raise ScenarioError(
+            f"at `goal.pose`: expected where the reference ends, x_m {end.x_m:.3f}, y_m {end.y_m:.3f}, "
+            f"yaw_deg {degrees(end.yaw_rad):.2f}, got x_m {goal.x_m:g}, y_m {goal.y_m:g}, "
+            f"yaw_deg {degrees(goal.yaw_rad):g}"
+        )
+    for x_m, y_m, yaw_rad in curve[::REFERENCE_EVERY].tolist():
+        pose = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad))
+        where = f"at ({x_m:.2f}, {y_m:.2f}) on the reference"
+        behind = behind_box(scenario.box, pose, STATION_M)
+        robot = Footprint(pose=behind, length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        for footprint, what in ((box_footprint(scenario.box, pose), "the box"), (robot, "the robot")):
+            margin_m = scenario.pushing.margin_m
+            _check_box(scenario.room, footprint, margin_m, "reference", f"{what} {where}", " (`pushing.margin_m`)")
+
+
 def _check_room(room: Room) -> None:
     """A map that fits into a message, and no obstacle outside it."""
     n_columns, n_rows = grid_shape(room)
@@ -136,9 +181,11 @@ def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, fi
         _require(distance, radius_m + reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
 
 
-def _check_box(room: Room, footprint: Footprint, reach_m: float, field: str, what: str) -> None:
-    """A box is free wherever the seed may move it."""
-    because = _because(0.0, reach_m)
+def _check_box(
+    room: Room, footprint: Footprint, reach_m: float, field: str, what: str, because: str | None = None
+) -> None:
+    """A box is free wherever the seed may move it, or with another distance for the reason that is given."""
+    because = _because(0.0, reach_m) if because is None else because
     border = distance_to_border_m(footprint.corners(), room)
     _require(border, reach_m, field, f"from {what} to the border of the room", because)
     for index, wall in enumerate(room.obstacles):

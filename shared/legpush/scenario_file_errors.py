@@ -32,7 +32,7 @@ def explain(
     what, path = (located["what"], located["path"]) if located else (error, "")
     steps = re.findall(r"[^.\[\]]+", path)
     place = ".".join(filter(None, (at, path)))
-    node, value = _node(kind, steps), _value(plain, steps)
+    node, value = _node(kind, plain, steps), _value(plain, steps)
     if named := _FIELD_NAME.search(what):
         name = named["name"]
         valid = [*_field_names(node), *(also or {}).get(path, ())]
@@ -42,6 +42,8 @@ def explain(
         nearest = get_close_matches(name, valid, n=1)
         hint = f" (did you mean `{nearest[0]}`?)" if nearest else ""
         return f"at `{place}`: unknown field{hint}; valid here: {', '.join(valid)}"
+    if isinstance(node, inspect.UnionType):
+        what = f"Expected one of {', '.join(_tags(node))}"
     if isinstance(node, inspect.LiteralType):
         what = f"Expected one of {', '.join(map(str, node.values))}"
     if isinstance(value, str | int | float) and not what.endswith(f"got {value}"):
@@ -58,19 +60,39 @@ def _value(plain: Any, steps: Sequence[str]) -> Any:
     return plain
 
 
-def _node(kind: type[msgspec.Struct], steps: Sequence[str]) -> inspect.Type:
-    """The type that belongs at a path of keys and indices of a record."""
-    node = inspect.type_info(kind)
+def _node(kind: type[msgspec.Struct], plain: Any, steps: Sequence[str]) -> inspect.Type:
+    """The type that belongs at a path of keys and indices of a record; of a tag, all that it may choose from."""
+    node = _chosen(inspect.type_info(kind), plain)
     for step in steps:
+        if isinstance(node, inspect.UnionType):
+            return node
         if isinstance(node, inspect.StructType):
             node = next(field.type for field in node.fields if field.name == step)
         elif isinstance(node, inspect.TupleType):
             node = node.item_types[int(step)]
         elif isinstance(node, inspect.VarTupleType):
             node = node.item_type
+        plain = _value(plain, [step])
+        node = _chosen(node, plain)
     return node
 
 
+def _chosen(node: inspect.Type, plain: Any) -> inspect.Type:
+    """The record of a union that the value's tag names; else the union."""
+    if isinstance(node, inspect.UnionType) and isinstance(plain, dict):
+        for one in node.types:
+            if isinstance(one, inspect.StructType) and plain.get(one.tag_field) == one.tag:
+                return one
+    return node
+
+
+def _tags(node: inspect.UnionType) -> tuple[str, ...]:
+    return tuple(str(one.tag) for one in node.types if isinstance(one, inspect.StructType))
+
+
 def _field_names(node: inspect.Type) -> tuple[str, ...]:
-    """Fields of a record, none of anything else."""
-    return tuple(field.name for field in node.fields) if isinstance(node, inspect.StructType) else ()
+    """Fields of a record, its tag first; none of anything else."""
+    if not isinstance(node, inspect.StructType):
+        return ()
+    tag = () if node.tag_field is None else (node.tag_field,)
+    return (*tag, *(field.name for field in node.fields))

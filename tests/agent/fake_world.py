@@ -115,6 +115,8 @@ class FakeWorld:
     """From the nominal pose of the box: x, y in m and yaw in rad."""
     walk_stride_m: float = STRIDE_M
     push_scale: float = 1.0
+    sideways_m: float = 0.0
+    """How far a box slips to its left with each push."""
     falls_in: Callable[[Motion, int], bool] = lambda _motion, _n: False
     """Whether the robot falls in this motion, the n-th of its kind from 1."""
     noise: np.random.Generator | None = None
@@ -197,7 +199,8 @@ class FakeWorld:
         factor, slip = (1.0, 0.0) if self.noise is None else self.noise.normal([1.0, 0.0], [0.1, radians(0.2)])
         model = nearest_model(pushed_box(self._scenario.box, push.face))
         x, y, yaw = model.push(box, mirror, depth, scale * factor, scale * factor)[0]
-        return Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw) + slip - TURN_RAD[push.face])
+        pushed = Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw) + slip - TURN_RAD[push.face])
+        return pushed @ Pose2(x_m=0.0, y_m=self.sideways_m, yaw_rad=0.0)
 
     def _progress(self) -> PathProgress | None:
         return None if self._path is None else self._path.progress()

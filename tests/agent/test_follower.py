@@ -1,7 +1,9 @@
 """Following a path of the box, in a world that moves it as the push model says."""
 
 from math import cos, degrees, pi, radians, sin
+from typing import Literal
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
@@ -11,10 +13,14 @@ from agent_proc.mission import run_mission
 from agent_proc.poses import box_error, planar_pose
 from agent_proc.push_estimate import PushEstimate
 from agent_proc.pushed_view import pushed_world
+from agent_proc.record import read_record
+from agent_proc.reference_path import trailing
+from agent_proc.report import box_path_rms_m
 from agent_proc.scripted import ScriptedPolicy
 from legpush.faces import FACES, pushed_box, pushed_pose
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Push, Reset
+from legpush.reference import Arcs, Left, Reference, Right, Sine, Straight, reference_curve
 from legpush.scenario import Face, Goal, PoseDeg, Pushing, Room, Scenario
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station
@@ -157,3 +163,87 @@ def test_an_estimate_learns_how_much_a_box_turns() -> None:
 
     assert estimate.turn_scale == pytest.approx(1.2, abs=0.03)
     assert estimate.turning_radius_m == pytest.approx(radius_m / 1.2, rel=0.03)
+
+
+EIGHT = Arcs(
+    radius_m=0.9,
+    segments=(
+        Straight(length_m=0.9),
+        Right(angle_deg=90.0),
+        Straight(length_m=0.5),
+        Left(angle_deg=180.0),
+        Straight(length_m=0.7),
+    ),
+)
+
+
+def along(reference: Reference, composition: Literal["closed_loop", "open_loop"] = "closed_loop") -> Scenario:
+    """Pushed along the reference, in a room that is large enough."""
+    scenario = scenario_at_station()
+    x_m, y_m, yaw_rad = reference_curve(reference, scenario.box.pose.pose())[-1].tolist()
+    goal = Goal(pose=PoseDeg(x_m=x_m, y_m=y_m, yaw_deg=degrees(yaw_rad)))
+    return replace(scenario, goal=goal, reference=reference, pushing=Pushing(composition=composition))
+
+
+@pytest.mark.parametrize("reference", [EIGHT, Sine(amplitude_m=0.3, wavelength_m=3.0, n_periods=1.0)])
+def test_a_reference_is_followed_to_its_end_without_asking_for_a_path(reference: Reference) -> None:
+    world = FakeWorld(push_scale=0.95)
+    scenario = along(reference)
+
+    result = run_mission(world, scenario, 3, ScriptedPolicy())
+
+    assert result.success, result.detail
+    rms_m = box_path_rms_m(read_record(iter(world.records)).steps)
+    assert rms_m is not None
+    assert rms_m < 0.015
+    assert {push.face for push in world.motions(Push) if isinstance(push, Push)} == {"rear"}
+
+
+def test_a_loop_is_pushed_though_the_box_begins_at_its_goal() -> None:
+    loop = Arcs(radius_m=0.8, segments=(Left(angle_deg=350.0), Straight(length_m=0.1), Left(angle_deg=10.0)))
+    world = FakeWorld()
+
+    run_mission(world, along(loop), 3, ScriptedPolicy())
+
+    assert len(world.motions(Push)) > 100
+
+
+def test_a_reference_in_an_open_loop_is_pushed_the_same_whatever_the_box_does() -> None:
+    exact, weak = FakeWorld(), FakeWorld(push_scale=0.8)
+    results = [run_mission(world, along(EIGHT, "open_loop"), 3, ScriptedPolicy()) for world in (exact, weak)]
+
+    assert exact.motions(Push) == weak.motions(Push)
+    assert results[0].success
+    assert results[1].reason == "tolerance_missed"
+    assert not exact.box_queries()
+
+
+def test_a_reference_that_turns_too_tightly_is_refused_before_the_robot_moves() -> None:
+    world = FakeWorld()
+
+    result = run_mission(world, along(Arcs(radius_m=0.3, segments=(Left(angle_deg=90.0),))), 3, ScriptedPolicy())
+
+    assert result.reason == "no_path"
+    assert "turns on a radius of 0.30 m, the box on no less than 0.5" in result.detail
+    assert not world.motions(Push)
+
+
+def test_a_box_that_leaves_its_reference_ends_the_mission() -> None:
+    world = FakeWorld(sideways_m=0.02)
+
+    result = run_mission(world, along(EIGHT), 3, ScriptedPolicy())
+
+    assert result.reason == "left_reference"
+    assert "the box left its reference after" in result.detail
+
+
+@pytest.mark.parametrize("axle_m", [0.0, 0.15, 0.3])
+def test_headings_along_a_curve_are_those_of_a_box_that_does_not_slip(axle_m: float) -> None:
+    curve = reference_curve(EIGHT, START)
+    headings = trailing(curve, axle_m)
+
+    axles = curve[:, :2] - axle_m * np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    steps = np.diff(axles, axis=0)
+    middle = (headings[1:] + headings[:-1]) / 2
+    sideways = np.cos(middle) * steps[:, 1] - np.sin(middle) * steps[:, 0]
+    assert np.abs(sideways).max() < 1e-5

@@ -11,13 +11,16 @@ from msgspec.structs import replace
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.picture import save_picture
 from agent_proc.poses import planar_pose
+from agent_proc.push_estimate import PushEstimate
 from agent_proc.record import MissionRecord, read_record
-from agent_proc.report import distances_m, installed_versions, make_report, tracking_rms_m
+from agent_proc.report import box_path_rms_m, distances_m, installed_versions, make_report, tracking_rms_m
+from agent_proc.routes import query_for_box
 from agent_proc.scripted import ScriptedPolicy
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.messages import Follow, Outcome, Plan, PlanQuery, Push, Reset, Trace, Tree, Walk
+from legpush.reference import Arcs, Straight
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan
 
 SCENARIO = make_scenario()
@@ -25,7 +28,13 @@ BOX = Pose2(x_m=6.98, y_m=3.0, yaw_rad=0.02)
 DONE = MissionResult(success=True, reason="success", detail="box error", handover_distance_m=2.9, n_push_cycles=1)
 REPORT_KEYS = (
     *("success", "reason", "detail", "box_position_error_m", "box_angle_error_deg", "walk_tracking_rms_m"),
-    *("handover_distance_m", "trunk_max_abs_pitch_deg", "trunk_max_abs_roll_deg", "min_support_margin_m"),
+    *(
+        "box_path_rms_m",
+        "handover_distance_m",
+        "trunk_max_abs_pitch_deg",
+        "trunk_max_abs_roll_deg",
+        "min_support_margin_m",
+    ),
     *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed", "versions"),
 )
 
@@ -53,6 +62,14 @@ def trace(ticks: range, trunks: list[tuple[float, float]], tilt: float, margin_m
         zmp_m=((0.0, 0.0),) * len(states),
         support_margin_m=(*(0.1,) * (len(states) - 1), margin_m),
     )
+
+
+BOX_QUERY = query_for_box(SCENARIO, 5, BOX, {"rear": PushEstimate(SCENARIO.box)}, None)
+
+
+def box_plan(*points: tuple[float, float]) -> Plan:
+    waypoints = tuple(Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0) for x_m, y_m in points)
+    return Plan(status="exact", reason="", waypoints=waypoints, sides=(0,) * len(waypoints))
 
 
 NOTHING = Trace(
@@ -100,6 +117,7 @@ def test_what_was_not_measured_is_none() -> None:
     report = make_report(read_record(journal_by_hand()[:1]), DONE, 1.0, {})
 
     assert report.walk_tracking_rms_m is None
+    assert report.box_path_rms_m is None
     assert report.trunk_max_abs_pitch_deg is None
     assert report.trunk_max_abs_roll_deg is None
     assert report.min_support_margin_m is None
@@ -181,7 +199,7 @@ def test_versions_are_named_and_null_where_nothing_is_installed(monkeypatch: pyt
     versions = installed_versions()
 
     assert versions == {
-        "protocol": "3",
+        "protocol": "4",
         "python": versions["python"],
         "numpy": np.__version__,
         "nothing": None,
@@ -233,3 +251,46 @@ def test_a_picture_of_another_mission_is_another_picture(tmp_path: Path) -> None
     a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
     assert a == b
     assert a != c
+
+
+def pushed_to(*boxes: tuple[float, float]) -> list[StepRecord]:
+    push = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
+    trunk = Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)
+    states = [make_state(trunk, Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0)) for x_m, y_m in boxes]
+    return [StepRecord(push, Outcome(world=state, state_crc=0, trace=NOTHING)) for state in states]
+
+
+def test_each_push_is_measured_against_the_path_of_the_box_that_was_planned_last() -> None:
+    start = StepRecord(Reset(scenario=SCENARIO, seed=5), outcome(0, 1))
+    first = PlanRecord(BOX_QUERY, box_plan(*((6.0 + k / 20, 3.0) for k in range(21))))
+    second = PlanRecord(BOX_QUERY, box_plan(*((6.4, 3.0 + k / 20) for k in range(21))))
+    records: list[StepRecord | PlanRecord] = [
+        start,
+        first,
+        *pushed_to((6.2, 3.03), (6.4, 2.96)),
+        second,
+        *pushed_to((6.4, 3.1), (6.45, 3.3)),
+    ]
+
+    assert box_path_rms_m(read_record(records).steps) == pytest.approx(sqrt((0.03**2 + 0.04**2 + 0.05**2) / 4))
+    assert box_path_rms_m(read_record([start, *pushed_to((6.2, 3.0))]).steps) is None
+
+
+def test_where_a_path_crosses_itself_what_counts_is_the_part_ahead() -> None:
+    start = StepRecord(Reset(scenario=SCENARIO, seed=5), outcome(0, 1))
+    there = [(6.0 + k / 20, 3.0) for k in range(41)]
+    around = [(8.0, 3.0 + k / 20) for k in range(41)]
+    back = [(8.0 - k / 20, 5.0) for k in range(21)]
+    across = [(7.0, 5.0 - k / 20) for k in range(61)]
+    boxes = [(6.4, 3.0), (6.8, 3.0), (7.0, 3.2), (7.2, 3.0), (7.6, 3.0)]
+    plan = PlanRecord(BOX_QUERY, box_plan(*there, *around, *back, *across))
+    records: list[StepRecord | PlanRecord] = [start, plan, *pushed_to(*boxes)]
+
+    assert box_path_rms_m(read_record(records).steps) == pytest.approx(sqrt(0.2**2 / 5))
+
+
+def test_a_reference_is_the_path_of_the_box_until_another_one_is_planned() -> None:
+    reference = Arcs(radius_m=1.0, segments=(Straight(length_m=1.0),))
+    start = StepRecord(Reset(scenario=replace(SCENARIO, reference=reference), seed=5), outcome(0, 1))
+
+    assert box_path_rms_m(read_record([start, *pushed_to((6.2, 3.02))]).steps) == pytest.approx(0.02)

@@ -13,10 +13,13 @@ from legpush.messages import BoxPathQuery, Plan, PushSide
 from legpush.room import occupancy_grid
 from legpush.room_shapes import Footprint, distance_m, distance_to_border_m, obstacle_footprint
 from legpush.scenario import Rectangle, Room
+from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
+from planner_proc.walking_space import WalkingSpace
 
 RADIUS_M = 0.7
 CLEARANCE_M = 0.05
+WALK_M = 0.4
 
 
 def pose(x_m: float, y_m: float, yaw_rad: float = 0.0) -> Pose2:
@@ -33,7 +36,7 @@ def side(turn_rad: float, length_m: float, width_m: float, axle_m: float = 0.15)
             Footprint(pose=pose(axle_m, 0.0), length_m=length_m, width_m=width_m),
             Footprint(pose=pose(behind - 0.42, 0.0), length_m=0.76, width_m=0.44),
         ),
-        approach=(Footprint(pose=pose(behind - 0.75, 0.0), length_m=0.8, width_m=0.8),),
+        stand_off=pose(behind - 0.75, 0.0),
     )
 
 
@@ -44,6 +47,8 @@ def query(room: Room, start: Pose2, goal: Pose2, **changes: Any) -> BoxPathQuery
     fields: dict[str, Any] = {
         "sides": SIDES,
         "present_side": None,
+        "box": Footprint(pose=pose(0.0, 0.0), length_m=0.4, width_m=0.5),
+        "walk_clearance_m": WALK_M,
         "side_change_m": 0.5,
         "clearance_m": CLEARANCE_M,
         "run_in_m": 0.4,
@@ -180,3 +185,26 @@ def test_a_side_that_is_not_there_is_refused() -> None:
     plan = make_plan(query(OPEN, pose(4.0, 4.0), pose(5.0, 4.0), present_side=4))
     assert plan.status == "invalid"
     assert "Expected present_side below 4" in plan.reason
+
+
+def test_a_robot_that_cannot_walk_around_the_box_changes_no_side() -> None:
+    corridor = Room(size_m=(8.0, 1.6))
+    to_the_left = query(corridor, pose(3.0, 0.8), pose(2.0, 0.8), present_side=0, max_iterations=200)
+
+    assert make_plan(to_the_left).status == "failed"
+    assert make_plan(replace(to_the_left, present_side=2)).status == "exact"
+    hall = Room(size_m=(8.0, 2.6))
+    assert make_plan(query(hall, pose(3.0, 1.3), pose(2.0, 1.3), present_side=0)).status == "exact"
+
+
+def test_a_way_around_the_box_is_found_beyond_its_neighbourhood() -> None:
+    walls = (Rectangle(x_min_m=0.0, x_max_m=6.8, y_min_m=1.8, y_max_m=2.0),)
+    room = Room(size_m=(8.0, 3.0), obstacles=walls)
+    space = WalkingSpace(occupancy_grid(room), ClearanceField(occupancy_grid(room)), WALK_M)
+    box = Footprint(pose=pose(3.0, 0.9), length_m=0.4, width_m=0.5)
+    behind, ahead, above = (pose(x_m, y_m).xy() for x_m, y_m in ((1.5, 0.9), (4.5, 0.9), (1.5, 2.5)))
+
+    assert not space.joins(behind[None], ahead, box)
+    assert space.joins(ahead[None], above, box)
+    assert space.joins(np.stack([behind, ahead]), above, box)
+    assert not space.joins(ahead[None], pose(9.0, 0.9).xy(), box)

@@ -163,6 +163,7 @@ REPORT = {
     "box_position_error_m": 0.0123,
     "box_angle_error_deg": 1.26,
     "walk_tracking_rms_m": None,
+    "box_path_rms_m": 0.0084,
     "handover_distance_m": 0.95,
     "trunk_max_abs_pitch_deg": 1.5,
     "trunk_max_abs_roll_deg": 2.5,

@@ -70,8 +70,8 @@ def drop(table: str, field: str) -> Callable[[Plain], None]:
 # -- what loads ------------------------------------------------------------------------------------------------------
 
 
-def test_there_are_the_four_built_in_scenarios() -> None:
-    assert scenario_names() == ("default", "published", "published_detour", "push")
+def test_there_are_six_built_in_scenarios() -> None:
+    assert scenario_names() == ("default", "dubins_loop", "published", "published_detour", "push", "sine")
 
 
 @pytest.mark.parametrize("name", scenario_names())
@@ -284,7 +284,8 @@ def test_a_record_can_be_checked_without_a_file() -> None:
 
 def test_an_unknown_name_lists_the_valid_ones_and_the_nearest() -> None:
     with pytest.raises(
-        ScenarioError, match=r"default, published, published_detour, push.*got `defalt` .*mean `default`"
+        ScenarioError,
+        match=r"default, dubins_loop, published, published_detour, push, sine.*got `defalt` .*mean `default`",
     ):
         load_scenario("defalt")
 

@@ -19,6 +19,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "box_position_error_m": ("box position error", lambda m: f"{100 * m:.1f} cm"),
     "box_angle_error_deg": ("box angle error", lambda deg: f"{deg:.1f}°"),
     "walk_tracking_rms_m": ("walking path error, RMS", lambda m: f"{100 * m:.1f} cm"),
+    "box_path_rms_m": ("box path error, RMS", lambda m: f"{100 * m:.1f} cm"),
     "handover_distance_m": ("distance to the box at hand-over", lambda m: f"{m:.2f} m"),
     "trunk_max_abs_pitch_deg": ("trunk pitch, largest", lambda deg: f"{deg:.1f}°"),
     "trunk_max_abs_roll_deg": ("trunk roll, largest", lambda deg: f"{deg:.1f}°"),

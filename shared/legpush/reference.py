@@ -1,0 +1,97 @@
+"""A curve that the box is to be pushed along: a sine, or straight stretches and arcs in turn (Figs. 20, 21)."""
+
+from math import atan, ceil, pi
+from typing import Annotated, Final
+
+import numpy as np
+from msgspec import Meta, Struct
+from numpy.typing import NDArray
+
+from legpush.geometry import Pose2
+
+Floats = NDArray[np.float64]
+Positive = Annotated[float, Meta(gt=0.0)]
+Angle = Annotated[float, Meta(gt=0.0, le=720.0)]
+
+STEP_M: Final = 0.01
+"""Between two points of a curve, at most."""
+
+
+class Sine(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="sine"):
+    """y = amplitude sin(2 pi x / wavelength), its x axis turned so that it begins along the heading of the box."""
+
+    amplitude_m: Positive
+    wavelength_m: Positive
+    n_periods: Annotated[float, Meta(gt=0.0, le=100.0)] = 1.0
+
+
+class Straight(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="straight"):
+    """A straight stretch."""
+
+    length_m: Positive
+
+
+class Left(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="left"):
+    """An arc counter-clockwise."""
+
+    angle_deg: Angle
+
+
+class Right(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="right"):
+    """An arc clockwise."""
+
+    angle_deg: Angle
+
+
+class Arcs(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="arcs"):
+    """Straight stretches and arcs of one radius, as Dubins paths are made of."""
+
+    radius_m: Positive
+    segments: Annotated[tuple[Straight | Left | Right, ...], Meta(min_length=1, max_length=100)]
+
+
+Reference = Sine | Arcs
+
+
+def reference_curve(reference: Reference, begin: Pose2) -> Floats:
+    """Positions and tangent directions, not wrapped, from `begin` on in its direction, (n, 3)."""
+    curve = _sine(reference) if isinstance(reference, Sine) else _arcs(reference)
+    return np.column_stack([begin.apply(curve[:, :2]), curve[:, 2] + begin.yaw_rad])
+
+
+def least_radius_m(reference: Reference) -> float:
+    """Of curvature, anywhere on it; infinite where it is straight all along."""
+    if isinstance(reference, Sine):
+        return 1.0 / (reference.amplitude_m * (2 * pi / reference.wavelength_m) ** 2)
+    straight = all(isinstance(segment, Straight) for segment in reference.segments)
+    return np.inf if straight else reference.radius_m
+
+
+def _sine(sine: Sine) -> Floats:
+    per_m = 2 * pi / sine.wavelength_m
+    length_m = sine.n_periods * sine.wavelength_m
+    steepest = sine.amplitude_m * per_m
+    x = np.linspace(0.0, length_m, ceil(length_m * np.hypot(1.0, steepest) / STEP_M) + 1)
+    y = sine.amplitude_m * np.sin(per_m * x)
+    turned = Pose2(x_m=0.0, y_m=0.0, yaw_rad=-atan(steepest))
+    direction = np.arctan(steepest * np.cos(per_m * x)) + turned.yaw_rad
+    return np.column_stack([turned.apply(np.column_stack([x, y])), direction])
+
+
+def _arcs(arcs: Arcs) -> Floats:
+    rows = [np.zeros((1, 3))]
+    for segment in arcs.segments:
+        x_m, y_m, direction = rows[-1][-1].tolist()
+        if isinstance(segment, Straight):
+            length_m, curvature = segment.length_m, 0.0
+        else:
+            length_m = arcs.radius_m * np.radians(segment.angle_deg)
+            curvature = (1.0 if isinstance(segment, Left) else -1.0) / arcs.radius_m
+        along = np.linspace(0.0, length_m, ceil(length_m / STEP_M) + 1)[1:]
+        turned = curvature * along
+        # sin(t)/t and (1 - cos(t))/t, which a straight stretch needs at t = 0.
+        ahead = along * np.sinc(turned / pi)
+        left = along * np.sinc(turned / (2 * pi)) * np.sin(turned / 2)
+        c, s = np.cos(direction), np.sin(direction)
+        rows.append(np.column_stack([x_m + c * ahead - s * left, y_m + s * ahead + c * left, direction + turned]))
+    return np.concatenate(rows)
