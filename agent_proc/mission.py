@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from agent_proc.actor import Actor, MissionEndedError, Reason, World
 from agent_proc.policy import Policy
+from agent_proc.push_map import PushMap
 from agent_proc.pushing import Pushing
 from agent_proc.routes import query_to_nominal_box
 from legpush.messages import PlanQuery, Reset
@@ -31,10 +32,16 @@ class MissionResult:
     n_push_cycles: int
 
 
-def run_mission(world: World, scenario: Scenario, seed: int, policy: Policy) -> MissionResult:
-    """Run a mission from its reset to its end: the step order of Fig. 5."""
+def run_mission(
+    world: World, scenario: Scenario, seed: int, policy: Policy, push_map: PushMap | None = None
+) -> MissionResult:
+    """Run a mission from its reset to its end: the step order of Fig. 5.
+
+    `push_map` is of the scenario's box; without one, what pushes do to it is guessed from what they do to the default
+    one.
+    """
     actor = Actor(world, scenario, seed)
-    pushing = Pushing(actor, policy)
+    pushing = Pushing(actor, policy, push_map)
     handover_distance_m = None
     try:
         actor.step(Reset(scenario=scenario, seed=seed))

@@ -16,6 +16,7 @@ PRIOR_RAD: Final = 0.05
 FORGETTING: Final = 0.9
 """What a past push counts after each further one."""
 USUAL_DEPTH_M: Final = 0.05
+"""The circle that a box turns on is that of pushes which are so deep."""
 MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0

@@ -13,13 +13,15 @@ from agent_proc.box_path import stages as path_stages
 from agent_proc.follower import Ending, Follower
 from agent_proc.policy import Policy
 from agent_proc.poses import BoxError
-from agent_proc.push_estimate import PushEstimate
+from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
+from agent_proc.push_map import PushMap
 from agent_proc.reference_path import reference_path
-from agent_proc.routes import query_for_box
-from legpush.faces import FACES, pushed_box, pushed_pose
+from agent_proc.routes import calibration_query, query_for_box
+from legpush.faces import pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import Plan, PlanQuery
+from legpush.messages import Plan, PlanQuery, Push
 from legpush.reference import Reference, least_radius_m
+from legpush.robot import FRONT_LEGS
 from legpush.scenario import Face, Goal
 
 LEAST_PUSH_M: Final = 0.005
@@ -33,14 +35,20 @@ AIM_DEG: Final = 2.0
 MAX_BETTER: Final = 2
 """A box that is within its tolerances, but not within these, is pushed on so many times at most."""
 
+CALIBRATION_LEGS: Final = (0, 1, 1, 0)
+"""0 is FL, 1 is FR: the box turns to and fro, and goes straight on in the mean."""
+
 
 class Pushing:
     """The pushes of a mission."""
 
-    def __init__(self, actor: Actor, policy: Policy) -> None:
+    def __init__(self, actor: Actor, policy: Policy, push_map: PushMap | None = None) -> None:
         self._actor = actor
         self._policy = policy
-        self._estimates = {face: PushEstimate(pushed_box(actor.scenario.box, face)) for face in FACES}
+        self._estimates = {
+            face: PushEstimate(pushed_box(actor.scenario.box, face), None if push_map is None else push_map.model(face))
+            for face in actor.faces()
+        }
         """What pushes at each face do."""
         self._reference = actor.scenario.reference
         """Until it has been followed."""
@@ -53,6 +61,9 @@ class Pushing:
 
         A box within the tolerances is pushed on, a few times at most, until it is within the aim as well.
         """
+        to_do = self._reference is not None or not self._actor.box_error().within(self._aim())
+        if self._actor.scenario.pushing.calibration_pushes and to_do:
+            self._calibrate()
         if self._reference is not None:
             self._push_along_reference()
         n_good = 0
@@ -70,6 +81,33 @@ class Pushing:
         return self._actor.require_goal(
             "tolerance_missed", f"box error {self._actor.box_error()} after {MAX_PATHS} paths"
         )
+
+    def _calibrate(self) -> None:
+        """Some pushes straight ahead, with both legs in turn, so that paths are planned for the box as it is.
+
+        None where there is no space for them.
+        """
+        face = self._come_to_push()[0].face
+        estimate, n_pushes = self._estimates[face], self._actor.scenario.pushing.calibration_pushes
+        ahead = calibration_query(self._actor.scenario, self._actor.seed, self._actor.box(), face, estimate)
+        if self._actor.ask(ahead, "the way for the calibration").status != "exact":
+            return
+        w1, w2 = estimate.curve
+        for index in range(n_pushes):
+            self._actor.world.tell("calibrating", index / n_pushes, f"push {index + 1} of {n_pushes}, {face} face")
+            leg = FRONT_LEGS[CALIBRATION_LEGS[index % len(CALIBRATION_LEGS)]]
+            self._push(Push(w1=w1, w2=w2, leg=leg, depth_m=USUAL_DEPTH_M, face=face), learn=True)
+
+    def _push(self, push: Push, *, learn: bool) -> None:
+        """One push, from which the estimate may learn."""
+        face = push.face
+        if not self._actor.at_station(face):
+            self._actor.approach(face)
+        self.n_cycles += 1
+        before = pushed_pose(self._actor.box(), face)
+        self._actor.step(push)
+        if learn:
+            self._estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))
 
     def _push_along_reference(self) -> None:
         """To its end; a mission that leaves it is over."""
@@ -167,8 +205,8 @@ class Pushing:
     def _follow(self, path: BoxPath) -> Ending:
         """Push along a stage of the path until it ends or the box has left it."""
         max_cycles = self._actor.scenario.mission.max_push_cycles
-        estimate = self._estimates[path.face]
-        follower = Follower(path, self._policy, self._actor.scenario, estimate)
+        closed = self._actor.scenario.pushing.composition == "closed_loop"
+        follower = Follower(path, self._policy, self._actor.scenario, self._estimates[path.face])
         boxes = deque([self._actor.box()], STILL_CYCLES + 1)
         while True:
             error = self._actor.box_error()
@@ -180,13 +218,7 @@ class Pushing:
             if self.n_cycles == max_cycles:
                 self._actor.require_goal("max_push_cycles", f"box error {error} after {max_cycles} push cycles")
                 return "done"
-            if not self._actor.at_station(path.face):
-                self._actor.approach(path.face)
-            self.n_cycles += 1
-            before = pushed_pose(self._actor.box(), path.face)
-            self._actor.step(decision.push)
-            if self._actor.scenario.pushing.composition == "closed_loop":
-                estimate.learn(before, decision.push, pushed_pose(self._actor.box(), path.face))
+            self._push(decision.push, learn=closed)
             boxes.append(self._actor.box())
             if len(boxes) > STILL_CYCLES and moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
                 self._actor.require_goal(

@@ -52,7 +52,7 @@ class Step:
     path_m: Floats
     """The path that was given last, (m, 2); empty before the first."""
     box_path_m: Floats
-    """The path of the box that was planned last, (m, 2); before the first, the reference, or nothing."""
+    """The reference, or the path of the box that was planned last, (m, 2); empty before the first."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,17 +84,18 @@ def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
     plans: list[PlanRecord] = []
     steps: list[Step] = []
     path_m = box_path_m = np.empty((0, 2))
+    reference = None
     for record in records:
         if isinstance(record, PlanRecord):
             plans.append(record)
-            if isinstance(record.query, BoxPathQuery) and record.plan.waypoints:
+            if isinstance(record.query, BoxPathQuery) and record.plan.waypoints and reference is None:
                 box_path_m = _positions(record.plan.waypoints)
             continue
         motion, outcome = record
         if isinstance(motion, Follow):
             path_m = _positions(motion.waypoints)
-        elif isinstance(motion, Reset) and motion.scenario.reference is not None:
-            box_path_m = reference_curve(motion.scenario.reference, motion.scenario.box.pose.pose())[:, :2]
+        elif isinstance(motion, Reset) and (reference := motion.scenario.reference) is not None:
+            box_path_m = reference_curve(reference, motion.scenario.box.pose.pose())[:, :2]
         step = Step(
             motion=motion,
             world=outcome.world,

@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from math import radians
+from typing import Final
 
 import numpy as np
+from msgspec.structs import replace
 
 from agent_proc.push_estimate import PushEstimate
 from agent_proc.station import nominal_obstacle, stand_off, station
@@ -15,9 +17,11 @@ from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
 from legpush.scenario import Face, Scenario
 
-TOLERANCE_SHARE = 0.3
+TOLERANCE_SHARE: Final = 0.3
 """Of the goal's tolerances: what a planned path of the box may leave."""
-SLACK_M = 1e-3
+CALIBRATION_PUSH_M: Final = 0.06
+"""What one push of a calibration moves the box by, at most."""
+SLACK_M: Final = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
 
 
@@ -61,6 +65,16 @@ def query_for_box(
         goal_bias=pushing.goal_bias,
         step_m=pushing.step_m,
     )
+
+
+def calibration_query(
+    scenario: Scenario, seed: int, box_pose: Pose2, face: Face, estimate: PushEstimate
+) -> BoxPathQuery:
+    """As far straight ahead as the pushes of a calibration take the box at most, from where the robot stands."""
+    reach_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
+    ahead = pushed_pose(box_pose, face) @ Pose2(x_m=reach_m, y_m=0.0, yaw_rad=-TURN_RAD[face])
+    query = query_for_box(scenario, seed, box_pose, {face: estimate}, face)
+    return replace(query, goal=ahead, run_in_m=0.0, max_iterations=1)
 
 
 def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:

@@ -17,6 +17,7 @@ import tyro
 from agent_proc.live_world import LiveWorld
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.policies import make_policy
+from agent_proc.push_map import load_push_map
 from agent_proc.record import read_record
 from agent_proc.report import installed_versions, make_report
 from legpush.bus import Bus
@@ -55,6 +56,8 @@ class AgentConfig(ServiceConfig):
     policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
     """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
+    push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -74,6 +77,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     """Run the mission of `config`; 0 for success, 1 without."""
     scenario = load_scenario(config.scenario)
     policy = make_policy(config.policy)
+    push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
     folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
     opened = Opened(
         protocol=PROTOCOL_VERSION,
@@ -86,7 +90,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         patience = Patience(deadline_s=config.deadline_s)
         world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop)
         bus.announce()
-        result = run_mission(world, scenario, config.seed, policy)
+        result = run_mission(world, scenario, config.seed, policy, push_map)
         beacon.say("reporting", None, result.detail)
         if not world.is_live:
             log.info("the mission in %s was over before: only its report is made anew", folder)

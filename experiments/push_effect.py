@@ -1,12 +1,13 @@
 """`python experiments/push_effect.py`: what one push cycle does to the box, by depth, curve, size, mass and friction.
 
-One simulator in this process, on the `push` scenario. Each row of `results/push_effect.csv` is over the same series of
+One simulator in this process, on an open floor. Each row of `results/push_effect.csv` is over the same series of
 left and right pushes from three drawn starts; right pushes are mirrored. The rows at 0.1 kg, friction 0.5 and
 w1 = w2 = 0.5 are what `PushModel` holds: those of the default box as it is pushed at its rear or front face, 0.4 m long
 and 0.5 m wide, and as it is pushed at its left or right one.
 """
 
 import csv
+from collections.abc import Iterator
 from math import degrees
 from pathlib import Path
 from typing import Any, Final
@@ -15,12 +16,12 @@ import numpy as np
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.poses import planar_pose
-from agent_proc.station import station
-from legpush.messages import Push, Reset
-from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
-from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario
+from agent_proc.calibration import Cell, cells, open_floor, push_series
+from agent_proc.push_model import NOMINAL
+from agent_proc.scripted import MIRROR
+from agent_proc.worlds import LocalWorld
+from legpush.robot import CONTROL_PERIOD_S
+from legpush.scenario import Box
 from sim_proc.simulator import Simulator
 
 TABLE: Final = Path(__file__).parent / "results" / "push_effect.csv"
@@ -37,8 +38,6 @@ BOXES: Final = (
 )
 """Length and width in m, mass in kg and friction coefficient."""
 SEEDS: Final = (1000, 1001, 1002)
-SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
-"""0 is a push with FL, 1 with FR."""
 
 
 def main() -> None:
@@ -53,11 +52,12 @@ def main() -> None:
     print(TABLE.read_text(), end="")
 
 
-def measure(box: tuple[float, float, float, float], curve: tuple[float, float], depth_m: float) -> dict[str, Any]:
+def measure(of: tuple[float, float, float, float], curve: tuple[float, float], depth_m: float) -> dict[str, Any]:
     """One row: means and standard deviations over the series."""
-    length_m, width_m, mass_kg, friction = box
-    scenario = _scenario(length_m, width_m, mass_kg, friction)
-    samples = np.array([sample for seed in SEEDS for sample in push_series(scenario, seed, curve, depth_m)])
+    length_m, width_m, mass_kg, friction = of
+    box = replace(NOMINAL, size_m=(length_m, width_m, NOMINAL.size_m[2]), mass_kg=mass_kg, friction=friction)
+    planned = cells(("rear",), (curve,), (depth_m,), SEEDS)
+    samples = np.array([sample for cell in planned for sample in push_samples(box, cell)])
     mean, spread = samples.mean(axis=0), samples.std(axis=0, ddof=1)
     return {
         "length_m": length_m,
@@ -80,35 +80,16 @@ def measure(box: tuple[float, float, float, float], curve: tuple[float, float], 
     }
 
 
-def _scenario(length_m: float, width_m: float, mass_kg: float, friction: float) -> Scenario:
-    """A robot at the station of the box."""
-    scenario = load_scenario("push")
-    size_m = (length_m, width_m, scenario.box.size_m[2])
-    box = replace(scenario.box, size_m=size_m, mass_kg=mass_kg, friction=friction)
-    place = station(box, box.pose.pose())
-    return replace(scenario, box=box, start=replace(scenario.start, x_m=place.x_m, y_m=place.y_m))
-
-
-def push_series(
-    scenario: Scenario, seed: int, curve: tuple[float, float], depth_m: float
-) -> list[tuple[float, float, float, float, float, float]]:
+def push_samples(box: Box, cell: Cell) -> Iterator[tuple[float, float, float, float, float, float]]:
     """Per push: forward and left [m], turn [deg] as of FL; tilt [deg], support margin [m], duration [s]."""
-    simulator = Simulator()
-    box = planar_pose(simulator.perform(Reset(scenario=scenario, seed=seed), with_trace=False).world.box)
-    samples = []
-    for index in SERIES:
-        push = Push(w1=curve[0], w2=curve[1], leg=FRONT_LEGS[index], depth_m=depth_m)
-        outcome = simulator.perform(push, with_trace=True)
-        if outcome.trace is None or outcome.world.fallen:
-            raise RuntimeError(f"The robot fell at depth {depth_m}")
-        before, box = box, planar_pose(outcome.world.box)
-        moved = before.inverse() @ box
-        mirror = 1.0 if index == 0 else -1.0
-        tilt = degrees(np.abs(outcome.trace.roll_pitch_rad).max())
+    for push, moved, outcome in push_series(LocalWorld(Simulator()), open_floor(box, cell.face), cell):
+        if outcome.trace is None:
+            raise RuntimeError("Expected a trace of each push")
+        mirror = MIRROR[push.leg]
+        tilt_deg = degrees(np.abs(outcome.trace.roll_pitch_rad).max())
         duration_s = len(outcome.trace.tick) * CONTROL_PERIOD_S
         margin_m = min(outcome.trace.support_margin_m)
-        samples.append((moved.x_m, mirror * moved.y_m, mirror * degrees(moved.yaw_rad), tilt, margin_m, duration_s))
-    return samples
+        yield moved.x_m, mirror * moved.y_m, mirror * degrees(moved.yaw_rad), tilt_deg, margin_m, duration_s
 
 
 if __name__ == "__main__":

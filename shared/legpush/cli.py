@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import singledispatch
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal
 
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.launch.learning import EvaluateOptions, TrainOptions, start_program
+from legpush.launch.learning import CalibrateOptions, EvaluateOptions, TrainOptions, start_program
 from legpush.launch.options import RunOptions
 from legpush.random_room import RandomRoom
 
@@ -75,10 +75,18 @@ class Render:
     """The folder of the run."""
 
 
+PROGRAMS: Final[dict[type, Literal["train", "evaluate", "calibrate"]]] = {
+    TrainOptions: "train",
+    EvaluateOptions: "evaluate",
+    CalibrateOptions: "calibrate",
+}
+"""What the agent does, in processes of its own."""
+
 Command = (
     Annotated[RunOptions, tyro.conf.subcommand("run")]
     | Annotated[TrainOptions, tyro.conf.subcommand("train")]
     | Annotated[EvaluateOptions, tyro.conf.subcommand("evaluate")]
+    | Annotated[CalibrateOptions, tyro.conf.subcommand("calibrate")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[Render, tyro.conf.subcommand("render")]
 )
@@ -91,15 +99,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
     try:
-        command: RunOptions | TrainOptions | EvaluateOptions | Scenarios | Render = tyro.cli(
+        command: RunOptions | TrainOptions | EvaluateOptions | CalibrateOptions | Scenarios | Render = tyro.cli(
             Command,
             prog="legpush",
             description=DESCRIPTION,
             args=argv,
             config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
         )
-        if isinstance(command, TrainOptions | EvaluateOptions):
-            start_program("train" if isinstance(command, TrainOptions) else "evaluate", argv[1:])
+        for options, program in PROGRAMS.items():
+            if isinstance(command, options):
+                start_program(program, argv[1:])
         return execute(command)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")

@@ -25,6 +25,8 @@ Quaternion = tuple[float, float, float, float]
 
 MAX_CELLS: Final = 4096 * 4096
 MAX_WAYPOINTS: Final = 100_000
+MAX_DEPTH_M: Final = 0.25
+"""Of a push."""
 
 
 class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -201,7 +203,7 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     w2: Unit
     """Places of the inner control points on their locus (Eq. 14)."""
     leg: FrontLeg
-    depth_m: Annotated[float, Meta(ge=0.0, le=0.25)]
+    depth_m: Annotated[float, Meta(ge=0.0, le=MAX_DEPTH_M)]
     """How far beyond the face of the box the curve ends (the paper's entry value)."""
     face: Face = "rear"
     """Which face of the box is pushed; the robot has to stand behind it."""

@@ -124,6 +124,8 @@ class Pushing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     composition: Literal["closed_loop", "open_loop"] = "closed_loop"
     """Whether each push depends on where the box has come to, or all are chosen before the first one."""
+    calibration_pushes: Annotated[int, Meta(ge=0, le=40)] = 0
+    """How often an unknown box is pushed, straight ahead and with both legs in turn, before its path is planned."""
     faces: Annotated[tuple[Face, ...], Meta(min_length=1, max_length=4)] = ("rear", "right", "front", "left")
     """Those that may be pushed."""
     turning_reserve: Annotated[float, Meta(ge=1.0)] = 1.4

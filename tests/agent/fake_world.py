@@ -115,6 +115,8 @@ class FakeWorld:
     """From the nominal pose of the box: x, y in m and yaw in rad."""
     walk_stride_m: float = STRIDE_M
     push_scale: float = 1.0
+    turn_scale: float = 1.0
+    """Of the turn alone."""
     sideways_m: float = 0.0
     """How far a box slips to its left with each push."""
     falls_in: Callable[[Motion, int], bool] = lambda _motion, _n: False
@@ -198,7 +200,7 @@ class FakeWorld:
         scale = self.push_scale
         factor, slip = (1.0, 0.0) if self.noise is None else self.noise.normal([1.0, 0.0], [0.1, radians(0.2)])
         model = nearest_model(pushed_box(self._scenario.box, push.face))
-        x, y, yaw = model.push(box, mirror, depth, scale * factor, scale * factor)[0]
+        x, y, yaw = model.push(box, mirror, depth, scale * factor, scale * factor * self.turn_scale)[0]
         pushed = Pose2(x_m=float(x), y_m=float(y), yaw_rad=float(yaw) + slip - TURN_RAD[push.face])
         return pushed @ Pose2(x_m=0.0, y_m=self.sideways_m, yaw_rad=0.0)
 

@@ -289,8 +289,11 @@ def test_where_a_path_crosses_itself_what_counts_is_the_part_ahead() -> None:
     assert box_path_rms_m(read_record(records).steps) == pytest.approx(sqrt(0.2**2 / 5))
 
 
-def test_a_reference_is_the_path_of_the_box_until_another_one_is_planned() -> None:
+def test_a_reference_is_the_path_of_the_box_whatever_is_planned_besides() -> None:
     reference = Arcs(radius_m=1.0, segments=(Straight(length_m=1.0),))
     start = StepRecord(Reset(scenario=replace(SCENARIO, reference=reference), seed=5), outcome(0, 1))
 
-    assert box_path_rms_m(read_record([start, *pushed_to((6.2, 3.02))]).steps) == pytest.approx(0.02)
+    other = PlanRecord(BOX_QUERY, box_plan((6.0, 4.0), (7.0, 4.0)))
+    records: list[StepRecord | PlanRecord] = [start, other, *pushed_to((6.2, 3.02))]
+
+    assert box_path_rms_m(read_record(records).steps) == pytest.approx(0.02)

@@ -47,7 +47,7 @@ def test_the_version_is_that_of_the_package() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "Expected one of {run, train, evaluate, scenarios, render}"),
+        ([], "Expected one of {run, train, evaluate, calibrate, scenarios, render}"),
         (["walk"], "walk"),
         (["run", "--sed", "3"], "Unrecognized options: --sed, 3"),
         (["run", "--seed", "three"], "three"),
@@ -57,7 +57,14 @@ def test_the_version_is_that_of_the_package() -> None:
         (["train", "--seed", "-1"], "for --seed, got -1"),
         (["evaluate", "scripted", "--episodes", "0"], "at least 1 for --episodes, got 0"),
         (["evaluate"], "POLICY"),
-        (["run", "--scenario", "nope"], "error: Expected the name of a scenario (default, published, "),
+        (["calibrate", "--series", "0"], "at least 1 for --series, got 0"),
+        (["calibrate", "--depths-m", "0.3"], "at most 0.25 m for --depths-m, got (0.3,)"),
+        (["calibrate", "--curves", "1.5"], "values in [0, 1] for --curves, got (1.5,)"),
+        (
+            ["calibrate", "--out", "full/file"],
+            "error: Expected a new file in an existing folder for --out, got full/file",
+        ),
+        (["run", "--scenario", "nope"], "error: Expected the name of a scenario (default, dubins_loop, published, "),
         (["run", "--scenario", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
         (
             ["run", "--box-mass-kg", "-1"],

@@ -1,4 +1,4 @@
-"""What `legpush train` and `legpush evaluate` can be told, and how their programs are started."""
+"""What `legpush train`, `evaluate` and `calibrate` can be told, and how their programs are started."""
 
 import os
 import sys
@@ -10,6 +10,7 @@ from typing import Annotated, Final, Literal, NoReturn
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.messages import MAX_DEPTH_M
 
 MAX_SIMULATORS: Final = 8
 """Started at most unless more are asked for."""
@@ -123,8 +124,49 @@ class EvaluateOptions(SimulatorOptions):
             )
 
 
-def start_program(program: Literal["train", "evaluate"], argv: Sequence[str]) -> NoReturn:
-    """Become the agent's program for it, which imports the learning libraries; `argv` are its options."""
+@dataclass(frozen=True, kw_only=True)
+class CalibrateOptions(SimulatorOptions):
+    """Measure what pushes do to a box: travel and turn by face, leg, curve and depth, and the circle it turns on.
+
+    `legpush run --push-map FILE` plans and follows paths by it. Exit codes: 0 measured, 1 the robot fell, 2 bad input,
+    3 a simulator failed, 130 interrupted.
+    """
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    """Whose box is measured, on an open floor."""
+    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """Replaces the scenario's box mass."""
+    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's box friction."""
+    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+    """How deep to push."""
+    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = (0.5,)
+    """Shapes of the curve: w1 = w2; missions push by the first one."""
+    series: Annotated[int, tyro.conf.arg(metavar="N")] = 2
+    """Series of eight pushes, four with each leg, for every face, curve and depth."""
+    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 8000
+    """The places of the box are drawn from this seed and those after it."""
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")] = Path("push_map.json")
+    """The new file."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.series < 1:
+            raise ConfigError(f"Expected at least 1 for --series, got {self.series}")
+        if not 0 <= self.first_seed <= 2**32 - self.series:
+            raise ConfigError(
+                f"Expected seeds from 0 to {2**32 - 1}, got {self.series} from --first-seed {self.first_seed} on"
+            )
+        if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):
+            raise ConfigError(
+                f"Expected depths above 0 and at most {MAX_DEPTH_M} m for --depths-m, got {self.depths_m}"
+            )
+        if not self.curves or not all(0.0 <= w <= 1.0 for w in self.curves):
+            raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
+
+
+def start_program(program: Literal["train", "evaluate", "calibrate"], argv: Sequence[str]) -> NoReturn:
+    """Become the agent's program for it; `argv` are its options."""
     from legpush.launch.run import child_environment
 
     # -P: what lies in the working directory is no part of the program.

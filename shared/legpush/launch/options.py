@@ -30,6 +30,8 @@ class RunOptions:
     policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
     """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
+    push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
     planner: PlannerName | None = None
     """Replaces the scenario's planner."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None

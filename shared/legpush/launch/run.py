@@ -70,6 +70,8 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
     if role == "agent":
         arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
         arguments += ["--out", str(place.folder), "--policy", options.policy]
+        if options.push_map is not None:
+            arguments += ["--push-map", str(options.push_map.absolute())]
     return tuple(arguments)
 
 
@@ -184,6 +186,8 @@ def _again(options: RunOptions, folder: Path) -> str:
     """The command that goes on with an interrupted run."""
     words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
     words += ["--out", str(folder), "--policy", options.policy]
+    if options.push_map is not None:
+        words += ["--push-map", str(options.push_map)]
     if not options.video:
         words += ["--no-video"]
     if options.inject_faults > 0.0:
