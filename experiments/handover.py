@@ -1,0 +1,95 @@
+"""`python -m experiments.handover`: whole missions in the same random rooms, handed over at other distances.
+
+The paper leaves open from how far away the robot should stop walking along the map and go by the box that it sees.
+Rooms are the first ones of `python -m experiments.random_rooms`, whose own missions hand over at 3 m. A row per mission
+goes to `results/handover.csv`, the picture to `results/handover.png`; what is in the table already is not run again.
+"""
+
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, Final
+
+import numpy as np
+import tyro
+from matplotlib.figure import Figure
+from rich.progress import Progress
+
+from agent_proc.statistics import mean_interval, wilson
+from experiments.evaluations import RESULTS, read_table, write_table
+from experiments.room_missions import run_mission
+
+TABLE: Final = RESULTS / "handover.csv"
+DISTANCES_M: Final = (0.5, 1.0, 2.0, 3.0, 4.5, 6.0)
+MEASURES: Final = (
+    ("box_position_error_m", "box position error [cm]", 100.0),
+    ("box_angle_error_deg", "box angle error [deg]", 1.0),
+    ("robot_travel_m", "way of the robot [m]", 1.0),
+    ("sim_time_s", "simulated time [s]", 1.0),
+)
+BLUE: Final = "#3a6ea5"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Which rooms."""
+
+    first_seed: int = 60_000
+    n_rooms: int = 24
+    jobs: int = 2
+    """Missions at once."""
+
+
+def main(config: Config) -> int:
+    """Run what is missing, tabulate, draw."""
+    rows = {(float(row["handover_m"]), int(row["seed"])): dict(row) for row in read_table(TABLE)}
+    seeds = range(config.first_seed, config.first_seed + config.n_rooms)
+    missing = [key for key in product(DISTANCES_M, seeds) if key not in rows]
+    with Progress() as bar, ThreadPoolExecutor(config.jobs) as pool:
+        task = bar.add_task("missions", total=len(missing))
+        for key, row in zip(missing, pool.map(_row, missing), strict=True):
+            rows[key] = row
+            write_table([rows[each] for each in sorted(rows)], TABLE)
+            bar.advance(task)
+    here = {distance_m: [rows[distance_m, seed] for seed in seeds] for distance_m in DISTANCES_M}
+    for distance_m, some in here.items():
+        success = wilson(sum(str(row["success"]) == "True" for row in some), len(some))
+        means = [f"{scale * _mean(some, name).value:.2f} {label}" for name, label, scale in MEASURES]
+        print(f"{distance_m} m: {success.value:.0%} of {len(some)}; {', '.join(means)}")
+    draw(here)
+    return 0
+
+
+def _row(key: tuple[float, int]) -> dict[str, Any]:
+    distance_m, seed = key
+    row, _ = run_mission(seed, distance_m)
+    return {"handover_m": distance_m, **row}
+
+
+def _mean(rows: list[dict[str, Any]], name: str) -> Any:
+    return mean_interval([float(row[name]) for row in rows if str(row["success"]) == "True"])
+
+
+def draw(here: dict[float, list[dict[str, Any]]]) -> None:
+    """Each measure over the distance: missions as dots, means with their intervals."""
+    figure = Figure(figsize=(10.0, 5.6), layout="constrained")
+    for axis, (name, label, scale) in zip(figure.subplots(2, 2).ravel(), MEASURES, strict=True):
+        jitter = np.random.default_rng(0)
+        for distance_m, rows in here.items():
+            values = [scale * float(row[name]) for row in rows if str(row["success"]) == "True"]
+            at = distance_m + jitter.uniform(-0.1, 0.1, len(values))
+            axis.plot(at, values, "o", ms=3, color=BLUE, alpha=0.3, mew=0)
+        means = [_mean(rows, name) for rows in here.values()]
+        centre = scale * np.array([mean.value for mean in means])
+        low, high = (scale * np.array([getattr(mean, end) for mean in means]) for end in ("low", "high"))
+        axis.errorbar(list(here), centre, [centre - low, high - centre], fmt="o-", color=BLUE, capsize=3, ms=4)
+        axis.set(xlabel="distance to the box at hand-over, at most [m]", ylabel=label)
+        axis.set_ylim(bottom=0.0)
+    n = len(next(iter(here.values())))
+    figure.suptitle(f"Hand-over distance, the same {n} random rooms: missions, means and 95 % intervals")
+    figure.savefig(RESULTS / "handover.png", dpi=110)
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Config)))

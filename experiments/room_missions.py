@@ -1,0 +1,116 @@
+"""Missions in random rooms, each in three processes: the room of a seed, and what became of the mission."""
+
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from msgspec.structs import replace
+
+from agent_proc.record import MissionRecord, read_record
+from legpush.episode import read_episode
+from legpush.launch.folder import PICTURE_FILE
+from legpush.messages import BoxPathQuery, Push
+from legpush.random_room import RandomRoom
+from legpush.random_scenario import random_scenario
+from legpush.scenario import Scenario
+from legpush.scenario_file import write_scenario
+
+MASSES_KG: Final = (0.1, 0.5, 0.9)
+FRICTION: Final = (0.3, 0.8)
+POSITION_TOLERANCE_M: Final = 0.05
+ANGLE_TOLERANCE_DEG: Final = 5.0
+FROM_REPORT: Final = (
+    "success",
+    "reason",
+    "detail",
+    "box_position_error_m",
+    "box_angle_error_deg",
+    "walk_tracking_rms_m",
+    "box_path_rms_m",
+    "handover_distance_m",
+    "trunk_max_abs_pitch_deg",
+    "trunk_max_abs_roll_deg",
+    "min_support_margin_m",
+    "n_push_cycles",
+    "n_footsteps",
+    "sim_time_s",
+    "state_crc",
+)
+TRACK_STEPS: Final = 4
+"""Every so many steps of a mission are in its track."""
+
+
+def scenario_of(seed: int) -> Scenario:
+    """The room of a seed."""
+    low, high = FRICTION
+    room = RandomRoom(
+        mass_kg=MASSES_KG[seed % len(MASSES_KG)],
+        friction=round(low + (high - low) * float(np.random.default_rng(seed).random()), 2),
+        position_tolerance_m=POSITION_TOLERANCE_M,
+        angle_tolerance_deg=ANGLE_TOLERANCE_DEG,
+    )
+    return random_scenario(room, seed)
+
+
+def run_mission(
+    seed: int, handover_distance_m: float, failed: Path | None = None
+) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """One mission: its row and its track; where it fails, its picture goes to the folder `failed`."""
+    scenario = scenario_of(seed)
+    scenario = replace(scenario, mission=replace(scenario.mission, handover_distance_m=handover_distance_m))
+    with tempfile.TemporaryDirectory(prefix="legpush-room-") as scratch:
+        file, out = Path(scratch) / "room.toml", Path(scratch) / "run"
+        write_scenario(scenario, file)
+        command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", str(file)]
+        command += ["--seed", str(seed), "--out", str(out), "--no-video"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode not in (0, 1):
+            raise SystemExit(f"seed {seed}: legpush run exited with {done.returncode}: {done.stderr.strip()}")
+        report = json.loads((out / "report.json").read_text())
+        if failed is not None and not report["success"]:
+            failed.mkdir(exist_ok=True)
+            shutil.copy(out / PICTURE_FILE, failed / f"{seed}.png")
+        record = read_record(read_episode(next(out.glob("episode-*.journal"))))
+    row = {"seed": seed, "mass_kg": scenario.box.mass_kg, "friction": scenario.box.friction}
+    row |= {name: report[name] for name in FROM_REPORT}
+    return row | _of_record(record), _track(seed, record)
+
+
+def _of_record(record: MissionRecord) -> dict[str, Any]:
+    """What the report has not: how far box and robot went, and by which faces."""
+    ticks = record.ticks()
+    paths = [each for each in record.plans if isinstance(each.query, BoxPathQuery)]
+    faces = [step.motion.face for step in record.steps if isinstance(step.motion, Push)]
+    return {
+        "n_box_paths": len(paths),
+        "first_box_path_m": round(paths[0].plan.length_m, 3) if paths else None,
+        "n_faces": len(set(faces)),
+        "n_face_changes": sum(a != b for a, b in pairwise(faces)),
+        "box_travel_m": round(_length_m(ticks.box[:, :2]), 3),
+        "robot_travel_m": round(_length_m(ticks.trunk_m), 3),
+    }
+
+
+def _length_m(points: Any) -> float:
+    every = points[:: 50 * TRACK_STEPS]
+    return float(np.hypot(*np.diff(every, axis=0).T).sum())
+
+
+def _track(seed: int, record: MissionRecord) -> list[dict[str, Any]]:
+    steps = [*record.steps[::TRACK_STEPS], record.steps[-1]]
+    return [
+        {
+            "seed": seed,
+            "trunk_x_m": round(step.world.trunk.position_m[0], 2),
+            "trunk_y_m": round(step.world.trunk.position_m[1], 2),
+            "box_x_m": round(step.world.box.position_m[0], 2),
+            "box_y_m": round(step.world.box.position_m[1], 2),
+        }
+        for step in steps
+    ]
