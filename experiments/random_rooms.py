@@ -22,7 +22,7 @@ from rich.progress import Progress
 from agent_proc.statistics import mean_interval, wilson
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.random_rooms_plot import draw
-from experiments.room_missions import run_mission, scenario_of
+from experiments.room_missions import drawn_room, run_mission
 from legpush.scenario import Mission
 
 TABLE: Final = RESULTS / "random_rooms.csv"
@@ -68,7 +68,7 @@ def main(config: Config) -> int:
     summary = summarize(here)
     (RESULTS / "random_rooms.json").write_text(json.dumps(summary, indent=1) + "\n")
     print(json.dumps(summary, indent=1))
-    draw(here, [scenario_of(seed) for seed in seeds], tracks)
+    draw(here, [drawn_room(seed)[0] for seed in seeds], tracks)
     return 0
 
 
@@ -81,6 +81,7 @@ def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "n": n,
         "success_rate": round(success.value, 4),
         "success_rate_95": [round(success.low, 4), round(success.high, 4)],
+        "rooms_drawn_anew": sum(int(row["n_unsolvable"]) for row in rows),
         "falls": sum(row["reason"] == "fell" for row in rows),
         "causes": dict(Counter(row["reason"] for row in rows if not _is_true(row["success"]))),
     }

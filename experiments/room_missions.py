@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -12,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from msgspec.structs import replace
 
+from agent_proc.draw_room import solvable_by
 from agent_proc.record import MissionRecord, read_record
 from legpush.episode import read_episode
 from legpush.launch.folder import PICTURE_FILE
@@ -20,6 +22,7 @@ from legpush.random_room import RandomRoom
 from legpush.random_scenario import random_scenario
 from legpush.scenario import Scenario
 from legpush.scenario_file import write_scenario
+from planner_proc.planning import make_plan
 
 MASSES_KG: Final = (0.1, 0.5, 0.9)
 FRICTION: Final = (0.3, 0.8)
@@ -46,8 +49,9 @@ TRACK_STEPS: Final = 4
 """Every so many steps of a mission are in its track."""
 
 
-def scenario_of(seed: int) -> Scenario:
-    """The room of a seed."""
+@cache
+def drawn_room(seed: int) -> tuple[Scenario, int]:
+    """The room of a seed, and how many others of the seed no way through was found for."""
     low, high = FRICTION
     room = RandomRoom(
         mass_kg=MASSES_KG[seed % len(MASSES_KG)],
@@ -55,14 +59,21 @@ def scenario_of(seed: int) -> Scenario:
         position_tolerance_m=POSITION_TOLERANCE_M,
         angle_tolerance_deg=ANGLE_TOLERANCE_DEG,
     )
-    return random_scenario(room, seed)
+    answers: list[bool] = []
+    is_solvable = solvable_by(make_plan, seed)
+
+    def ask(scenario: Scenario) -> bool:
+        answers.append(is_solvable(scenario))
+        return answers[-1]
+
+    return random_scenario(room, seed, ask), answers.count(False)
 
 
 def run_mission(
     seed: int, handover_distance_m: float, failed: Path | None = None
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """One mission: its row and its track; where it fails, its picture goes to the folder `failed`."""
-    scenario = scenario_of(seed)
+    scenario, n_unsolvable = drawn_room(seed)
     scenario = replace(scenario, mission=replace(scenario.mission, handover_distance_m=handover_distance_m))
     with tempfile.TemporaryDirectory(prefix="legpush-room-") as scratch:
         file, out = Path(scratch) / "room.toml", Path(scratch) / "run"
@@ -77,7 +88,12 @@ def run_mission(
             failed.mkdir(exist_ok=True)
             shutil.copy(out / PICTURE_FILE, failed / f"{seed}.png")
         record = read_record(read_episode(next(out.glob("episode-*.journal"))))
-    row = {"seed": seed, "mass_kg": scenario.box.mass_kg, "friction": scenario.box.friction}
+    row = {
+        "seed": seed,
+        "n_unsolvable": n_unsolvable,
+        "mass_kg": scenario.box.mass_kg,
+        "friction": scenario.box.friction,
+    }
     row |= {name: report[name] for name in FROM_REPORT}
     return row | _of_record(record), _track(seed, record)
 

@@ -14,7 +14,7 @@ import tyro
 from legpush.errors import ConfigError, LegpushError
 from legpush.launch.learning import CalibrateOptions, EvaluateOptions, TrainOptions, start_program
 from legpush.launch.options import RunOptions
-from legpush.random_room import RandomRoom
+from legpush.launch.rooms import RandomScenario
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -43,16 +43,6 @@ class CopyScenario:
     """A built-in scenario."""
     file: Annotated[Path, tyro.conf.arg(metavar="FILE")]
     """The new file."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RandomScenario(RandomRoom):
-    """Draw a room with obstacles, start, box and goal from a seed, and write it to a new file."""
-
-    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
-    """The new file."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """Equal seeds give equal rooms."""
 
 
 @dataclass(frozen=True)
@@ -165,11 +155,7 @@ def _copy_scenario(command: CopyScenario) -> int:
 
 @execute.register
 def _random_scenario(command: RandomScenario) -> int:
-    from legpush.random_scenario import random_scenario
-    from legpush.scenario_file import write_scenario
-
-    sys.stdout.write(f"wrote {write_scenario(random_scenario(command, command.seed), command.file)}\n")
-    return 0
+    start_program("draw_room", command.flags())
 
 
 @execute.register

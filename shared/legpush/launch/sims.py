@@ -1,4 +1,4 @@
-"""A pool of simulators: started together, each started again when it dies, ended together."""
+"""A pool of simulators or planners: started together, each started again when it dies, ended together."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
 from types import TracebackType
-from typing import Final, Self
+from typing import Final, Literal, Self
 
 from legpush.endpoints import Endpoints, in_directory
 from legpush.errors import ConfigError, PeerError
@@ -20,12 +20,15 @@ from legpush.patience import SLICE_S
 
 MAX_RESTARTS: Final = 3
 """Of each simulator, in a row."""
+WORDS: Final = {"sim": "simulator", "planner": "planner"}
+"""What people call them."""
 LONG_LIFE_S: Final = 10.0
 """Whoever ran for this long before it died begins a new row."""
 
 
 class SimPool:
-    """A context manager that keeps `n` simulators running, named sim0, sim1 and so on; none is left on exit.
+    """A context manager that keeps `n` simulators running, named sim0, sim1 and so on; none is left on exit. With
+    another role, processes of that kind.
 
     They connect to `endpoints`, which the bus of the agent has to listen on; nobody but the user can reach it. Where a
     simulator cannot be kept running, `stop` is set, so that nobody goes on waiting for it, and leaving the context
@@ -39,19 +42,21 @@ class SimPool:
         stop: threading.Event,
         *,
         run: str = "train",
-        program: tuple[str, ...] = ("-m", "sim_proc"),
+        role: Literal["sim", "planner"] = "sim",
+        program: tuple[str, ...] | None = None,
     ) -> None:
         """`logs` is the folder for what the simulators write; it is made if needed.
 
-        `program` is what Python runs as a simulator, with the flags of one.
+        `program` is what Python runs as one, with its flags; the process of this package if not given.
         """
         if n < 1:
-            raise ConfigError(f"Expected at least 1 simulator to start, got {n}")
+            raise ConfigError(f"Expected at least 1 {WORDS[role]} to start, got {n}")
         self.run = run
-        self.names = tuple(f"sim{index}" for index in range(n))
+        self._word = WORDS[role]
+        self.names = tuple(f"{role}{index}" for index in range(n))
         self._logs = logs
         self._stop = stop
-        self._program = program
+        self._program = ("-m", f"{role}_proc") if program is None else program
         self._over = threading.Event()
         self._closing = ExitStack()
 
@@ -65,7 +70,7 @@ class SimPool:
         directory = Path(self._closing.enter_context(TemporaryDirectory(prefix="legpush-")))
         self.endpoints = Endpoints(listen=in_directory(directory, "agent").listen)
         # The kernel ends a child with the thread that started it: this one thread starts them all and stays.
-        self._thread = self._closing.enter_context(ThreadPoolExecutor(1, thread_name_prefix="simulators"))
+        self._thread = self._closing.enter_context(ThreadPoolExecutor(1, thread_name_prefix="pool"))
         self._watch_over = self._thread.submit(self._watch)
         return self
 
@@ -78,7 +83,7 @@ class SimPool:
         """Start all, start again who dies, and end all when the pool is over."""
         crew = Crew()
         try:
-            posts = {name: _Post(crew.start(self._command(name))) for name in self.names}
+            posts = {name: _Post(crew.start(self._command(name)), self._word) for name in self.names}
             while not self._over.is_set():
                 event = crew.next_event(SLICE_S)
                 if event is None or isinstance(event, Interrupted):
@@ -102,10 +107,11 @@ class SimPool:
 
 
 class _Post:
-    """A simulator and how often it had to be started again."""
+    """A process of the pool and how often it had to be started again."""
 
-    def __init__(self, process: Process) -> None:
+    def __init__(self, process: Process, word: str) -> None:
         self.process = process
+        self._word = word
         self._started_at = monotonic()
         self._n_restarts = 0
 
@@ -113,7 +119,7 @@ class _Post:
         """Start it again after it `ended`; `PeerError` where that does not help."""
         if monotonic() - self._started_at >= LONG_LIFE_S:
             self._n_restarts = 0
-        what = f"simulator {ended.role} {describe_exit(ended.exit_code or 0)}"
+        what = f"{self._word} {ended.role} {describe_exit(ended.exit_code or 0)}"
         if self._n_restarts >= MAX_RESTARTS:
             words = "".join(f"\n    {line}" for line in ended.last_words())
             raise PeerError(

@@ -1,0 +1,82 @@
+"""Random rooms as a program: `python -m agent_proc.draw_room FILE`, or `legpush scenarios random FILE`."""
+
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import tyro
+from msgspec.structs import replace
+
+from agent_proc.learning_service import run_program
+from agent_proc.push_estimate import PushEstimate
+from agent_proc.routes import query_for_box, query_to_nominal_box
+from legpush.bus import Bus
+from legpush.errors import StopRequestedError
+from legpush.faces import PUSHABLE, pushed_box
+from legpush.launch.rooms import RandomScenario
+from legpush.launch.sims import SimPool
+from legpush.messages import Plan, PlanQuery
+from legpush.plan_client import PlanLink
+from legpush.random_scenario import random_scenario
+from legpush.scenario import Scenario
+from legpush.scenario_file import write_scenario
+from legpush.service import stop_on_signals
+
+BUDGET: Final = 4
+"""A room is solvable where the planner finds a way in so many times the iterations of a mission."""
+CHECK_SEED: Final = 1_000_003
+"""Added to a mission's, so that the check is not the mission's own search."""
+
+
+def main() -> int:
+    """Parse the command line and draw; returns the exit code."""
+    return run_program(lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
+
+
+def run(options: RandomScenario) -> int:
+    """Draw rooms until a planner process finds a way through one, and write that."""
+    stop, links_stop = stop_on_signals(), threading.Event()
+    with (
+        TemporaryDirectory(prefix="legpush-rooms-") as logs,
+        SimPool(1, Path(logs), links_stop, run="rooms", role="planner") as pool,
+        Bus(pool.run, "agent", "main", pool.endpoints) as bus,
+    ):
+        link = PlanLink(bus, stop=links_stop)
+        bus.announce()
+
+        def plan(query: PlanQuery) -> Plan:
+            if stop.is_set():
+                raise StopRequestedError("interrupted: nothing was written")
+            return link.plan(query)
+
+        try:
+            scenario = random_scenario(options, options.seed, solvable_by(plan, options.seed))
+        finally:
+            links_stop.set()
+    sys.stdout.write(f"wrote {write_scenario(scenario, options.file)}\n")
+    return 0
+
+
+def solvable_by(plan: Callable[[PlanQuery], Plan], seed: int) -> Callable[[Scenario], bool]:
+    """Whether a planner finds a path of the box where it nominally is, and the robot's way to its first face."""
+
+    def is_solvable(scenario: Scenario) -> bool:
+        box, pushing = scenario.box, scenario.pushing
+        check_seed = (seed + CHECK_SEED) % 2**32
+        faces = tuple(face for face in pushing.faces if face in PUSHABLE[box.shape])
+        estimates = {face: PushEstimate(pushed_box(box, face)) for face in faces}
+        query = query_for_box(scenario, check_seed, box.pose.pose(), estimates, None)
+        found = plan(replace(query, max_iterations=BUDGET * pushing.max_iterations))
+        if found.status != "exact":
+            return False
+        first = faces[found.sides[0]]
+        return plan(query_to_nominal_box(scenario, check_seed, scenario.start.pose(), first)).status == "exact"
+
+    return is_solvable
+
+
+if __name__ == "__main__":
+    sys.exit(main())
