@@ -1,5 +1,6 @@
 """`mission.png`: the whole mission in one figure, from what its journal recorded. The only module with matplotlib."""
 
+from itertools import groupby
 from math import ceil, degrees
 from pathlib import Path
 from textwrap import shorten
@@ -19,7 +20,7 @@ from agent_proc.mission import MissionResult
 from agent_proc.poses import distance_m, planar_pose
 from agent_proc.record import Floats, MissionRecord, Step
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, Follow, Plan, Push, TrunkPathQuery, Walk
+from legpush.messages import BoxPathQuery, Follow, Motion, Plan, Push, TrunkPathQuery, Walk
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
 from legpush.room_shapes import Footprint, box_footprint, obstacle_footprint
 
@@ -40,7 +41,9 @@ WALL, FLOOR, INK, GRID = "#3b3f46", "#ffffff", "#1b2a41", "#e6e8eb"
 TREE, RAW, SMOOTH, TRUNK = "#9dbbdc", "#c8553d", "#4a9b6e", "#1b2a41"
 FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0"}
 BOX, GOAL, BLUE = "#8d6748", "#2b8a4b", "#3a6ea5"
-PHASES: Final = (("walk", "#f3f5f8"), ("push", "#f6efe6"))
+PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
+LEAST_NAMED: Final = 0.08
+"""Share of the mission's time below which a phase has no room for its name."""
 DPI: Final = 160
 HEADLINE_LENGTH: Final = 140
 MAX_POINTS: Final = 4000
@@ -253,21 +256,18 @@ def _draw_series(axes: Axes, time_s: Floats, values: Floats, color: str, label: 
 
 def _shade_phases(axes: Axes, record: MissionRecord) -> None:
     """Walking and pushing, told apart by the background, with a name where there is room."""
-    for (name, color), kind in zip(PHASES, (Walk, Push), strict=True):
-        times = [step.ticks.time_s for step in record.steps if isinstance(step.motion, kind) and len(step.ticks.time_s)]
-        if times:
-            axes.axvspan(times[0][0], times[-1][-1], color=color, lw=0, zorder=0)
-            axes.text(
-                times[0][0],
-                0.96,
-                f" {name}",
-                transform=axes.get_xaxis_transform(),
-                va="top",
-                fontsize=7.5,
-                color="#6b717b",
-            )
+    end_s = max(record.steps[-1].world.tick * CONTROL_PERIOD_S, 1.0)
+    moving = [step for step in record.steps if isinstance(step.motion, Walk | Push) and len(step.ticks.time_s)]
+    for kind, run in groupby(moving, key=lambda step: type(step.motion)):
+        steps = list(run)
+        name, color = PHASES[kind]
+        begin, end = steps[0].ticks.time_s[0], steps[-1].ticks.time_s[-1]
+        axes.axvspan(begin, end, color=color, lw=0, zorder=0)
+        if end - begin >= LEAST_NAMED * end_s:
+            where = axes.get_xaxis_transform()
+            axes.text(begin, 0.96, f" {name}", transform=where, va="top", fontsize=7.5, color="#6b717b")
     axes.margins(y=0.25)
-    axes.set_xlim(0.0, max(record.steps[-1].world.tick * CONTROL_PERIOD_S, 1.0))
+    axes.set_xlim(0.0, end_s)
 
 
 def _box_at(record: MissionRecord, step: Step) -> Footprint:

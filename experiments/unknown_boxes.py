@@ -1,0 +1,129 @@
+"""`python -m experiments.unknown_boxes`: the turning circles of boxes that no table is of, measured and guessed.
+
+Per box and face: the circle that one foot pushes it along, measured by 24 pushes (`legpush calibrate`), beside what a
+robot plans with that has never pushed it, and after the four pushes that it makes where `pushing.calibration_pushes`
+asks for them, from five places of the box. One simulator in this process; a row per box and face goes to
+`results/unknown_boxes.csv`, the picture to `results/unknown_boxes.png`.
+"""
+
+import sys
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.figure import Figure
+from msgspec.structs import replace
+from rich.progress import track
+
+from agent_proc.calibration import calibrate, cells, open_floor
+from agent_proc.poses import planar_pose
+from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
+from agent_proc.push_map import make_push_map, measured_faces
+from agent_proc.push_model import NOMINAL
+from agent_proc.pushing import CALIBRATION_LEGS
+from agent_proc.worlds import LocalWorld
+from experiments.evaluations import RESULTS, write_table
+from legpush.faces import pushed_box, pushed_pose
+from legpush.messages import Push, Reset
+from legpush.robot import FRONT_LEGS
+from legpush.scenario import Box, Face
+from sim_proc.simulator import Simulator
+
+BOXES: Final[dict[str, Box]] = {
+    "default": NOMINAL,
+    "0.9 kg, friction 0.3": replace(NOMINAL, mass_kg=0.9, friction=0.3),
+    "0.9 kg, friction 0.8": replace(NOMINAL, mass_kg=0.9, friction=0.8),
+    "5 kg": replace(NOMINAL, mass_kg=5.0),
+    "0.6 x 0.35 m": replace(NOMINAL, size_m=(0.6, 0.35, 0.4)),
+    "0.3 x 0.4 m": replace(NOMINAL, size_m=(0.3, 0.4, 0.3)),
+    "0.5 x 0.5 m": replace(NOMINAL, size_m=(0.5, 0.5, 0.4)),
+    "cylinder, 0.5 m": replace(NOMINAL, size_m=(0.5, 0.5, 0.4), shape="cylinder"),
+}
+MEASURED_SEEDS: Final = (50_000, 50_001, 50_002)
+OWN_SEEDS: Final = (50_100, 50_101, 50_102, 50_103, 50_104)
+COLORS: Final = {"measured": "black", "guessed": "#c8553d", "after four pushes": "#3a6ea5"}
+
+
+def main() -> int:
+    """Measure, tabulate, draw."""
+    cases = [(name, box, face) for name, box in BOXES.items() for face in measured_faces(box)]
+    rows = [row(*case) for case in track(cases, description="boxes")]
+    write_table(rows, RESULTS / "unknown_boxes.csv")
+    draw(rows)
+    for one in rows:
+        print(
+            f"{one['box']}, {one['face']} face: radius {one['radius_m']:.3f} m [{one['radius_low_m']:.3f}, "
+            f"{one['radius_high_m']:.3f}], guessed {one['guessed_m']:.3f}, after four pushes {one['own_m']:.3f} "
+            f"± {one['own_sd_m']:.3f}"
+        )
+    return 0
+
+
+def row(name: str, box: Box, face: Face) -> dict[str, Any]:
+    """One box, pushed at one face."""
+    world = LocalWorld(Simulator())
+    planned = cells((face,), ((0.5, 0.5),), (USUAL_DEPTH_M,), MEASURED_SEEDS)
+    (circle,) = make_push_map(box, calibrate([world], box, planned), "").circles
+    own_m = [own_radius_m(world, box, face, seed) for seed in OWN_SEEDS]
+    return {
+        "box": name,
+        "face": face,
+        "radius_m": circle.radius_m.value,
+        "radius_low_m": circle.radius_m.low,
+        "radius_high_m": circle.radius_m.high,
+        "axle_m": circle.axle_m.value,
+        "guessed_m": round(PushEstimate(pushed_box(box, face)).turning_radius_m, 4),
+        "own_m": round(float(np.mean(own_m)), 4),
+        "own_sd_m": round(float(np.std(own_m, ddof=1)), 4),
+    }
+
+
+def own_radius_m(world: LocalWorld, box: Box, face: Face, seed: int) -> float:
+    """What a robot knows after it has pushed as it calibrates itself."""
+    estimate = PushEstimate(pushed_box(box, face))
+    outcome = world.step(Reset(scenario=open_floor(box, face), seed=seed))
+    before = pushed_pose(planar_pose(outcome.world.box), face)
+    for index in CALIBRATION_LEGS:
+        push = Push(w1=0.5, w2=0.5, leg=FRONT_LEGS[index], depth_m=USUAL_DEPTH_M, face=face)
+        after = pushed_pose(planar_pose(world.step(push).world.box), face)
+        estimate.learn(before, push, after)
+        before = after
+    return estimate.turning_radius_m
+
+
+def draw(rows: list[dict[str, Any]]) -> None:
+    """A line per box and face."""
+    figure = Figure(figsize=(8.6, 0.36 * len(rows) + 1.2), layout="constrained")
+    axis = figure.subplots()
+    at = np.arange(len(rows))[::-1]
+    radius, low, high = (np.array([one[key] for one in rows]) for key in ("radius_m", "radius_low_m", "radius_high_m"))
+    axis.errorbar(
+        radius,
+        at,
+        xerr=[radius - low, high - radius],
+        fmt="s",
+        ms=5,
+        capsize=3,
+        color=COLORS["measured"],
+        label="measured by 24 pushes, 95 %",
+    )
+    axis.plot([one["guessed_m"] for one in rows], at, "x", ms=7, color=COLORS["guessed"], label="guessed")
+    own, sd = np.array([one["own_m"] for one in rows]), np.array([one["own_sd_m"] for one in rows])
+    axis.errorbar(
+        own,
+        at - 0.22,
+        xerr=sd,
+        fmt="o",
+        ms=4,
+        capsize=2,
+        color=COLORS["after four pushes"],
+        label="after four pushes, ± sd",
+    )
+    axis.set_yticks(at, [f"{one['box']}, {one['face']} face" for one in rows])
+    axis.set(xlabel="turning radius of the point that does not slip sideways [m]", xlim=(0.0, None))
+    axis.grid(axis="x", color="#e6e8eb")
+    axis.legend(frameon=False, fontsize=8)
+    figure.savefig(RESULTS / "unknown_boxes.png", dpi=120)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
