@@ -13,8 +13,11 @@ from legpush.messages import BoxPathQuery, Plan, PushSide
 from legpush.room import occupancy_grid
 from legpush.room_shapes import Footprint, distance_m, distance_to_border_m, obstacle_footprint
 from legpush.scenario import Rectangle, Room
+from planner_proc import box_path
 from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
+from planner_proc.push_tree import Found
+from planner_proc.pushes import Pushes
 from planner_proc.walking_space import WalkingSpace
 
 RADIUS_M = 0.7
@@ -208,3 +211,20 @@ def test_a_way_around_the_box_is_found_beyond_its_neighbourhood() -> None:
     assert space.joins(ahead[None], above, box)
     assert space.joins(np.stack([behind, ahead]), above, box)
     assert not space.joins(ahead[None], pose(9.0, 0.9).xy(), box)
+
+
+@pytest.mark.parametrize(("n_refused", "status"), [(1, "exact"), (2, "exact"), (3, "failed")])
+def test_a_path_that_does_not_keep_its_clearance_exactly_is_searched_for_again_with_more(
+    n_refused: int, status: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judged, extra_m = box_path._judged, []
+
+    def strict(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
+        extra_m.append(pushes.extra_m)
+        return judged(found, pushes, n_iterations) if len(extra_m) > n_refused else None
+
+    monkeypatch.setattr(box_path, "_judged", strict)
+    plan = make_plan(query(OPEN, pose(4.0, 4.0), pose(6.0, 4.0)))
+
+    assert plan.status == status
+    assert extra_m == list(box_path.EXTRA_CLEARANCE_M[: n_refused + 1])
