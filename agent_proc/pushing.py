@@ -52,6 +52,8 @@ class Pushing:
         """What pushes at each face do."""
         self._reference = actor.scenario.reference
         """Until it has been followed."""
+        self._is_known = not actor.scenario.pushing.calibration_pushes
+        """Whether the box need not be calibrated any more."""
         self.n_cycles = 0
         """Pushes up to now."""
 
@@ -64,6 +66,7 @@ class Pushing:
         to_do = self._reference is not None or not self._actor.box_error().within(self._aim())
         if self._actor.scenario.pushing.calibration_pushes and to_do:
             self._calibrate()
+        self._is_known = True
         if self._reference is not None:
             self._push_along_reference()
         n_good = 0
@@ -186,7 +189,7 @@ class Pushing:
         """Whatever place the box has: the reference begins at its nominal one."""
         estimate = self._estimates["rear"]
         tightest_m, radius_m = least_radius_m(reference), hypot(estimate.turning_radius_m, estimate.axle_m)
-        if tightest_m < radius_m:
+        if tightest_m < radius_m and self._is_known:
             raise MissionEndedError(
                 "no_path",
                 f"the reference turns on a radius of {tightest_m:.2f} m, the box on no less than {radius_m:.2f} m",

@@ -19,9 +19,10 @@ from agent_proc.worlds import LocalWorld
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.faces import FACES, pushed_box, pushed_pose
 from legpush.messages import BoxPathQuery, Push
+from legpush.reference import Arcs, Left, Straight, reference_curve
 from legpush.scenario import Box, Face, Goal, PoseDeg, Pushing, Room
 from planner_proc.planning import make_plan
-from tests.agent.fake_world import FakeWorld, make_scenario
+from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
 
 DEPTHS_M = (0.02, 0.05)
 
@@ -201,3 +202,18 @@ def test_without_the_space_for_it_nothing_is_calibrated() -> None:
     plain, own = ([step for step in calibrating(n, narrow) if isinstance(step, Push)] for n in (0, 40))
 
     assert own == plain
+
+
+def test_a_reference_is_refused_for_a_guess_but_not_if_the_box_can_be_calibrated_first() -> None:
+    reference = Arcs(radius_m=0.5, segments=(Straight(length_m=0.5), Left(angle_deg=60.0), Straight(length_m=0.5)))
+    scenario = scenario_at_station()
+    x_m, y_m, yaw_rad = reference_curve(reference, scenario.box.pose.pose())[-1].tolist()
+    goal = Goal(pose=PoseDeg(x_m=x_m, y_m=y_m, yaw_deg=degrees(yaw_rad)))
+    results = []
+    for n_pushes in (0, 6):
+        pushing = Pushing(calibration_pushes=n_pushes)
+        asked = replace(scenario, reference=reference, goal=goal, pushing=pushing)
+        results.append(run_mission(FakeWorld(turn_scale=1.5), asked, 3, ScriptedPolicy()))
+
+    assert (results[0].reason, results[0].n_push_cycles) == ("no_path", 0)
+    assert results[1].success, results[1].detail
