@@ -1,6 +1,8 @@
-"""A tree of pushes (RRT) from where the box is, grown until its goal can be reached, and what it found made shorter."""
+"""Two trees of pushes (RRT), from where the box is and back from its goal, grown until they meet, and what was found
+made shorter.
+"""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf
 from typing import Final
 
@@ -20,10 +22,14 @@ N_NEAREST: Final = 4
 N_DIRECT: Final = 12
 """Ways from start to goal that are tried before a tree is grown, cheapest first."""
 N_TO_GOAL: Final = 3
-"""The same from each node of the tree."""
+"""The same from each node that the start leads to."""
+N_JOINED: Final = 3
+"""Nodes of the other tree that a new one is joined to, if that is free."""
+N_JOINS_TRIED: Final = 2
+"""Ways between two nodes that are tried, cheapest first."""
 MORE: Final = 2
-LEAST_MORE: Final = 40
-"""Once the goal is reached, the tree grows on for as many iterations again, and some: a cheaper way may show up."""
+LEAST_MORE: Final = 80
+"""Once the goal is reached, the trees grow on for as many iterations again, and some: a cheaper way may show up."""
 N_SHORTENED: Final = 3
 """Of what was found, so many of the cheapest are made shorter."""
 N_SHORTCUTS: Final = 80
@@ -43,16 +49,16 @@ class Found:
 
 
 def search(query: BoxPathQuery, pushes: Pushes) -> Found:
-    """The cheapest direct way that fits; else what the tree comes to. Equal queries get equal answers."""
+    """The cheapest direct way that fits; else what the trees come to. Equal queries get equal answers."""
     direct = pushes.best(pushes.to_goal(query.start, query.goal), query.present_side, inf, N_DIRECT)
     if direct is not None:
         return Found(way=direct, tree_points_m=_points(query.start, query.goal), tree_parents=(0, 0), n_iterations=0)
-    tree = _Tree(query, pushes)
+    trees = _Search(query, pushes)
     ways: list[Way] = []
     n_iterations, n_wanted = 0, query.max_iterations
     while n_iterations < n_wanted:
         n_iterations += 1
-        way = tree.grow()
+        way = trees.iterate(n_iterations)
         if way:
             ways.append(way)
             n_wanted = min(n_wanted, MORE * n_iterations + LEAST_MORE)
@@ -61,8 +67,8 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
     way = min(shorter, key=lambda way: pushes.cost_m(way, query.present_side), default=())
     return Found(
         way=way,
-        tree_points_m=tuple((node.pose.x_m, node.pose.y_m) for node in tree.nodes),
-        tree_parents=tuple(node.parent for node in tree.nodes),
+        tree_points_m=tuple((node.pose.x_m, node.pose.y_m) for node in trees.forward.nodes),
+        tree_parents=tuple(node.parent for node in trees.forward.nodes),
         n_iterations=n_iterations,
     )
 
@@ -72,70 +78,128 @@ class _Node:
     pose: Pose2
     parent: int
     stage: Stage | None
-    """Which led to it from its parent."""
+    """Between it and its parent; None of a root."""
     side: int | None
+    """From the start: the one that the robot stands at. To the goal: the one from which pushing goes on."""
 
 
-@dataclass
 class _Tree:
-    query: BoxPathQuery
-    pushes: Pushes
-    nodes: list[_Node] = field(default_factory=list)
+    """Poses that the start leads to or, `backward`, that lead to the goal, and the pushes between them."""
 
-    def __post_init__(self) -> None:
-        query = self.query
-        self._random = np.random.default_rng(query.seed)
-        size_m = np.array([query.grid.n_columns, query.grid.n_rows]) * query.grid.resolution_m
-        self._low = np.array([*query.grid.origin_m, -np.pi])
-        self._high = np.array([*(np.array(query.grid.origin_m) + size_m), np.pi])
-        self._poses = np.empty((query.max_iterations + 1, 3))
-        self._add(_Node(pose=query.start, parent=0, stage=None, side=query.present_side))
+    def __init__(self, pushes: Pushes, size: int, *, backward: bool) -> None:
+        self.nodes: list[_Node] = []
+        self._pushes = pushes
+        self._poses = np.empty((size, 3))
+        self._backward = backward
 
-    def grow(self) -> Way:
-        """One iteration; all of the way once the goal is reached, else nothing."""
-        target = self._sample()
-        growths = [self._toward(index, target) for index in self._nearest(target)]
-        _, index, stage = min(growths, key=lambda growth: growth[0])
-        node = self.nodes[index]
-        if not self.pushes.free((stage,), node.side):
-            return ()
-        self._add(_Node(pose=stage.end, parent=index, stage=stage, side=stage.side))
-        last = self.pushes.best(self.pushes.to_goal(stage.end, self.query.goal), stage.side, inf, N_TO_GOAL)
-        return () if last is None else (*self._way_to(len(self.nodes) - 1), *last)
+    def add(self, node: _Node) -> _Node:
+        """One more."""
+        self._poses[len(self.nodes)] = node.pose.x_m, node.pose.y_m, node.pose.yaw_rad
+        self.nodes.append(node)
+        return node
 
-    def _sample(self) -> Pose2:
-        if self._random.random() < self.query.goal_bias:
-            return self.query.goal
-        x_m, y_m, yaw_rad = self._random.uniform(self._low, self._high).tolist()
-        return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
-
-    def _nearest(self, target: Pose2) -> list[int]:
+    def nearest(self, target: Pose2, n: int) -> list[int]:
+        """So many nodes that are nearest to a pose, nearest first."""
         poses = self._poses[: len(self.nodes)]
         turn = np.abs((poses[:, 2] - target.yaw_rad + np.pi) % (2 * np.pi) - np.pi)
         distance = np.hypot(*(poses[:, :2] - target.xy()).T) + TURN_M_PER_RAD * turn
-        nearest: list[int] = np.argsort(distance, kind="stable")[:N_NEAREST].tolist()
-        return nearest
+        found: list[int] = np.argsort(distance, kind="stable")[:n].tolist()
+        return found
 
-    def _toward(self, index: int, target: Pose2) -> tuple[float, int, Stage]:
-        """The cheapest push from a node, no longer than a step, and what all of it would cost."""
-        node, pushes = self.nodes[index], self.pushes
-        (best,) = min(pushes.singles(node.pose, target), key=lambda way: pushes.cost_m(way, node.side))
-        cost_m = pushes.cost_m((best,), node.side)
-        if best.length_m > self.query.step_m:
-            end = pushes.sides[best.side].along(best.begin, best.end, self.query.step_m)
-            best = Stage(side=best.side, begin=best.begin, end=end, length_m=self.query.step_m)
-        return cost_m, index, best
+    def grow(self, target: Pose2, step_m: float) -> _Node | None:
+        """The cheapest push between a near node and the target, no longer than a step, added if it is free."""
+        candidates = [self._candidate(index, target) for index in self.nearest(target, N_NEAREST)]
+        _, index, stage = min(candidates, key=lambda candidate: candidate[0])
+        stage, node = self._cut(stage, step_m), self.nodes[index]
+        if not self._pushes.free(self._with_next(stage, index), stage.side if self._backward else node.side):
+            return None
+        pose = stage.begin if self._backward else stage.end
+        return self.add(_Node(pose=pose, parent=index, stage=stage, side=stage.side))
 
-    def _add(self, node: _Node) -> None:
-        self._poses[len(self.nodes)] = node.pose.x_m, node.pose.y_m, node.pose.yaw_rad
-        self.nodes.append(node)
-
-    def _way_to(self, index: int) -> Way:
+    def way(self, index: int) -> Way:
+        """From the start to a node or, backward, from it to the goal."""
         stages: list[Stage] = []
         while (node := self.nodes[index]).stage is not None:
             stages.append(node.stage)
             index = node.parent
-        return tuple(reversed(stages))
+        return tuple(stages if self._backward else reversed(stages))
+
+    def _candidate(self, index: int, target: Pose2) -> tuple[float, int, Stage]:
+        """The cheapest push between a node and the target."""
+        node, pushes = self.nodes[index], self._pushes
+        ends = (target, node.pose) if self._backward else (node.pose, target)
+        (best,) = min(pushes.singles(*ends), key=lambda way: pushes.cost_m(way, node.side))
+        return pushes.cost_m((best,), node.side), index, best
+
+    def _cut(self, stage: Stage, step_m: float) -> Stage:
+        """The part of it that is next to the node."""
+        if stage.length_m <= step_m:
+            return stage
+        if self._backward:
+            middle = self._pushes.sides[stage.side].along(stage.begin, stage.end, stage.length_m - step_m)
+            return Stage(side=stage.side, begin=middle, end=stage.end, length_m=step_m)
+        middle = self._pushes.sides[stage.side].along(stage.begin, stage.end, step_m)
+        return Stage(side=stage.side, begin=stage.begin, end=middle, length_m=step_m)
+
+    def _with_next(self, stage: Stage, index: int) -> Way:
+        """Backward also the push after it, since the robot may have to change sides in between."""
+        after = self.nodes[index].stage
+        return (stage,) if after is None or not self._backward else (stage, after)
+
+
+class _Search:
+    """Both trees, and the ways that join them."""
+
+    def __init__(self, query: BoxPathQuery, pushes: Pushes) -> None:
+        self._query = query
+        self._pushes = pushes
+        self._random = np.random.default_rng(query.seed)
+        size_m = np.array([query.grid.n_columns, query.grid.n_rows]) * query.grid.resolution_m
+        self._low = np.array([*query.grid.origin_m, -np.pi])
+        self._high = np.array([*(np.array(query.grid.origin_m) + size_m), np.pi])
+        size = query.max_iterations + len(pushes.sides) + 1
+        self.forward, self._backward = (_Tree(pushes, size, backward=backward) for backward in (False, True))
+        self.forward.add(_Node(pose=query.start, parent=0, stage=None, side=query.present_side))
+        goal = self._backward.add(_Node(pose=query.goal, parent=0, stage=None, side=None))
+        for index, side in enumerate(pushes.sides):
+            stage = pushes.stage(index, side.ahead(goal.pose, -query.run_in_m), goal.pose)
+            if stage.length_m > 0.0 and pushes.free((stage,), index):
+                self._backward.add(_Node(pose=stage.begin, parent=0, stage=stage, side=index))
+        self._can_come = len(self._backward.nodes) > 1
+
+    def iterate(self, n: int) -> Way:
+        """The n-th iteration, of the one tree and the other in turn; a whole way where it found one, else nothing."""
+        target = self._sample()
+        if n % 2 and self._can_come:
+            grown = self._backward.grow(target, self._query.step_m)
+            return self._join(len(self._backward.nodes) - 1, forward=False) if grown else ()
+        node = self.forward.grow(target, self._query.step_m)
+        if node is None:
+            return ()
+        index = len(self.forward.nodes) - 1
+        last = self._pushes.best(self._pushes.to_goal(node.pose, self._query.goal), node.side, inf, N_TO_GOAL)
+        return self._join(index, forward=True) if last is None else (*self.forward.way(index), *last)
+
+    def _sample(self) -> Pose2:
+        if self._random.random() < self._query.goal_bias:
+            return self._query.goal
+        x_m, y_m, yaw_rad = self._random.uniform(self._low, self._high).tolist()
+        return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+
+    def _join(self, index: int, *, forward: bool) -> Way:
+        """A way over a new node of one tree and a node near it of the other, if a free one was found."""
+        mine, others = (self.forward, self._backward) if forward else (self._backward, self.forward)
+        for other in others.nearest(mine.nodes[index].pose, N_JOINED):
+            begin, end = (index, other) if forward else (other, index)
+            a, b = self.forward.nodes[begin], self._backward.nodes[end]
+            if b.stage is None:
+                continue
+            after = b.stage
+            ways = (*self._pushes.singles(a.pose, b.pose), *self._pushes.doubles(a.pose, b.pose))
+            found = self._pushes.best(iter([(*way, after) for way in ways]), a.side, inf, N_JOINS_TRIED)
+            if found is not None:
+                return (*self.forward.way(begin), *found[:-1], *self._backward.way(end))
+        return ()
 
 
 def _shortened(way: Way, query: BoxPathQuery, pushes: Pushes) -> Way:

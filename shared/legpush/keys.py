@@ -1,4 +1,4 @@
-"""The key space: `legpush/v2/<run>/...`, one key per message type and peer."""
+"""The key space: `legpush/v<protocol version>/<run>/...`, one key per message type and peer."""
 
 from legpush.messages import PROTOCOL_VERSION, Role
 

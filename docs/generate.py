@@ -1,0 +1,219 @@
+"""`python docs/generate.py`: the field tables of `protocol.md` and the JSON Schemas, from the message types themselves.
+
+Between the lines `<!-- generated: NAME -->` and `<!-- end -->` of `protocol.md` everything is written anew; the rest is
+written by hand. Schemas go to `schemas/`. A test fails where either is not what the message types say.
+"""
+
+import ast
+import inspect as python_inspect
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from textwrap import dedent
+from typing import Any, Final
+
+import msgspec
+from msgspec import inspect
+
+from legpush import geometry, messages, reference, room_shapes, scenario
+from legpush.messages import PROTOCOL_VERSION
+
+DOCS: Final = Path(__file__).parent
+PROTOCOL: Final = DOCS / "protocol.md"
+SCHEMAS: Final = DOCS / "schemas"
+SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
+    "planning": (
+        messages.PlanRequest,
+        messages.TrunkPathQuery,
+        messages.BoxPathQuery,
+        messages.PushSide,
+        messages.OccupancyGrid,
+        messages.PlanResult,
+        messages.Plan,
+        messages.Tree,
+    ),
+    "stepping": (
+        messages.Action,
+        messages.Reset,
+        messages.Follow,
+        messages.Walk,
+        messages.Push,
+        messages.Observation,
+        messages.Refusal,
+        messages.Outcome,
+        messages.WorldState,
+        messages.TrunkState,
+        messages.Imu,
+        messages.BoxState,
+        messages.PathProgress,
+        messages.PushReport,
+        messages.Trace,
+    ),
+    "common": (messages.Header, messages.Status, geometry.Pose2, room_shapes.Footprint),
+    "scenario": (
+        scenario.Scenario,
+        scenario.Room,
+        scenario.Rectangle,
+        scenario.PoseDeg,
+        scenario.Box,
+        scenario.Goal,
+        scenario.Planning,
+        scenario.Mission,
+        scenario.Pushing,
+        scenario.Randomization,
+        reference.Sine,
+        reference.Arcs,
+        reference.Straight,
+        reference.Left,
+        reference.Right,
+    ),
+}
+"""What stands in each generated part, in this order."""
+MESSAGES: Final = (
+    messages.PlanRequest,
+    messages.PlanResult,
+    messages.Action,
+    messages.Observation,
+    messages.Refusal,
+    messages.Status,
+)
+"""What travels by itself."""
+_BLOCK: Final = re.compile(r"(?<=<!-- generated: )(?P<name>\w+)(?P<open> -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+
+def main() -> None:
+    """Write everything anew."""
+    PROTOCOL.write_text(protocol(PROTOCOL.read_text()))
+    SCHEMAS.mkdir(exist_ok=True)
+    for name, text in schemas().items():
+        (SCHEMAS / name).write_text(text)
+
+
+def protocol(text: str) -> str:
+    """The document with its generated parts as the message types are now."""
+
+    def fill(found: re.Match[str]) -> str:
+        name = found["name"]
+        parts = [f"{PROTOCOL_VERSION}\n"] if name == "version" else [_table(record) for record in SECTIONS[name]]
+        return name + found["open"] + "\n" + "\n".join(parts) + "\n"
+
+    return _BLOCK.sub(fill, text)
+
+
+def schemas() -> dict[str, str]:
+    """File names and contents: a JSON Schema (2020-12) per message; binary fields are base64 there."""
+    return {f"{_snake(m.__name__)}.json": json.dumps(_schema(m), indent=1) + "\n" for m in MESSAGES}
+
+
+def _schema(message: type[msgspec.Struct]) -> dict[str, Any]:
+    schema = msgspec.json.schema(message)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": f"legpush protocol {PROTOCOL_VERSION}: {message.__name__}",
+        **schema,
+    }
+
+
+def _snake(name: str) -> str:
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+def _table(record: type[msgspec.Struct]) -> str:
+    """Heading, description and fields of a record."""
+    lines = [f"#### {record.__name__}", "", _flat(record.__doc__ or ""), ""]
+    info = inspect.type_info(record)
+    if not isinstance(info, inspect.StructType):
+        raise TypeError(f"Expected a record, got {record}")
+    meanings = dict(_field_docs(record))
+    rows = [
+        (field.encode_name, _words(field.type), _default(field), meanings.get(field.name, "")) for field in info.fields
+    ]
+    if info.tag_field is not None:
+        rows.insert(0, (info.tag_field, f'"{info.tag}"', "", "Tells this record from the others that may stand here."))
+    if not rows:
+        return "\n".join([*lines, "No fields.", ""])
+    lines += ["| field | type | default | meaning |", "| --- | --- | --- | --- |"]
+    lines += [f"| `{name}` | {words} | {default} | {meaning} |" for name, words, default, meaning in rows]
+    return "\n".join([*lines, ""])
+
+
+def _field_docs(record: type[msgspec.Struct]) -> Iterator[tuple[str, str]]:
+    """The text below each field of the class."""
+    (definition,) = ast.parse(dedent(python_inspect.getsource(record))).body
+    if not isinstance(definition, ast.ClassDef):
+        raise TypeError(f"Expected a class, got {record}")
+    name = None
+    for node in definition.body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            name = node.target.id
+        elif (
+            name
+            and isinstance(node, ast.Expr)
+            and isinstance(node.value, ast.Constant)
+            and isinstance(node.value.value, str)
+        ):
+            yield name, _flat(node.value.value)
+            name = None
+        else:
+            name = None
+
+
+def _flat(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+def _default(field: inspect.Field) -> str:
+    """What holds where the field is left out."""
+    if field.required:
+        return "required"
+    value = field.default if field.default is not msgspec.NODEFAULT else field.default_factory()
+    plain = msgspec.to_builtins(value)
+    return "all defaults" if isinstance(plain, dict) else f"`{json.dumps(plain)}`"
+
+
+def _words(kind: inspect.Type) -> str:
+    """A type, in words of MessagePack."""
+    match kind:
+        case inspect.FloatType():
+            return f"number{_bounds(kind)}"
+        case inspect.IntType():
+            return f"integer{_bounds(kind)}"
+        case inspect.BoolType():
+            return "boolean"
+        case inspect.StrType():
+            return f"string, `{kind.pattern}`".replace("|", "\\|") if kind.pattern else "string"
+        case inspect.BytesType():
+            return "binary"
+        case inspect.NoneType():
+            return "nil"
+        case inspect.LiteralType():
+            return " or ".join(f'"{value}"' for value in kind.values)
+        case inspect.StructType():
+            return f"[{kind.cls.__name__}](#{kind.cls.__name__.lower()})"
+        case inspect.UnionType():
+            return " or ".join(_words(one) for one in kind.types)
+        case inspect.TupleType():
+            if len(set(map(_words, kind.item_types))) == 1:
+                return f"array of {len(kind.item_types)} x {_words(kind.item_types[0])}"
+            return f"array of {', '.join(map(_words, kind.item_types))}"
+        case inspect.VarTupleType():
+            low, high = kind.min_length, kind.max_length
+            size = f" {low} to {high}" if low and high and low != high else f" {low}" if low == high and low else ""
+            size = size or (f" at most {high}" if high else f" at least {low}" if low else "")
+            return f"array of{size} x {_words(kind.item_type)}" if size else f"array of {_words(kind.item_type)}"
+    raise TypeError(f"Expected a type that has words, got {kind}")
+
+
+def _bounds(kind: inspect.FloatType | inspect.IntType) -> str:
+    signs = ((kind.gt, ">"), (kind.ge, ">="), (kind.lt, "<"), (kind.le, "<="))
+    texts = [
+        f"{sign} {bound:g}" if isinstance(bound, float) else f"{sign} {bound}"
+        for bound, sign in signs
+        if bound is not None
+    ]
+    return f", {' and '.join(texts)}" if texts else ""
+
+
+if __name__ == "__main__":
+    main()
