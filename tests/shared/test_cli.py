@@ -71,6 +71,14 @@ def test_the_version_is_that_of_the_package() -> None:
             "error: command line: at `box.mass_kg`: expected a number >= 0.001",
         ),
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
+        (
+            ["run", "--planner-command", "no-such-planner"],
+            "with a program for --planner-command, got 'no-such-planner'",
+        ),
+        (
+            ["run", "--planner-command", "'"],
+            'Expected a command for --planner-command, got "\'" (No closing quotation)',
+        ),
         (["run", "--scenario", "push", "--out", "full"], "error: full: expected a new or empty folder"),
         (["scenarios", "show", "defalt"], "(did you mean `default`?)"),
         (["scenarios", "copy", "default", "full/file"], "error: full/file: expected a new file"),

@@ -1,5 +1,8 @@
 """What `legpush run` can be told."""
 
+import os
+import shlex
+import shutil
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -32,6 +35,8 @@ class RunOptions:
     module:factory."""
     push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
+    planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
+    """Another planner process, such as "python examples/grid_planner.py"; `docs/protocol.md` says what it has to do."""
     planner: PlannerName | None = None
     """Replaces the scenario's planner."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
@@ -50,5 +55,22 @@ class RunOptions:
             raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
         if not 0.0 <= self.inject_faults < 1.0:
             raise ConfigError(f"Expected a probability in [0, 1) for --inject-faults, got {self.inject_faults}")
+        if self.planner_command is not None:
+            split_command(self.planner_command)
         if self.deadline_s is not None and not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
             raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")
+
+
+def split_command(command: str) -> tuple[str, ...]:
+    """Program, with its absolute path, and arguments; `ConfigError` where there is no such program."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise ConfigError(f"Expected a command for --planner-command, got {command!r} ({error})") from error
+    program = shutil.which(words[0]) if words else None
+    if program is None:
+        raise ConfigError(
+            f"Expected a command that begins with a program for --planner-command, got {command!r}: "
+            f"{words[0] if words else 'nothing'} is none"
+        )
+    return (os.path.abspath(program), *words[1:])

@@ -23,7 +23,7 @@ from legpush.errors import ConfigError
 from legpush.launch.crew import Crew
 from legpush.launch.display import make_display
 from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, run_folder
-from legpush.launch.options import RunOptions
+from legpush.launch.options import RunOptions, split_command
 from legpush.launch.processes import Command
 from legpush.launch.summary import print_summary, read_report
 from legpush.launch.supervisor import (
@@ -65,6 +65,8 @@ class Place:
 
 def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
     """The command line of a process of this package, without what `bus_flags` adds."""
+    if role == "planner" and options.planner_command is not None:
+        return split_command(options.planner_command)
     # -P: what lies in the working directory is no part of the program.
     arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
     if role == "agent":
@@ -133,7 +135,8 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
     flags = ["--run", place.run, "--listen", *endpoints.listen]
     if endpoints.connect:
         flags += ["--connect", *endpoints.connect]
-    if options.inject_faults > 0.0:
+    foreign = role == "planner" and options.planner_command is not None
+    if options.inject_faults > 0.0 and not foreign:
         flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
     return tuple(flags)
 
@@ -186,6 +189,8 @@ def _again(options: RunOptions, folder: Path) -> str:
     """The command that goes on with an interrupted run."""
     words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
     words += ["--out", str(folder), "--policy", options.policy]
+    if options.planner_command is not None:
+        words += ["--planner-command", options.planner_command]
     if options.push_map is not None:
         words += ["--push-map", str(options.push_map)]
     if not options.video:
