@@ -73,7 +73,7 @@ def test_the_version_is_that_of_the_package() -> None:
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
         (
             ["run", "--planner-command", "no-such-planner"],
-            "with a program for --planner-command, got 'no-such-planner'",
+            "for --planner-command, got 'no-such-planner'",
         ),
         (
             ["run", "--planner-command", "'"],
