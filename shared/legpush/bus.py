@@ -135,6 +135,10 @@ class Bus:
         self._closing.callback(bad_channel.close)
         return Publisher(self._header, bad_channel.send)
 
+    def put(self, key: str, payload: bytes) -> None:
+        """Publish bytes as they are, valid or not."""
+        self._session.put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
+
     def subscribe(self, channel: Channel[M]) -> Subscription[M]:
         """The messages of `channel` from now on; whatever is not valid is counted in `tally` and logged."""
         subscription = Subscription(channel, self.tally)

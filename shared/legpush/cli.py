@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from functools import singledispatch
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final
 
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.launch.learning import CalibrateOptions, EvaluateOptions, TrainOptions, start_program
+from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
 from legpush.launch.options import RunOptions
+from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
 from legpush.launch.rooms import RandomScenario
 
 DESCRIPTION: Final = (
@@ -65,7 +66,7 @@ class Render:
     """The folder of the run."""
 
 
-PROGRAMS: Final[dict[type, Literal["train", "evaluate", "calibrate"]]] = {
+PROGRAMS: Final[dict[type, Program]] = {
     TrainOptions: "train",
     EvaluateOptions: "evaluate",
     CalibrateOptions: "calibrate",
@@ -77,6 +78,7 @@ Command = (
     | Annotated[TrainOptions, tyro.conf.subcommand("train")]
     | Annotated[EvaluateOptions, tyro.conf.subcommand("evaluate")]
     | Annotated[CalibrateOptions, tyro.conf.subcommand("calibrate")]
+    | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[Render, tyro.conf.subcommand("render")]
 )
@@ -85,11 +87,15 @@ Command = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` and return the exit code; an error is one line on standard error."""
     argv = sys.argv[1:] if argv is None else argv
+    if list(argv[:1]) == ["plan-check"]:
+        return _plan_check(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
     try:
-        command: RunOptions | TrainOptions | EvaluateOptions | CalibrateOptions | Scenarios | Render = tyro.cli(
+        command: (
+            RunOptions | TrainOptions | EvaluateOptions | CalibrateOptions | PlanCheckOptions | Scenarios | Render
+        ) = tyro.cli(
             Command,
             prog="legpush",
             description=DESCRIPTION,
@@ -105,6 +111,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return error.exit_code
     except KeyboardInterrupt:
         return 130
+
+
+def _plan_check(argv: Sequence[str]) -> int:
+    """Its command after `--` is not this parser's; checked here, so that a mistake costs no start."""
+    try:
+        flags, _ = split_at_dashes(argv)
+        tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
+        start_program("plan_check", argv)
+    except LegpushError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return error.exit_code
 
 
 @singledispatch

@@ -16,12 +16,14 @@ class Tally:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._counts: Counter[str] = Counter()
+        self._details: dict[str, str] = {}
         self._logged_at: dict[str, float] = {}
 
     def add(self, cause: str, detail: str, level: int = logging.WARNING) -> None:
         """Count one more of `cause`; `detail` says which message it was and what is wrong with it."""
         with self._lock:
             self._counts[cause] += 1
+            self._details[cause] = detail
             total, now = self._counts[cause], monotonic()
             if now - self._logged_at.get(cause, -LOG_EVERY_S) < LOG_EVERY_S:
                 return
@@ -31,6 +33,11 @@ class Tally:
     def __getitem__(self, cause: str) -> int:
         with self._lock:
             return self._counts[cause]
+
+    def details(self) -> dict[str, str]:
+        """Of each cause, which message was the last one and what was wrong with it."""
+        with self._lock:
+            return dict(self._details)
 
     def as_dict(self) -> dict[str, int]:
         """All causes and how often each came up."""

@@ -165,7 +165,11 @@ class CalibrateOptions(SimulatorOptions):
             raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
 
 
-def start_program(program: Literal["train", "evaluate", "calibrate", "draw_room"], argv: Sequence[str]) -> NoReturn:
+Program = Literal["train", "evaluate", "calibrate", "draw_room", "plan_check"]
+"""Of the agent, besides missions."""
+
+
+def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
     """Become the agent's program for it; `argv` are its options."""
     from legpush.launch.run import child_environment
 

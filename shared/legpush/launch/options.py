@@ -67,10 +67,14 @@ def split_command(command: str) -> tuple[str, ...]:
         words = shlex.split(command)
     except ValueError as error:
         raise ConfigError(f"Expected a command for --planner-command, got {command!r} ({error})") from error
-    program = shutil.which(words[0]) if words else None
+    if not words:
+        raise ConfigError("Expected a command for --planner-command, got nothing")
+    return (program_path(words[0]), *words[1:])
+
+
+def program_path(name: str) -> str:
+    """Absolute path of a program by name or path; `ConfigError` where there is none."""
+    program = shutil.which(name)
     if program is None:
-        raise ConfigError(
-            f"Expected a command that begins with a program for --planner-command, got {command!r}: "
-            f"{words[0] if words else 'nothing'} is none"
-        )
-    return (os.path.abspath(program), *words[1:])
+        raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is none")
+    return os.path.abspath(program)

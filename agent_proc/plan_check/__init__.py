@@ -1,0 +1,1 @@
+"""Whether a planner process does what docs/protocol.md asks of one."""

@@ -1,0 +1,251 @@
+"""What is checked, one function each: it says what is wrong, or nothing."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import nan
+from typing import Final
+
+import msgpack
+from msgspec.structs import replace
+
+from agent_proc.plan_check.cases import Case, box_query, cases, query, room
+from agent_proc.plan_check.client import Client, PlannerProcess
+from agent_proc.plan_check.truth import differences, faults
+from legpush.messages import Plan, PlanResult, TrunkPathQuery
+
+START_S: Final = 20.0
+"""A planner has so long to come up."""
+SETTLE_S: Final = 0.6
+"""An answer that should not come would come within this time."""
+N_RESENT: Final = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """The outcome of one check."""
+
+    name: str
+    passed: bool
+    reason: str
+    """What is wrong, or a remark."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """What checks work with."""
+
+    planner: PlannerProcess
+    client: Client
+    other: Client
+    deadline_s: float
+
+
+def run_checks(bench: Bench) -> Iterator[Finding]:
+    """All checks in order; after a planner that does not start there are no more."""
+    wrong = bench.client.wait_for_planner(START_S) or bench.other.wait_for_planner(START_S)
+    yield Finding(name="starts and shows its token", passed=not wrong, reason=wrong)
+    if wrong:
+        return
+    for case in cases():
+        yield _finding(f"plans: {case.name}", bench, lambda bench, case=case: plans(bench, case))  # type: ignore[misc]
+    for name, check in CHECKS.items():
+        yield _finding(name, bench, check)
+
+
+def _finding(name: str, bench: Bench, check: Callable[[Bench], str]) -> Finding:
+    """Run a check; a planner that died in it is started again for the next one."""
+    reason = check(bench)
+    passed = not reason or reason.startswith(REMARK)
+    if bench.planner.end():
+        bench.planner.start()
+        bench.client.wait_for_planner(START_S)
+    return Finding(name=name, passed=passed, reason=reason.removeprefix(REMARK))
+
+
+REMARK: Final = "remark: "
+EASY: Final = query(room(8.0, 6.0, (3.9, 4.1, 0.0, 4.4)), (1.0, 1.0), (7.0, 1.0))
+
+
+def plans(bench: Bench, case: Case) -> str:
+    """An honest status, and a path that is what it says."""
+    result = bench.client.ask(case.query, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    return judged(case.query, result.plan, case.expected)
+
+
+def judged(asked: TrunkPathQuery, plan: Plan, expected: tuple[str, ...]) -> str:
+    """What is wrong with an answer."""
+    found = faults(asked, plan)
+    if plan.status not in expected:
+        found.insert(0, f"its status is {plan.status} ({plan.reason}), expected {' or '.join(expected)}")
+    return "; ".join(found)
+
+
+def answers_once(bench: Bench) -> str:
+    """One answer to one request."""
+    request_id = bench.client.new_id()
+    bench.client.send(request_id, EASY)
+    results = bench.client.results(request_id, bench.deadline_s)
+    if not results:
+        return bench.client.silence(bench.deadline_s)
+    more = bench.client.results(request_id, SETTLE_S)
+    return "it answers a request twice that was sent once" if more else ""
+
+
+def repeats_its_answer(bench: Bench) -> str:
+    """The same request again gets the same answer again."""
+    request_id = bench.client.new_id()
+    answers: list[PlanResult] = []
+    for _ in range(N_RESENT):
+        bench.client.send(request_id, EASY)
+        results = bench.client.results(request_id, bench.deadline_s)
+        if not results:
+            return f"after {len(answers)} answers: {bench.client.silence(bench.deadline_s)}"
+        answers += results
+        if different := differences(answers[0].plan, results[0].plan):
+            return f"the same request gets another answer when it is sent again: {different}"
+    return ""
+
+
+def refuses_another_query(bench: Bench) -> str:
+    """A request id that was used for another query."""
+    request_id = bench.client.new_id()
+    for asked, expected in ((EASY, "exact"), (replace(EASY, seed=EASY.seed + 1), "invalid")):
+        bench.client.send(request_id, asked)
+        results = bench.client.results(request_id, bench.deadline_s)
+        if not results:
+            return bench.client.silence(bench.deadline_s)
+        if results[0].plan.status != expected:
+            which = "the first" if expected == "exact" else "another query under the same request id"
+            return f"{which} gets the status {results[0].plan.status}, expected {expected}"
+    return ""
+
+
+def is_deterministic(bench: Bench) -> str:
+    """Equal queries get equal plans, also from a process that was started anew."""
+    first = bench.client.ask(EASY, bench.deadline_s)
+    second = bench.client.ask(EASY, bench.deadline_s)
+    if wrong := _unequal("two equal queries get different plans", first, second):
+        return wrong
+    bench.planner.kill()
+    bench.planner.start()
+    if wrong := bench.client.wait_for_planner(START_S):
+        return f"after a restart: {wrong}"
+    third = bench.client.ask(EASY, bench.deadline_s)
+    return _unequal("after a restart an equal query gets another plan", first, third)
+
+
+def _unequal(what: str, a: PlanResult | str, b: PlanResult | str) -> str:
+    for result in (a, b):
+        if isinstance(result, str):
+            return result
+    if isinstance(a, str) or isinstance(b, str):
+        return ""
+    different = differences(a.plan, b.plan)
+    return f"{what}: {different}" if different else ""
+
+
+def survives_nonsense(bench: Bench) -> str:
+    """Messages that are not valid get no answer and do no harm."""
+    good = bench.client.example(EASY)
+    bench.client.results(bench.client.new_id(), SETTLE_S)
+    header = good["header"]
+    if not isinstance(header, dict):
+        raise TypeError(f"Expected a map, got {header}")
+    broken = {
+        "bytes that are no MessagePack": b"\xc1\xff\x00",
+        "an empty message": b"",
+        "no map": msgpack.packb([1, 2, 3]),
+        "a missing field": msgpack.packb({key: value for key, value in good.items() if key != "query"}),
+        "another protocol version": msgpack.packb({**good, "header": {**header, "protocol": 999}}),
+        "a start that is not a number": msgpack.packb(
+            {**good, "query": {**_map(good["query"]), "start": {"x_m": nan, "y_m": 0.0, "yaw_rad": 0.0}}}
+        ),
+        "a text for a number": msgpack.packb({**good, "query": {**_map(good["query"]), "clearance_m": "wide"}}),
+    }
+    for what, payload in broken.items():
+        bench.client.send_raw(payload)
+        if ended := bench.planner.end():
+            return f"{what}: {ended}"
+        result = bench.client.ask(EASY, bench.deadline_s)
+        if isinstance(result, str):
+            return f"after {what}: {result}"
+    return ""
+
+
+def _map(value: object) -> dict[str, object]:
+    if not isinstance(value, dict):
+        raise TypeError(f"Expected a map, got {value}")
+    return value
+
+
+def comes_back(bench: Bench) -> str:
+    """Killed while it plans, and started again: the request that is sent again is answered."""
+    request_id = bench.client.new_id()
+    asked = cases()[-1].query
+    bench.client.send(request_id, asked)
+    bench.client.results(request_id, 0.1)
+    bench.planner.kill()
+    bench.planner.start()
+    if wrong := bench.client.wait_for_planner(START_S):
+        return wrong
+    bench.client.send(request_id, asked)
+    results = bench.client.results(request_id, bench.deadline_s)
+    return judged(asked, results[0].plan, ("exact",)) if results else bench.client.silence(bench.deadline_s)
+
+
+def answers_the_newest(bench: Bench) -> str:
+    """Of several requests of a client at once, the newest is answered."""
+    ids = [bench.client.new_id() for _ in range(3)]
+    for index, request_id in enumerate(ids):
+        bench.client.send(request_id, replace(EASY, seed=index))
+    results = bench.client.results(ids[-1], bench.deadline_s)
+    return "" if results else f"the newest of three requests: {bench.client.silence(bench.deadline_s)}"
+
+
+def serves_two_clients(bench: Bench) -> str:
+    """Two clients at once get each its own answer."""
+    questions = {bench.client: EASY, bench.other: query(room(8.0, 6.0), (1.0, 5.0), (7.0, 5.0))}
+    asked = {client: client.new_id() for client in questions}
+    for client, one in questions.items():
+        client.send(asked[client], one)
+    for client, one in questions.items():
+        results = client.results(asked[client], bench.deadline_s)
+        if not results:
+            return f"client {client.bus.name}: {client.silence(bench.deadline_s)}"
+        if wrong := judged(one, results[0].plan, ("exact",)):
+            return f"client {client.bus.name}: {wrong}"
+    return ""
+
+
+def knows_boxes(bench: Bench) -> str:
+    """A path of the box straight ahead; a planner may say that it knows none."""
+    asked = box_query()
+    result = bench.client.ask(asked, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    plan = result.plan
+    if plan.status in ("failed", "invalid"):
+        return f"{REMARK}it plans no paths of the box ({plan.reason}); missions need them"
+    if not plan.waypoints or len(plan.sides) != len(plan.waypoints):
+        return f"it has {len(plan.waypoints)} waypoints and {len(plan.sides)} sides, expected as many"
+    ends = ((plan.waypoints[0], asked.start, 1e-6), (plan.waypoints[-1], asked.goal, asked.position_tolerance_m))
+    for got, expected, most_m in ends:
+        off_m = float(abs(complex(got.x_m - expected.x_m, got.y_m - expected.y_m)))
+        if off_m > most_m:
+            return f"the box is at ({got.x_m:g}, {got.y_m:g}), {off_m:.3g} m from ({expected.x_m:g}, {expected.y_m:g})"
+    return ""
+
+
+CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
+    "answers once": answers_once,
+    "repeats its answer to a request that is sent again": repeats_its_answer,
+    "refuses another query under a used request id": refuses_another_query,
+    "answers the newest of several requests": answers_the_newest,
+    "equal queries, equal plans, also after a restart": is_deterministic,
+    "serves two clients at once": serves_two_clients,
+    "survives messages that are not valid": survives_nonsense,
+    "comes back when it is killed while it plans": comes_back,
+    "paths of the box": knows_boxes,
+}

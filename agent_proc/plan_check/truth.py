@@ -1,0 +1,160 @@
+"""What is wrong with a plan: its ends, its status, and the exact distance of all of it to what is occupied."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import hypot, pi
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
+
+Floats = NDArray[np.float64]
+
+SAME_M: Final = 1e-6
+SAME_RAD: Final = 1e-6
+LONGEST_STEP_M: Final = 0.25
+"""Between two waypoints: farther ones say too little about the headings in between."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Nearest:
+    """The place of a path that is nearest to something occupied."""
+
+    distance_m: float
+    at_m: tuple[float, float]
+
+
+def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
+    """All that contradicts the protocol; nothing for an honest plan."""
+    if plan.status in ("failed", "invalid"):
+        return [] if plan.reason else [f"its status is {plan.status}, and its reason is empty"]
+    if not plan.waypoints:
+        return [f"its status is {plan.status}, and it has no waypoints"]
+    found = [*_end_faults("begins", plan.waypoints[0], query.start)]
+    if plan.status == "exact":
+        found += _end_faults("ends", plan.waypoints[-1], query.goal)
+    points = np.array([waypoint.xy() for waypoint in plan.waypoints])
+    nearest = clearance(query.grid, points)
+    if nearest.distance_m < query.clearance_m - SAME_M:
+        x_m, y_m = nearest.at_m
+        found.append(
+            f"it collides: near ({x_m:.2f}, {y_m:.2f}) it is {nearest.distance_m:.3f} m from something occupied, "
+            f"{query.clearance_m:g} m were asked for"
+        )
+    steps_m = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
+    if steps_m.max() > LONGEST_STEP_M:
+        found.append(f"waypoints are up to {steps_m.max():.2f} m apart, expected at most {LONGEST_STEP_M:g} m")
+    return found
+
+
+def _end_faults(verb: str, got: Pose2, expected: Pose2) -> list[str]:
+    off_m = hypot(got.x_m - expected.x_m, got.y_m - expected.y_m)
+    if off_m > SAME_M:
+        hint = _unit_hint(got, expected)
+        return [
+            f"it {verb} at ({got.x_m:g}, {got.y_m:g}), {off_m:.3g} m from ({expected.x_m:g}, {expected.y_m:g}){hint}"
+        ]
+    if abs(wrap_angle(got.yaw_rad - expected.yaw_rad)) > SAME_RAD:
+        hint = "; are these degrees?" if abs(got.yaw_rad) > 2 * pi else ""
+        return [f"it {verb} with a heading of {got.yaw_rad:g} rad, expected {expected.yaw_rad:g}{hint}"]
+    return []
+
+
+def _unit_hint(got: Pose2, expected: Pose2) -> str:
+    """What the numbers look like."""
+    for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
+        if hypot(got.x_m / factor - expected.x_m, got.y_m / factor - expected.y_m) < 0.01:
+            return f"; are these {unit}?"
+    for factor in (20.0, 10.0):
+        if hypot(got.x_m / factor - expected.x_m, got.y_m / factor - expected.y_m) < 0.5 / factor:
+            return "; are these cells?"
+    if hypot(got.y_m - expected.x_m, got.x_m - expected.y_m) < SAME_M:
+        return "; are x and y the wrong way around?"
+    return ""
+
+
+def clearance(grid: OccupancyGrid, points_m: Floats) -> Nearest:
+    """Exact least distance of a polyline, (n, 2), to occupied squares, the outside included."""
+    centres, half_m = _occupied(grid)
+    low = np.array(grid.origin_m)
+    high = low + np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
+    borders = np.minimum(points_m - low, high - points_m).min(axis=1)
+    worst = int(borders.argmin())
+    best = Nearest(distance_m=max(0.0, float(borders[worst])), at_m=_point(points_m[worst]))
+    if not len(centres):
+        return best
+    for a, b in pairwise(points_m if len(points_m) > 1 else np.repeat(points_m, 2, axis=0)):
+        reach_m = best.distance_m + half_m
+        box_low, box_high = np.minimum(a, b) - reach_m, np.maximum(a, b) + reach_m
+        near = centres[((centres >= box_low) & (centres <= box_high)).all(axis=1)]
+        if len(near):
+            distance_m = float(segment_distances_m(a, b, near, half_m).min())
+            if distance_m < best.distance_m:
+                best = Nearest(distance_m=distance_m, at_m=_point((a + b) / 2))
+    return best
+
+
+def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) -> Floats:
+    """From a segment to squares, (n, 2) centres; 0 where they meet, (n,).
+
+    Of two convex shapes apart, the nearest points include a corner of one of them.
+    """
+    corners = centres[:, None] + half_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    way = b - a
+    length2 = float(way @ way)
+    share = np.clip((corners - a) @ way / length2, 0.0, 1.0) if length2 > 0.0 else np.zeros(corners.shape[:2])
+    apart = np.hypot(*np.moveaxis(corners - a - share[..., None] * way, -1, 0)).min(axis=1)
+    for end in (a, b):
+        beyond = np.maximum(np.abs(centres - end) - half_m, 0.0)
+        apart = np.minimum(apart, np.hypot(*beyond.T))
+    return np.where(_meet(a, b, centres, half_m), 0.0, apart)
+
+
+def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> NDArray[np.bool_]:
+    """Whether a segment and squares overlap: no axis of the squares, and not the segment's normal, parts them."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    boxes = ((centres + half_m >= low) & (centres - half_m <= high)).all(axis=1)
+    normal = np.array([a[1] - b[1], b[0] - a[0]])
+    off = np.abs((centres - a) @ normal)
+    meets: NDArray[np.bool_] = boxes & (off <= half_m * np.abs(normal).sum())
+    return meets
+
+
+def _occupied(grid: OccupancyGrid) -> tuple[Floats, float]:
+    """Centres of the occupied squares that border on a free one, (n, 2), and half their side."""
+    cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns) != 0
+    free = np.pad(~cells, 1, constant_values=True)
+    exposed = cells & (free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:])
+    rows, columns = np.nonzero(exposed)
+    centres = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution_m + np.array(grid.origin_m)
+    return centres, grid.resolution_m / 2
+
+
+def _point(point: Floats) -> tuple[float, float]:
+    x_m, y_m = point.tolist()
+    return x_m, y_m
+
+
+def differences(one: Plan, other: Plan) -> str:
+    """Where two plans that should be equal are not, or nothing."""
+    if one == other:
+        return ""
+    for name in ("status", "reason", "length_m", "min_clearance_m", "n_iterations"):
+        if getattr(one, name) != getattr(other, name):
+            return f"`{name}` is {getattr(one, name)!r} and {getattr(other, name)!r}"
+    rows: Sequence[tuple[str, Sequence[object], Sequence[object]]] = (
+        ("waypoints", one.waypoints, other.waypoints),
+        ("raw_path_m", one.raw_path_m, other.raw_path_m),
+        ("sides", one.sides, other.sides),
+    )
+    for name, a, b in rows:
+        if len(a) != len(b):
+            return f"`{name}` has {len(a)} and {len(b)} entries"
+        for index, (x, y) in enumerate(zip(a, b, strict=True)):
+            if x != y:
+                return f"`{name}[{index}]` is {x} and {y}"
+    return "`tree` differs"
