@@ -1,6 +1,7 @@
 """What a mission does in its world: walk, approach a face of the box, ask the planner, and know where everything is."""
 
 from collections import deque
+from itertools import groupby
 from math import degrees, radians
 from typing import Final, Literal, Protocol
 
@@ -10,7 +11,7 @@ from agent_proc.station import at_station, last_stretch, way_back
 from legpush.errors import PeerError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Walk, WorldState
+from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, TrunkPathQuery, Walk, WorldState
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scenario import Face, Scenario
 
@@ -114,9 +115,12 @@ class Actor:
         self.walk("backing off", way_back(self.scenario, self.trunk(), self.box()))
 
     def ask(self, query: PlanQuery, what: str) -> Plan:
-        """The planner's answer, whatever it is."""
+        """The planner's answer, whatever it is; `PeerError` where it cannot be followed though it says so."""
         self.world.tell("planning", None, what)
-        return self.world.plan(query)
+        plan = self.world.plan(query)
+        if plan.status == "exact" and (fault := plan_fault(query, plan)):
+            raise PeerError(f"{what}: expected a plan that can be followed, but {fault}")
+        return plan
 
     def step(self, motion: Motion) -> None:
         """Move; a fall, of robot or box, ends the mission."""
@@ -163,6 +167,23 @@ class Actor:
     def standing_at(self) -> Face | None:
         """The face that the robot can push as it stands."""
         return next((face for face in self.faces() if self.at_station(face)), None)
+
+
+def plan_fault(query: PlanQuery, plan: Plan) -> str:
+    """Why an exact plan cannot be followed, or nothing: the planner may be anybody's."""
+    if not plan.waypoints:
+        return "it has no waypoints"
+    if isinstance(query, TrunkPathQuery):
+        return ""
+    if len(plan.sides) != len(plan.waypoints):
+        return f"it has {len(plan.waypoints)} waypoints and {len(plan.sides)} sides"
+    if max(plan.sides) >= len(query.sides):
+        return f"it names side {max(plan.sides)} of {len(query.sides)}"
+    for _, stage in groupby(zip(plan.sides, plan.waypoints, strict=True), key=lambda item: item[0]):
+        poses = [pose for _, pose in stage]
+        if all(distance_m(pose, poses[0]) == 0.0 for pose in poses):
+            return f"the box does not move in the stage at ({poses[0].x_m:g}, {poses[0].y_m:g})"
+    return ""
 
 
 def moved_m(a: Pose2, b: Pose2) -> float:

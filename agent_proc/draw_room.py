@@ -1,7 +1,6 @@
 """Random rooms as a program: `python -m agent_proc.draw_room FILE`, or `legpush scenarios random FILE`."""
 
 import sys
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,6 +18,7 @@ from legpush.faces import PUSHABLE, pushed_box
 from legpush.launch.rooms import RandomScenario
 from legpush.launch.sims import SimPool
 from legpush.messages import Plan, PlanQuery
+from legpush.patience import Patience
 from legpush.plan_client import PlanLink
 from legpush.random_scenario import random_scenario
 from legpush.scenario import Scenario
@@ -27,6 +27,8 @@ from legpush.service import stop_on_signals
 
 BUDGET: Final = 4
 """A room is solvable where the planner finds a way in so many times the iterations of a mission."""
+DEADLINE_S: Final = 900.0
+"""For the planner: a room without a way takes minutes on a slow machine."""
 CHECK_SEED: Final = 1_000_003
 """Added to a mission's, so that the check is not the mission's own search."""
 
@@ -38,24 +40,18 @@ def main() -> int:
 
 def run(options: RandomScenario) -> int:
     """Draw rooms until a planner process finds a way through one, and write that."""
-    stop, links_stop = stop_on_signals(), threading.Event()
+    stop = stop_on_signals()
     with (
         TemporaryDirectory(prefix="legpush-rooms-") as logs,
-        SimPool(1, Path(logs), links_stop, run="rooms", role="planner") as pool,
+        SimPool(1, Path(logs), stop, run="rooms", role="planner") as pool,
         Bus(pool.run, "agent", "main", pool.endpoints) as bus,
     ):
-        link = PlanLink(bus, stop=links_stop)
+        link = PlanLink(bus, stop=stop, patience=Patience(deadline_s=DEADLINE_S))
         bus.announce()
-
-        def plan(query: PlanQuery) -> Plan:
-            if stop.is_set():
-                raise StopRequestedError("interrupted: nothing was written")
-            return link.plan(query)
-
         try:
-            scenario = random_scenario(options, options.seed, solvable_by(plan, options.seed))
-        finally:
-            links_stop.set()
+            scenario = random_scenario(options, options.seed, solvable_by(link.plan, options.seed))
+        except StopRequestedError as error:
+            raise StopRequestedError("interrupted: nothing was written") from error
     sys.stdout.write(f"wrote {write_scenario(scenario, options.file)}\n")
     return 0
 

@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Struct
 
 from agent_proc.files import write_whole
-from agent_proc.push_estimate import USUAL_DEPTH_M
+from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
 from agent_proc.push_model import Floats, PushModel
 from agent_proc.scripted import MIRROR
 from agent_proc.statistics import N_BOOTSTRAP, Estimate
@@ -20,6 +20,9 @@ from legpush.faces import FACES, PUSHABLE, pushed_box
 from legpush.robot import FrontLeg
 from legpush.scenario import Box, BoxShape, Face
 
+LEAST_FORWARD_M: Final = 1e-4
+LEAST_TURN_RAD: Final = 1e-4
+"""A box that one push moves or turns less than this cannot be steered."""
 SAME_AS: Final[dict[BoxShape, dict[Face, Face]]] = {
     "cuboid": {"front": "rear", "left": "right"},
     "cylinder": {"right": "rear", "front": "rear", "left": "rear"},
@@ -118,13 +121,26 @@ def make_push_map(box: Box, samples: Sequence[Sample], command: str) -> PushMap:
     for face in dict.fromkeys(sample.face for sample in samples):
         mine = [s for s in samples if (s.face, s.w1, s.w2) == (face, first.w1, first.w2)]
         depth_m = min({s.depth_m for s in mine}, key=lambda depth_m: abs(depth_m - USUAL_DEPTH_M))
-        circles.append(_circle(face, [s for s in mine if s.depth_m == depth_m]))
+        usual = [s for s in mine if s.depth_m == depth_m]
+        _require_turn(face, depth_m, usual)
+        circles.append(_circle(face, usual))
     return PushMap(
         box=box,
         effects=tuple(_effect(*key, group) for key, group in groups.items()),
         circles=tuple(circles),
         command=command,
     )
+
+
+def _require_turn(face: Face, depth_m: float, samples: Sequence[Sample]) -> None:
+    """One foot has to move the box forward and turn it away from itself."""
+    forward_m = float(np.mean([sample.forward_m for sample in samples]))
+    turn_rad = float(np.mean([-MIRROR[sample.leg] * sample.turn_rad for sample in samples]))
+    if forward_m < LEAST_FORWARD_M or turn_rad < LEAST_TURN_RAD:
+        raise ConfigError(
+            f"Expected a box that one foot pushes forward and turns, but {depth_m} m deep at the {face} face it moves "
+            f"{100 * forward_m:.2f} cm and turns {degrees(turn_rad):.2f}°: push deeper, or take another box"
+        )
 
 
 def _effect(face: Face, leg: FrontLeg, w1: float, w2: float, depth_m: float, samples: Sequence[Sample]) -> PushEffect:
@@ -185,6 +201,13 @@ def load_push_map(path: Path, box: Box) -> PushMap:
     have, need = {effect.face for effect in push_map.effects}, measured_faces(box)
     if missing := [face for face in need if face not in have]:
         raise ConfigError(f"{path}: expected effects of pushes at {', '.join(need)}, none at {', '.join(missing)}")
+    first = push_map.effects[0]
+    for face in need:
+        depths_m = [e.depth_m for e in push_map.effects if (e.face, e.w1, e.w2) == (face, first.w1, first.w2)]
+        if not depths_m or max(depths_m) < USUAL_DEPTH_M:
+            raise ConfigError(f"{path}: expected pushes of {USUAL_DEPTH_M} m or more at the {face} face in the map")
+        if PushEstimate(pushed_box(box, face), push_map.model(face)).turning_radius_m <= 0.0:
+            raise ConfigError(f"{path}: expected pushes at the {face} face that turn the box away from the foot")
     return push_map
 
 

@@ -7,12 +7,12 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.actor import STILL_CYCLES, Actor, MissionEndedError, moved_m
+from agent_proc.actor import STILL_CYCLES, Actor, MissionEndedError, Reason, moved_m
 from agent_proc.box_path import BoxPath
 from agent_proc.box_path import stages as path_stages
 from agent_proc.follower import Ending, Follower
 from agent_proc.policy import Policy
-from agent_proc.poses import BoxError
+from agent_proc.poses import BoxError, distance_m
 from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
 from agent_proc.push_map import PushMap
 from agent_proc.reference_path import reference_path
@@ -35,6 +35,8 @@ AIM_DEG: Final = 2.0
 MAX_BETTER: Final = 2
 """A box that is within its tolerances, but not within these, is pushed on so many times at most."""
 
+STRAIGHT_WITHIN_M: Final = 0.005
+"""A path that is longer by more than this than its ends are apart is not straight."""
 CALIBRATION_LEGS: Final = (0, 1, 1, 0)
 """0 is FL, 1 is FR: the box turns to and fro, and goes straight on in the mean."""
 
@@ -93,10 +95,11 @@ class Pushing:
         face = self._come_to_push()[0].face
         estimate, n_pushes = self._estimates[face], self._actor.scenario.pushing.calibration_pushes
         ahead = calibration_query(self._actor.scenario, self._actor.seed, self._actor.box(), face, estimate)
-        if self._actor.ask(ahead, "the way for the calibration").status != "exact":
+        plan = self._actor.ask(ahead, "the way for the calibration")
+        if plan.status != "exact" or plan.length_m > distance_m(ahead.start, ahead.goal) + STRAIGHT_WITHIN_M:
             return
         w1, w2 = estimate.curve
-        for index in range(n_pushes):
+        for index in range(min(n_pushes, self._actor.scenario.mission.max_push_cycles)):
             self._actor.world.tell("calibrating", index / n_pushes, f"push {index + 1} of {n_pushes}, {face} face")
             leg = FRONT_LEGS[CALIBRATION_LEGS[index % len(CALIBRATION_LEGS)]]
             self._push(Push(w1=w1, w2=w2, leg=leg, depth_m=USUAL_DEPTH_M, face=face), learn=True)
@@ -116,17 +119,17 @@ class Pushing:
         """To its end; a mission that leaves it is over."""
         stages = self._come_to_push()
         self._reference = None
-        if not self._push_along(stages):
+        if not self._push_along(stages, to_end=True):
             raise MissionEndedError("left_reference", f"the box left its reference after {self.n_cycles} push cycles")
         if self._actor.scenario.pushing.composition == "open_loop":
             self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
 
-    def _push_along(self, stages: list[BoxPath]) -> bool:
+    def _push_along(self, stages: list[BoxPath], *, to_end: bool = False) -> bool:
         """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
         for path in stages:
             if not self._actor.at_station(path.face) and not self._change_face(path.face):
                 return False
-            if self._follow(path) == "left_path":
+            if self._follow(path, to_end=to_end) == "left_path":
                 return False
         return True
 
@@ -205,8 +208,17 @@ class Pushing:
             angle_tolerance_deg=min(goal.angle_tolerance_deg, AIM_DEG),
         )
 
-    def _follow(self, path: BoxPath) -> Ending:
-        """Push along a stage of the path until it ends or the box has left it."""
+    def _stop(self, reason: Reason, detail: str, to_end: bool) -> Ending:
+        """Short of the end of a stage: the mission is over unless the box is at its goal, and that will do."""
+        if to_end:
+            raise MissionEndedError(reason, detail)
+        self._actor.require_goal(reason, detail)
+        return "done"
+
+    def _follow(self, path: BoxPath, *, to_end: bool) -> Ending:
+        """Push along a stage of the path until it ends or the box has left it; with `to_end`, being at the goal before
+        is not enough.
+        """
         max_cycles = self._actor.scenario.mission.max_push_cycles
         closed = self._actor.scenario.pushing.composition == "closed_loop"
         follower = Follower(path, self._policy, self._actor.scenario, self._estimates[path.face])
@@ -218,16 +230,14 @@ class Pushing:
             self._actor.world.tell("pushing", share, f"cycle {self.n_cycles}, box error {error}")
             if decision.push is None:
                 return decision.ending or "done"
-            if self.n_cycles == max_cycles:
-                self._actor.require_goal("max_push_cycles", f"box error {error} after {max_cycles} push cycles")
-                return "done"
+            if self.n_cycles >= max_cycles:
+                return self._stop("max_push_cycles", f"box error {error} after {self.n_cycles} push cycles", to_end)
             self._push(decision.push, learn=closed)
             boxes.append(self._actor.box())
             if len(boxes) > STILL_CYCLES and moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
-                self._actor.require_goal(
-                    "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}"
+                return self._stop(
+                    "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}", to_end
                 )
-                return "done"
 
 
 def _is_better(error: BoxError, before: BoxError) -> bool:

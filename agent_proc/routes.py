@@ -15,12 +15,10 @@ from legpush.messages import BoxPathQuery, OccupancyGrid, PushSide, TrunkPathQue
 from legpush.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
-from legpush.scenario import Face, Scenario
+from legpush.scenario import CALIBRATION_PUSH_M, Face, Scenario
 
 TOLERANCE_SHARE: Final = 0.3
 """Of the goal's tolerances: what a planned path of the box may leave."""
-CALIBRATION_PUSH_M: Final = 0.06
-"""What one push of a calibration moves the box by, at most."""
 SLACK_M: Final = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
 

@@ -56,7 +56,8 @@ def main(config: Config) -> None:
     print(f"planning: median {median:.2f} s, 5 to 95 % {low:.2f} to {high:.2f} s, longest {max(times_s):.2f} s")
     n_bad = sum(clearance_m < -ROUNDING_M for clearance_m in clearances_m)
     print(f"exact paths that box or robot cannot keep the clearance on: {n_bad} of {len(clearances_m)}")
-    print(f"least clearance beyond what was asked for: {100 * min(clearances_m):.2f} cm")
+    if clearances_m:
+        print(f"least clearance beyond what was asked for: {100 * min(clearances_m):.2f} cm")
 
 
 def least_clearance_m(query: BoxPathQuery, plan: Plan, room: Room) -> float:
@@ -67,7 +68,7 @@ def least_clearance_m(query: BoxPathQuery, plan: Plan, room: Room) -> float:
         for footprint in query.sides[index].footprints:
             placed = replace(footprint, pose=waypoint @ query.sides[index].frame @ footprint.pose)
             least_m = min(least_m, distance_to_border_m(placed.corners(), room))
-            least_m = min(least_m, *(distance_m(placed, other) for other in solid))
+            least_m = min([least_m, *(distance_m(placed, other) for other in solid)])
     return float(least_m)
 
 

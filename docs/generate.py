@@ -184,7 +184,7 @@ def _words(kind: inspect.Type) -> str:
         case inspect.StrType():
             return f"string, `{kind.pattern}`".replace("|", "\\|") if kind.pattern else "string"
         case inspect.BytesType():
-            return "binary"
+            return f"binary, {kind.min_length} to {kind.max_length} bytes"
         case inspect.NoneType():
             return "nil"
         case inspect.LiteralType():

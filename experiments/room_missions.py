@@ -8,6 +8,7 @@ import tempfile
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from threading import Lock
 from typing import Any, Final
 
 import numpy as np
@@ -45,13 +46,22 @@ FROM_REPORT: Final = (
     "sim_time_s",
     "state_crc",
 )
+DRAWING: Final = Lock()
 TRACK_STEPS: Final = 4
 """Every so many steps of a mission are in its track."""
 
 
-@cache
 def drawn_room(seed: int) -> tuple[Scenario, int]:
-    """The room of a seed, and how many others of the seed no way through was found for."""
+    """The room of a seed, and how many others of the seed no way through was found for.
+
+    From one thread at a time, since OMPL keeps the seed of its planners for all of them.
+    """
+    with DRAWING:
+        return _drawn_room(seed)
+
+
+@cache
+def _drawn_room(seed: int) -> tuple[Scenario, int]:
     low, high = FRICTION
     room = RandomRoom(
         mass_kg=MASSES_KG[seed % len(MASSES_KG)],
@@ -113,8 +123,12 @@ def _of_record(record: MissionRecord) -> dict[str, Any]:
     }
 
 
+TRAVEL_TICKS: Final = 50
+"""Ways are measured from second to second: the sway of each step is no way."""
+
+
 def _length_m(points: Any) -> float:
-    every = points[:: 50 * TRACK_STEPS]
+    every = np.concatenate([points[::TRAVEL_TICKS], points[-1:]])
     return float(np.hypot(*np.diff(every, axis=0).T).sum())
 
 

@@ -15,8 +15,9 @@ from planner_proc.pushes import Pushes, Way
 
 Floats = NDArray[np.float64]
 
-EXTRA_CLEARANCE_M: Final = (0.0, 0.01, 0.03)
+EXTRA_CLEARANCE_CELLS: Final = (0.0, 0.2, 0.6)
 """The search judges quickly; where what it found does not keep the clearance exactly, it is asked to keep more."""
+SAME_PLACE_M: Final = 1e-9
 NEAREST_STEP_M: Final = 0.05
 NEAREST_REACH_M: Final = 2.0
 """How far around a pose that does not fit one that does is looked for, and how finely."""
@@ -32,8 +33,8 @@ def make_box_plan(query: BoxPathQuery, field: ClearanceField) -> Plan:
     if fault:
         return Plan(status="invalid", reason=fault)
     n_iterations = 0
-    for extra_m in EXTRA_CLEARANCE_M:
-        pushes.extra_m = extra_m
+    for extra_cells in EXTRA_CLEARANCE_CELLS:
+        pushes.extra_m = extra_cells * query.grid.resolution_m
         found = search(query, pushes)
         n_iterations += found.n_iterations
         if not found.way:
@@ -51,7 +52,8 @@ def _judged(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
     waypoints: list[Pose2] = []
     sides: list[int] = []
     clearance_m = np.inf
-    for stage in found.way:
+    way = tuple(stage for stage in found.way if stage.length_m > SAME_PLACE_M) or found.way[:1]
+    for stage in way:
         side = pushes.sides[stage.side]
         pushed = side.pushed(stage)
         if not side.footprints.free(pushed, side.required_m).all():
@@ -60,14 +62,14 @@ def _judged(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
         poses = side.box(pushed)[1 if waypoints and sides[-1] == stage.side else 0 :].tolist()
         waypoints += [Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)) for x_m, y_m, yaw_rad in poses]
         sides += [stage.side] * len(poses)
-    length_m = sum(stage.length_m for stage in found.way)
-    n_stages = 1 + sum(a.side != b.side for a, b in pairwise(found.way))
+    length_m = sum(stage.length_m for stage in way)
+    n_stages = 1 + sum(a.side != b.side for a, b in pairwise(way))
     return Plan(
         status="exact",
         reason=f"Reached after {n_iterations} iterations: {length_m:.2f} m in {n_stages} stages",
         waypoints=tuple(waypoints),
         sides=tuple(sides),
-        raw_path_m=_corners(found.way),
+        raw_path_m=_corners(way),
         tree=Tree(points_m=found.tree_points_m, parents=found.tree_parents),
         length_m=length_m,
         min_clearance_m=float(clearance_m),

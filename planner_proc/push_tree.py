@@ -7,13 +7,11 @@ from math import inf
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, Point2
+from legpush.messages import MAX_WAYPOINTS, BoxPathQuery, Point2
 from planner_proc.pushes import Pushes, Stage, Way
-
-Floats = NDArray[np.float64]
+from planner_proc.search_tree import thin
 
 TURN_M_PER_RAD: Final = 0.5
 """What a difference in heading counts, for which node of the tree is nearest."""
@@ -23,6 +21,9 @@ N_DIRECT: Final = 12
 """Ways from start to goal that are tried before a tree is grown, cheapest first."""
 N_TO_GOAL: Final = 3
 """The same from each node that the start leads to."""
+LEAST_RUN_IN_M: Final = 0.1
+RUN_IN_SHARES: Final = (1.0, 0.75, 0.5, 0.25)
+"""The tree that leads to the goal begins with straight pushes into it: of what is asked for, and of shares of that."""
 N_JOINED: Final = 3
 """Nodes of the other tree that a new one is joined to, if that is free."""
 N_JOINS_TRIED: Final = 2
@@ -65,10 +66,16 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
     ways.sort(key=lambda way: pushes.cost_m(way, query.present_side))
     shorter = [_shortened(way, query, pushes) for way in ways[:N_SHORTENED]]
     way = min(shorter, key=lambda way: pushes.cost_m(way, query.present_side), default=())
+    nodes = trees.forward.nodes
+    points, parents = thin(
+        [(node.pose.x_m, node.pose.y_m) for node in nodes],
+        [k if node.parent is None else node.parent for k, node in enumerate(nodes)],
+        MAX_WAYPOINTS,
+    )
     return Found(
         way=way,
-        tree_points_m=tuple((node.pose.x_m, node.pose.y_m) for node in trees.forward.nodes),
-        tree_parents=tuple(node.parent for node in trees.forward.nodes),
+        tree_points_m=tuple(points),
+        tree_parents=tuple(parents),
         n_iterations=n_iterations,
     )
 
@@ -76,9 +83,10 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
 @dataclass(frozen=True, kw_only=True)
 class _Node:
     pose: Pose2
-    parent: int
+    parent: int | None
+    """None of a root."""
     stage: Stage | None
-    """Between it and its parent; None of a root."""
+    """Between it and its parent, of a root that leads to the goal to there; None of the start."""
     side: int | None
     """From the start: the one that the robot stands at. To the goal: the one from which pushing goes on."""
 
@@ -119,9 +127,11 @@ class _Tree:
     def way(self, index: int) -> Way:
         """From the start to a node or, backward, from it to the goal."""
         stages: list[Stage] = []
-        while (node := self.nodes[index]).stage is not None:
-            stages.append(node.stage)
-            index = node.parent
+        at: int | None = index
+        while at is not None:
+            node = self.nodes[at]
+            stages += [] if node.stage is None else [node.stage]
+            at = node.parent
         return tuple(stages if self._backward else reversed(stages))
 
     def _candidate(self, index: int, target: Pose2) -> tuple[float, int, Stage]:
@@ -157,32 +167,44 @@ class _Search:
         size_m = np.array([query.grid.n_columns, query.grid.n_rows]) * query.grid.resolution_m
         self._low = np.array([*query.grid.origin_m, -np.pi])
         self._high = np.array([*(np.array(query.grid.origin_m) + size_m), np.pi])
-        size = query.max_iterations + len(pushes.sides) + 1
+        size = query.max_iterations + 1 + len(RUN_IN_SHARES) * len(pushes.sides)
         self.forward, self._backward = (_Tree(pushes, size, backward=backward) for backward in (False, True))
-        self.forward.add(_Node(pose=query.start, parent=0, stage=None, side=query.present_side))
-        goal = self._backward.add(_Node(pose=query.goal, parent=0, stage=None, side=None))
-        for index, side in enumerate(pushes.sides):
-            stage = pushes.stage(index, side.ahead(goal.pose, -query.run_in_m), goal.pose)
-            if stage.length_m > 0.0 and pushes.free((stage,), index):
-                self._backward.add(_Node(pose=stage.begin, parent=0, stage=stage, side=index))
-        self._can_come = len(self._backward.nodes) > 1
+        self.forward.add(_Node(pose=query.start, parent=None, stage=None, side=query.present_side))
+        for index in range(len(pushes.sides)):
+            for stage in self._run_ins(index):
+                self._backward.add(_Node(pose=stage.begin, parent=None, stage=stage, side=index))
+
+    def _run_ins(self, side: int) -> list[Stage]:
+        """Straight pushes into the goal from a side: as long as asked for and, if the robot cannot come to stand where
+        that begins, also one that begins where it can.
+        """
+        whole_m, found = max(self._query.run_in_m, LEAST_RUN_IN_M), []
+        for share in RUN_IN_SHARES:
+            before = self._pushes.sides[side].ahead(self._query.goal, -share * whole_m)
+            stage = self._pushes.stage(side, before, self._query.goal)
+            can_begin = self._pushes.sides[side].can_begin(before)
+            if (can_begin or share == 1.0) and self._pushes.free((stage,), side):
+                found.append(stage)
+            if can_begin:
+                break
+        return found
 
     def iterate(self, n: int) -> Way:
         """The n-th iteration, of the one tree and the other in turn; a whole way where it found one, else nothing."""
-        target = self._sample()
-        if n % 2 and self._can_come:
-            grown = self._backward.grow(target, self._query.step_m)
+        if n % 2 and self._backward.nodes:
+            grown = self._backward.grow(self._sample(self._query.start), self._query.step_m)
             return self._join(len(self._backward.nodes) - 1, forward=False) if grown else ()
-        node = self.forward.grow(target, self._query.step_m)
+        node = self.forward.grow(self._sample(self._query.goal), self._query.step_m)
         if node is None:
             return ()
         index = len(self.forward.nodes) - 1
         last = self._pushes.best(self._pushes.to_goal(node.pose, self._query.goal), node.side, inf, N_TO_GOAL)
         return self._join(index, forward=True) if last is None else (*self.forward.way(index), *last)
 
-    def _sample(self) -> Pose2:
+    def _sample(self, toward: Pose2) -> Pose2:
+        """Anywhere or, as often as the goal bias says, where the other tree begins."""
         if self._random.random() < self._query.goal_bias:
-            return self._query.goal
+            return toward
         x_m, y_m, yaw_rad = self._random.uniform(self._low, self._high).tolist()
         return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
 
@@ -192,11 +214,9 @@ class _Search:
         for other in others.nearest(mine.nodes[index].pose, N_JOINED):
             begin, end = (index, other) if forward else (other, index)
             a, b = self.forward.nodes[begin], self._backward.nodes[end]
-            if b.stage is None:
-                continue
-            after = b.stage
+            after = () if b.stage is None else (b.stage,)
             ways = (*self._pushes.singles(a.pose, b.pose), *self._pushes.doubles(a.pose, b.pose))
-            found = self._pushes.best(iter([(*way, after) for way in ways]), a.side, inf, N_JOINS_TRIED)
+            found = self._pushes.best(iter([(*way, *after) for way in ways]), a.side, inf, N_JOINS_TRIED)
             if found is not None:
                 return (*self.forward.way(begin), *found[:-1], *self._backward.way(end))
         return ()

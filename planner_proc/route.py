@@ -14,6 +14,7 @@ from ompl import util as ou
 from legpush.messages import MAX_WAYPOINTS, Point2, TrunkPathQuery
 from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
+from planner_proc.search_tree import thin
 
 _PLANNERS: Final[dict[PlannerName, type]] = {"rrt": og.RRT, "rrt_connect": og.RRTConnect, "rrt_star": og.RRTstar}
 
@@ -76,7 +77,7 @@ def search(query: TrunkPathQuery, field: ClearanceField) -> Route:
         parents.append(nodes.index(points[-1]))
         nodes.append(goal)
         points.append(goal)
-    nodes, parents = _thin(nodes, parents, MAX_WAYPOINTS)
+    nodes, parents = thin(nodes, parents, MAX_WAYPOINTS)
     return Route(
         reached=reached,
         points_m=np.array(points, dtype=np.float64),
@@ -182,17 +183,3 @@ def _tree(data: ob.PlannerData) -> tuple[list[Point2], list[int]]:
                 waiting.append(child)
     states = [vertices[i].getState() for i in place]
     return [(state[0], state[1]) for state in states], parents
-
-
-def _thin(nodes: list[Point2], parents: list[int], n_most: int) -> tuple[list[Point2], list[int]]:
-    """At most so many nodes of a tree: the last one, its ancestors, and the nodes that come first."""
-    if len(nodes) <= n_most:
-        return nodes, parents
-    branch = {len(nodes) - 1}
-    node = len(nodes) - 1
-    while node != parents[node]:
-        node = parents[node]
-        branch.add(node)
-    kept = sorted({*range(max(0, n_most - len(branch))), *branch})[:n_most]
-    place = {node: order for order, node in enumerate(kept)}
-    return [nodes[i] for i in kept], [place[parents[i]] for i in kept]

@@ -36,6 +36,9 @@ class WalkingSpace:
 
     def joins(self, begins_m: Floats, end_m: Floats, box: Footprint) -> bool:
         """Whether there is a way from one of some points, (n, 2), to a point, (2,), around the box."""
+        row, column = self._cell(end_m)
+        if not (0 <= row < self._grid.n_rows and 0 <= column < self._grid.n_columns and self._free[row, column]):
+            return False
         n = ceil(AROUND_M / self._grid.resolution_m)
         row, column = self._cell(box.pose.xy())
         near = (

@@ -10,7 +10,7 @@ from legpush.tally import Tally
 
 
 class Intake(Generic[M]):
-    """The gate of one channel: size, MessagePack, protocol version, schema, finite numbers, run, sender; in this order.
+    """The gate of one channel: size, MessagePack, protocol version, finite numbers, schema, run, sender; in this order.
 
     Causes it counts: `oversize`, `malformed`, `version`, `not_finite`, `foreign_run`, `sender`.
     """

@@ -30,7 +30,7 @@ MAX_DEPTH_M: Final = 0.25
 
 
 class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Who says it, in which run; the first field of every message."""
+    """Who says it, in which run."""
 
     protocol: int
     run: Name
@@ -114,7 +114,7 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     clearance_m: Annotated[float, Meta(ge=0.0)]
     """Least distance from any footprint to anything occupied."""
     run_in_m: Annotated[float, Meta(ge=0.0)]
-    """The path is straight for so long before the goal."""
+    """A path should be straight for so long before the goal, where there is the space for it."""
     position_tolerance_m: Annotated[float, Meta(ge=0.0)]
     angle_tolerance_rad: Annotated[float, Meta(ge=0.0)]
     """How far from the goal pose the path may end, where that saves a way around."""

@@ -1,8 +1,12 @@
 """What rooms are drawn from, apart from a seed."""
 
 from dataclasses import dataclass
+from math import isfinite
+from typing import Final
 
 from legpush.errors import ConfigError
+
+MOST_SIZE_M: Final = 200.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +33,22 @@ class RandomRoom:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be drawn (`ConfigError`)."""
+        for name, most in (("size_m", MOST_SIZE_M), ("obstacle_m", MOST_SIZE_M), ("corridor_m", MOST_SIZE_M)):
+            values = getattr(self, name)
+            for value in values if isinstance(values, tuple) else (values,):
+                if not 0.0 < value <= most:
+                    raise ConfigError(f"Expected more than 0 and at most {most:g} m for {name}, got {value}")
+        for name in ("push_m", "box_xy_m", "box_yaw_deg"):
+            if not 0.0 <= getattr(self, name) <= MOST_SIZE_M:
+                raise ConfigError(f"Expected 0 to {MOST_SIZE_M:g} for {name}, got {getattr(self, name)}")
+        for name, least in (
+            ("mass_kg", 0.001),
+            ("friction", 1e-6),
+            ("position_tolerance_m", 1e-6),
+            ("angle_tolerance_deg", 1e-6),
+        ):
+            if not (getattr(self, name) >= least and isfinite(getattr(self, name))):
+                raise ConfigError(f"Expected at least {least:g} for {name}, got {getattr(self, name)}")
         low_m, high_m = self.obstacle_m
         if not 0.0 < low_m <= high_m:
             raise ConfigError(f"Expected 0 < shortest <= longest side of an obstacle, got {low_m} and {high_m}")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from legpush.geometry import Pose2
 
 Floats = NDArray[np.float64]
-Positive = Annotated[float, Meta(gt=0.0)]
+Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Angle = Annotated[float, Meta(gt=0.0, le=720.0)]
 
 STEP_M: Final = 0.01
@@ -20,15 +20,15 @@ STEP_M: Final = 0.01
 class Sine(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="sine"):
     """y = amplitude sin(2 pi x / wavelength), its x axis turned so that it begins along the heading of the box."""
 
-    amplitude_m: Positive
-    wavelength_m: Positive
-    n_periods: Annotated[float, Meta(gt=0.0, le=100.0)] = 1.0
+    amplitude_m: Length
+    wavelength_m: Annotated[float, Meta(ge=0.01, le=1000.0)]
+    n_periods: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.0
 
 
 class Straight(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="straight"):
     """A straight stretch."""
 
-    length_m: Positive
+    length_m: Length
 
 
 class Left(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="left"):
@@ -46,7 +46,7 @@ class Right(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_f
 class Arcs(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="arcs"):
     """Straight stretches and arcs of one radius, as Dubins paths are made of."""
 
-    radius_m: Positive
+    radius_m: Length
     segments: Annotated[tuple[Straight | Left | Right, ...], Meta(min_length=1, max_length=100)]
 
 
@@ -65,6 +65,12 @@ def least_radius_m(reference: Reference) -> float:
         return 1.0 / (reference.amplitude_m * (2 * pi / reference.wavelength_m) ** 2)
     straight = all(isinstance(segment, Straight) for segment in reference.segments)
     return np.inf if straight else reference.radius_m
+
+
+def first_straight_m(reference: Reference) -> float:
+    """How far it goes straight on first."""
+    first = reference.segments[0] if isinstance(reference, Arcs) else None
+    return first.length_m if isinstance(first, Straight) else 0.0
 
 
 def _sine(sine: Sine) -> Floats:

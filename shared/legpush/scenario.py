@@ -20,8 +20,10 @@ STATION_M: Final = HIP_X_M + PUSH_GAP_M
 """From the box's rear face back to the trunk centre when the robot stands ready to push."""
 STAND_OFF_M: Final = 0.75
 """The same distance where walking ends: far enough for the box to count as an obstacle until then."""
+CALIBRATION_PUSH_M: Final = 0.06
+"""What one push of a calibration moves the box by, at most."""
 
-ScenarioName = Annotated[str, Meta(pattern=r"\A[A-Za-z0-9_-]{1,64}\Z")]
+ScenarioName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 
 
 class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

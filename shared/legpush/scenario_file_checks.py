@@ -13,7 +13,7 @@ from legpush.errors import ScenarioError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import MAX_CELLS
-from legpush.reference import Reference, reference_curve
+from legpush.reference import Reference, first_straight_m, reference_curve
 from legpush.robot import (
     BODY_LENGTH_M,
     BODY_WIDTH_M,
@@ -32,7 +32,7 @@ from legpush.room_shapes import (
     distance_to_point_m,
     obstacle_footprint,
 )
-from legpush.scenario import STAND_OFF_M, STATION_M, Face, Room, Scenario
+from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Room, Scenario
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
@@ -132,6 +132,13 @@ def _check_reference(scenario: Scenario, reference: Reference) -> None:
         raise ScenarioError(
             f"at `pushing.faces`: expected the rear face, at which a reference is pushed, "
             f"got {', '.join(scenario.pushing.faces)}"
+        )
+    needed_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
+    if needed_m > (straight_m := first_straight_m(reference)):
+        raise ScenarioError(
+            f"at `pushing.calibration_pushes`: expected at most {int(straight_m / CALIBRATION_PUSH_M)}, for which the "
+            f"reference begins straight ({straight_m:g} m, {CALIBRATION_PUSH_M} m each), got "
+            f"{scenario.pushing.calibration_pushes}"
         )
     curve = reference_curve(reference, scenario.box.pose.pose())
     x_m, y_m, yaw_rad = curve[-1].tolist()

@@ -38,12 +38,19 @@ def explain(
         valid = [*_field_names(node), *(also or {}).get(path, ())]
         place = ".".join(filter(None, (place, name)))
         if "unknown" not in what:
-            return f"at `{place}`: expected a value, got nothing"
+            tags = _tags(node) if isinstance(node, inspect.UnionType) else ()
+            return f"at `{place}`: expected {' or '.join(tags) or 'a value'}, got nothing"
         nearest = get_close_matches(name, valid, n=1)
         hint = f" (did you mean `{nearest[0]}`?)" if nearest else ""
         return f"at `{place}`: unknown field{hint}; valid here: {', '.join(valid)}"
-    if isinstance(node, inspect.UnionType):
-        what = f"Expected one of {', '.join(_tags(node))}"
+    if isinstance(node, inspect.UnionType) and (tags := _tags(node)):
+        (tag_field,) = {one.tag_field for one in _records(node)}
+        at_tag = bool(steps) and steps[-1] == tag_field
+        what = (
+            f"Expected one of {', '.join(tags)}"
+            if at_tag
+            else f"Expected a table with {tag_field} = {' or '.join(tags)}"
+        )
     if isinstance(node, inspect.LiteralType):
         what = f"Expected one of {', '.join(map(str, node.values))}"
     if isinstance(value, str | int | float) and not what.endswith(f"got {value}"):
@@ -80,14 +87,19 @@ def _node(kind: type[msgspec.Struct], plain: Any, steps: Sequence[str]) -> inspe
 def _chosen(node: inspect.Type, plain: Any) -> inspect.Type:
     """The record of a union that the value's tag names; else the union."""
     if isinstance(node, inspect.UnionType) and isinstance(plain, dict):
-        for one in node.types:
-            if isinstance(one, inspect.StructType) and plain.get(one.tag_field) == one.tag:
+        for one in _records(node):
+            if one.tag_field is not None and plain.get(one.tag_field) == one.tag:
                 return one
     return node
 
 
+def _records(node: inspect.UnionType) -> tuple[inspect.StructType, ...]:
+    return tuple(one for one in node.types if isinstance(one, inspect.StructType))
+
+
 def _tags(node: inspect.UnionType) -> tuple[str, ...]:
-    return tuple(str(one.tag) for one in node.types if isinstance(one, inspect.StructType))
+    """What the records of a union are told apart by; none where it has none."""
+    return tuple(str(one.tag) for one in _records(node) if one.tag_field is not None)
 
 
 def _field_names(node: inspect.Type) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """The mission from reset to report, in a world without physics."""
 
 from math import cos, hypot, pi, radians, sin
+from typing import Any
 
 import pytest
 from msgspec.structs import replace
@@ -13,7 +14,7 @@ from agent_proc.scripted import ScriptedPolicy
 from agent_proc.station import stand_off, station
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Walk, WorldState
+from legpush.messages import BoxPathQuery, Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Walk, WorldState
 from legpush.room import clearance_m
 from legpush.scenario import Box, Goal, Mission, PoseDeg, Randomization, Rectangle, Room, Scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
@@ -297,3 +298,21 @@ def test_the_robot_ends_at_the_station_of_the_box() -> None:
     state = last_state(world)
     place, trunk = station(scenario.box, planar_pose(state.box)), planar_pose(state.trunk)
     assert hypot(place.x_m - trunk.x_m, place.y_m - trunk.y_m) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"waypoints": (), "sides": ()}, "it has no waypoints"),
+        ({"sides": ()}, "50 waypoints and 0 sides"),
+        ({"sides": (9,) * 50}, "it names side 9 of 4"),
+        ({"sides": (*(0,) * 49, 1)}, "the box does not move in the stage at"),
+    ],
+)
+def test_a_plan_that_cannot_be_followed_though_it_says_so_is_refused(change: dict[str, Any], message: str) -> None:
+    def planner(query: PlanQuery) -> Plan:
+        plan = straight_plan(query)
+        return replace(plan, **change) if isinstance(query, BoxPathQuery) else plan
+
+    with pytest.raises(PeerError, match=message):
+        run_mission(FakeWorld(planner=planner), make_scenario(), 3, ScriptedPolicy())

@@ -227,4 +227,27 @@ def test_a_path_that_does_not_keep_its_clearance_exactly_is_searched_for_again_w
     plan = make_plan(query(OPEN, pose(4.0, 4.0), pose(6.0, 4.0)))
 
     assert plan.status == status
-    assert extra_m == list(box_path.EXTRA_CLEARANCE_M[: n_refused + 1])
+    assert extra_m == [0.05 * cells for cells in box_path.EXTRA_CLEARANCE_CELLS[: n_refused + 1]]
+
+
+def test_a_goal_that_the_robot_has_to_come_close_to_is_pushed_into_by_less_than_the_run_in() -> None:
+    obstacles = (Rectangle(x_min_m=3.4, x_max_m=3.75, y_min_m=5.75, y_max_m=6.55),)
+    room = Room(size_m=(8.0, 8.0), obstacles=obstacles)
+    behind_wall = query(room, pose(3.05, 4.65, -2.0), pose(5.45, 6.35, -pi / 2), max_iterations=400)
+    plan = make_plan(behind_wall)
+
+    check(behind_wall, room, plan)
+
+
+def test_a_tree_leads_from_the_start_and_holds_no_more_nodes_than_a_plan_may() -> None:
+    wall = Rectangle(x_min_m=3.9, x_max_m=4.1, y_min_m=1.5, y_max_m=6.5)
+    room = Room(size_m=(8.0, 8.0), obstacles=(wall,))
+    asked = query(room, pose(2.5, 4.0), pose(5.5, 4.0), max_iterations=400)
+    plan = make_plan(asked)
+
+    check(asked, room, plan)
+    assert plan.tree is not None
+    assert plan.tree.points_m[0] == (2.5, 4.0)
+    assert plan.tree.parents[0] == 0
+    assert all(parent < index for index, parent in enumerate(plan.tree.parents) if index)
+    assert 0 < plan.n_iterations <= 400

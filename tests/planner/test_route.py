@@ -5,7 +5,8 @@ import pytest
 
 from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
-from planner_proc.route import Route, _thin, search
+from planner_proc.route import Route, search
+from planner_proc.search_tree import thin
 from tests.planner import maps
 
 PLANNERS: tuple[PlannerName, ...] = ("rrt", "rrt_connect", "rrt_star")
@@ -116,7 +117,7 @@ def test_rrt_star_spends_its_budget_on_shorter_paths() -> None:
 def test_a_tree_that_is_too_large_keeps_the_path_and_its_first_nodes() -> None:
     nodes = [(float(i), 0.0) for i in range(100)]
     parents = [0, *range(50), *[3] * 48, 10]
-    kept, kept_parents = _thin(nodes, parents, 30)
+    kept, kept_parents = thin(nodes, parents, 30)
     assert len(kept) == len(kept_parents) == 18 + 1
     assert kept[:18] == nodes[:18]
     node, branch = len(kept) - 1, []
@@ -124,5 +125,5 @@ def test_a_tree_that_is_too_large_keeps_the_path_and_its_first_nodes() -> None:
         branch.append(kept[node])
         node = kept_parents[node]
     assert branch == [nodes[99], *(nodes[i] for i in range(10, 0, -1))]
-    assert _thin(nodes, parents, 100) == (nodes, parents)
-    assert _thin(nodes, parents, 5) == (nodes[:5], parents[:5])
+    assert thin(nodes, parents, 100) == (nodes, parents)
+    assert thin(nodes, parents, 5) == (nodes[:5], parents[:5])

@@ -74,6 +74,13 @@ def test_a_scenario_with_a_reference_is_written_and_read_again(name: str, tmp_pa
             "n_periods = 1.0",
             r"at `goal.pose`: expected where the reference ends, x_m 6.000, y_m 2.5",
         ),
+        ('kind = "sine"\n', "", r"at `reference.kind`: expected sine or arcs, got nothing"),
+        ("wavelength_m = 4.0", "wavelength_m = 1e9", r"at `reference.wavelength_m`: expected a number <= 1000.0"),
+        (
+            "[room]",
+            "[pushing]\ncalibration_pushes = 4\n\n[room]",
+            r"at `pushing.calibration_pushes`: expected at most 0, for which the reference begins straight",
+        ),
         ("[room]", '[pushing]\nfaces = ["left"]\n\n[room]', r"at `pushing.faces`: expected the rear face"),
         (
             "[10.0, 5.0]",
@@ -102,4 +109,14 @@ def test_a_segment_that_is_none_is_refused_with_the_choices(tmp_path: Path) -> N
     with pytest.raises(
         ScenarioError, match=r"reference.segments\[1\].turn`: expected one of straight, left, right, got 'up'"
     ):
+        load_scenario(path)
+
+
+@pytest.mark.parametrize("value", ['"sine"', "5", '["sine"]'])
+def test_a_reference_that_is_no_table_is_refused_with_the_choices(value: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    copy_scenario("push", path)
+    path.write_text(f"reference = {value}\n{path.read_text()}")
+
+    with pytest.raises(ScenarioError, match=r"at `reference`: expected a table with kind = sine or arcs"):
         load_scenario(path)

@@ -16,6 +16,10 @@ MAX_SIMULATORS: Final = 8
 """Started at most unless more are asked for."""
 
 
+USUAL_DEPTH_M: Final = 0.05
+"""Of the pushes that missions make."""
+
+
 def default_simulators() -> int:
     """One per core that this process may use, capped."""
     return min(len(os.sched_getaffinity(0)), MAX_SIMULATORS)
@@ -161,6 +165,11 @@ class CalibrateOptions(SimulatorOptions):
             raise ConfigError(
                 f"Expected depths above 0 and at most {MAX_DEPTH_M} m for --depths-m, got {self.depths_m}"
             )
+        if not any(depth_m >= USUAL_DEPTH_M for depth_m in self.depths_m):
+            raise ConfigError(f"Expected a depth of {USUAL_DEPTH_M} m or more in --depths-m, got {self.depths_m}")
+        for flag, values in (("--depths-m", self.depths_m), ("--curves", self.curves)):
+            if len(set(values)) < len(values):
+                raise ConfigError(f"Expected each value once for {flag}, got {values}")
         if not self.curves or not all(0.0 <= w <= 1.0 for w in self.curves):
             raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
 

@@ -19,7 +19,7 @@ from legpush.launch.run import child_environment
 from legpush.patience import SLICE_S
 
 MAX_RESTARTS: Final = 3
-"""Of each simulator, in a row."""
+"""Of each process, in a row."""
 WORDS: Final = {"sim": "simulator", "planner": "planner"}
 """What people call them."""
 LONG_LIFE_S: Final = 10.0

@@ -1,0 +1,17 @@
+"""A search tree as it is shown: nodes, and on which node each hangs, a root on itself."""
+
+from legpush.messages import Point2
+
+
+def thin(nodes: list[Point2], parents: list[int], n_most: int) -> tuple[list[Point2], list[int]]:
+    """At most so many nodes of a tree: the last one, its ancestors, and the nodes that come first."""
+    if len(nodes) <= n_most:
+        return nodes, parents
+    branch = {len(nodes) - 1}
+    node = len(nodes) - 1
+    while node != parents[node]:
+        node = parents[node]
+        branch.add(node)
+    kept = sorted({*range(max(0, n_most - len(branch))), *branch})[:n_most]
+    place = {node: order for order, node in enumerate(kept)}
+    return [nodes[i] for i in kept], [place[parents[i]] for i in kept]
