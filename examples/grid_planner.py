@@ -11,6 +11,7 @@ import heapq
 import json
 import queue
 import secrets
+import sys
 from contextlib import suppress
 from math import atan2, ceil, cos, hypot, pi, sin, sqrt
 
@@ -102,7 +103,7 @@ def around(cell, n):
 
 
 def search(safe, starts, goals):
-    """A* over the eight neighbours of a cell; None where no way leads from one of the starts to one of the goals."""
+    """A* over the eight neighbours of a cell, between the nearest cells; None where there is no way."""
     if not starts or not goals:
         return None
     goal, open_cells, came_from, cost = goals[0], [], {}, {starts[0]: 0.0}
@@ -170,7 +171,8 @@ def along(at, word):
 
 
 def fits(room, at, footprints, clearance):
-    """Whether points on the footprints, a cell apart, keep clear of everything."""
+    """Whether the footprints keep clear: points on them that are less than a cell apart, with what lies between."""
+    clearance += sqrt(0.5) * room.resolution
     for footprint in footprints:
         centre = compose(at, footprint["pose"])
         nx, ny = (ceil(footprint[side] / room.resolution) for side in ("length_m", "width_m"))
@@ -216,30 +218,54 @@ def main():
         "connect/endpoints": options.connect,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": 2000,
     }.items():
         config.insert_json5(key, json.dumps(value))
     prefix, incarnation = f"legpush/v{VERSION}/{options.run}", secrets.token_hex(6)
     inbox, answered, sequences = queue.Queue(), {}, {}
+
+    def answer(request):
+        header, request_id, query = request["header"], request["request_id"], request["query"]
+        client, asker = header["name"], header["incarnation"]
+        if (header["protocol"], header["run"]) != (VERSION, options.run):
+            return
+        last_asker, last_id, last_query, found = answered.get(client, (None, -1, None, None))
+        if last_asker == asker and request_id < last_id:
+            return
+        if last_asker != asker or request_id != last_id:
+            make = {"trunk_path": plan_trunk, "box_path": plan_box}.get(query["kind"])
+            found = make(query) if make else plan("invalid", f"this planner knows no {query['kind']}")
+            answered[client] = asker, request_id, query, found
+        elif query != last_query:
+            found = plan("invalid", f"request id {request_id} was used for another query before")
+        sequences[client] = sequences.get(client, -1) + 1
+        mine = {"protocol": VERSION, "run": options.run, "role": "planner", "name": options.name}
+        result = {
+            "header": {**mine, "incarnation": incarnation, "sequence": sequences[client]},
+            "client_incarnation": asker,
+            "request_id": request_id,
+            "plan": found,
+        }
+        block, key = zenoh.CongestionControl.BLOCK, f"{prefix}/plan/{client}/result"
+        session.put(key, msgpack.packb(result), congestion_control=block, express=True)
+
     with zenoh.open(config) as session:
         session.declare_subscriber(f"{prefix}/plan/*/request", lambda sample: inbox.put(sample.payload.to_bytes()))
         token = session.liveliness().declare_token(f"{prefix}/live/planner/{options.name}/{incarnation}")
         while token:
-            request = msgpack.unpackb(inbox.get())
-            header, query = request["header"], request["query"]
-            client, question = header["name"], (header["incarnation"], request["request_id"])
-            if answered.get(client, (None,))[0] != question:
-                make = {"trunk_path": plan_trunk, "box_path": plan_box}.get(query["kind"])
-                answer = make(query) if make else plan("invalid", f"this planner knows no {query['kind']}")
-                answered[client] = (question, answer)
-            sequences[client] = sequences.get(client, -1) + 1
-            mine = {"protocol": VERSION, "run": options.run, "role": "planner", "name": options.name}
-            result = {
-                "header": {**mine, "incarnation": incarnation, "sequence": sequences[client]},
-                "client_incarnation": header["incarnation"],
-                "request_id": request["request_id"],
-                "plan": answered[client][1],
-            }
-            session.put(f"{prefix}/plan/{client}/result", msgpack.packb(result), express=True)
+            payloads, newest = [inbox.get()], {}
+            while not inbox.empty():
+                payloads.append(inbox.get())
+            for payload in payloads:  # of each client the last one counts
+                with suppress(Exception):  # a message that is not valid harms nobody
+                    request = msgpack.unpackb(payload)
+                    newest[request["header"]["name"]] = request
+            for request in newest.values():
+                try:
+                    answer(request)
+                except Exception as error:
+                    print(f"no answer to a request: {error!r}", file=sys.stderr)
 
 
 if __name__ == "__main__":

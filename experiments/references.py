@@ -115,7 +115,7 @@ def _mission(key: Key) -> tuple[dict[str, Any], list[dict[str, Any]]]:
 
 def draw(tracks: Iterable[dict[str, Any]]) -> None:
     """Reference and boxes, one panel per curve."""
-    figure = Figure(figsize=(11.0, 4.2), layout="constrained")
+    figure = Figure(figsize=(11.0, 3.6), layout="constrained")
     by_key: dict[Key, list[tuple[float, float]]] = {}
     for point in tracks:
         by_key.setdefault(_key(point), []).append((float(point["x_m"]), float(point["y_m"])))
@@ -132,9 +132,8 @@ def draw(tracks: Iterable[dict[str, Any]]) -> None:
                     told.add(composition)
         curve = reference_curve(scenario.reference, scenario.box.pose.pose())
         axis.plot(*curve[:, :2].T, "k--", lw=1.3, label="reference")
-        axis.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=scenario.description)
-        axis.title.set_fontsize(9)
-        axis.legend(fontsize=8, frameon=False, loc="best")
+        axis.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=f"scenario {name}")
+        axis.legend(fontsize=8, frameon=False, loc="upper right")
     figure.savefig(RESULTS / "references.png", dpi=120)
 
 
