@@ -25,7 +25,7 @@ from legpush.scenario import Scenario
 from legpush.scenario_file import write_scenario
 from legpush.service import stop_on_signals
 
-BUDGET: Final = 4
+BUDGET: Final = 2
 """A room is solvable where the planner finds a way in so many times the iterations of a mission."""
 DEADLINE_S: Final = 900.0
 """For the planner: a room without a way takes minutes on a slow machine."""

@@ -28,6 +28,10 @@ N_JOINED: Final = 3
 """Nodes of the other tree that a new one is joined to, if that is free."""
 N_JOINS_TRIED: Final = 2
 """Ways between two nodes that are tried, cheapest first."""
+FIRST_TREES: Final = 300
+"""Trees that have not met after so many iterations are begun anew, after twice as many the next time: most find a way
+soon or hardly ever, as their first pushes fell.
+"""
 MORE: Final = 2
 LEAST_MORE: Final = 80
 """Once the goal is reached, the trees grow on for as many iterations again, and some: a cheaper way may show up."""
@@ -54,11 +58,15 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
     direct = pushes.best(pushes.to_goal(query.start, query.goal), query.present_side, inf, N_DIRECT)
     if direct is not None:
         return Found(way=direct, tree_points_m=_points(query.start, query.goal), tree_parents=(0, 0), n_iterations=0)
-    trees = _Search(query, pushes)
+    random = np.random.default_rng(query.seed)
+    trees = _Search(query, pushes, random)
     ways: list[Way] = []
-    n_iterations, n_wanted = 0, query.max_iterations
+    n_iterations, n_wanted, patience = 0, query.max_iterations, FIRST_TREES
     while n_iterations < n_wanted:
         n_iterations += 1
+        if not ways and n_iterations > patience:
+            patience *= 2
+            trees = _Search(query, pushes, random)
         way = trees.iterate(n_iterations)
         if way:
             ways.append(way)
@@ -160,10 +168,10 @@ class _Tree:
 class _Search:
     """Both trees, and the ways that join them."""
 
-    def __init__(self, query: BoxPathQuery, pushes: Pushes) -> None:
+    def __init__(self, query: BoxPathQuery, pushes: Pushes, random: np.random.Generator) -> None:
         self._query = query
         self._pushes = pushes
-        self._random = np.random.default_rng(query.seed)
+        self._random = random
         size_m = np.array([query.grid.n_columns, query.grid.n_rows]) * query.grid.resolution_m
         self._low = np.array([*query.grid.origin_m, -np.pi])
         self._high = np.array([*(np.array(query.grid.origin_m) + size_m), np.pi])

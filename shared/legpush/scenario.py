@@ -139,7 +139,7 @@ class Pushing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The path is straight for so long before the goal."""
     face_change_m: NonNegative = 0.5
     """How much more pushing a walk around the box is worth."""
-    max_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 3000
+    max_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 6000
     """Budget of the search for a path."""
     goal_bias: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1
     step_m: Positive = 1.0
