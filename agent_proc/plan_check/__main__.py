@@ -40,7 +40,7 @@ def run(options: PlanCheckOptions, command: tuple[str, ...], console: Console) -
         planner = stack.enter_context(PlannerProcess(command, logs / "planner.log", stop))
         clients = [Client(stack.enter_context(Bus(RUN, "agent", name, planner.endpoints)), planner) for name in "ab"]
         bench = Bench(planner=planner, client=clients[0], other=clients[1], deadline_s=options.deadline_s)
-        for finding in run_checks(bench):
+        for finding in run_checks(bench, options.only):
             findings.append(finding)
             mark, style = ("pass", "green") if finding.passed else ("FAIL", "bold red")
             note = f": {finding.reason}" if finding.reason else ""

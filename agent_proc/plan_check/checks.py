@@ -1,7 +1,8 @@
 """What is checked, one function each: it says what is wrong, or nothing."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import nan
 from typing import Final
 
@@ -11,6 +12,7 @@ from msgspec.structs import replace
 from agent_proc.plan_check.cases import Case, box_query, cases, query, room
 from agent_proc.plan_check.client import Client, PlannerProcess
 from agent_proc.plan_check.truth import differences, faults
+from legpush.errors import ConfigError
 from legpush.messages import Plan, PlanResult, TrunkPathQuery
 
 START_S: Final = 20.0
@@ -40,15 +42,20 @@ class Bench:
     deadline_s: float
 
 
-def run_checks(bench: Bench) -> Iterator[Finding]:
-    """All checks in order; after a planner that does not start there are no more."""
+def run_checks(bench: Bench, only: Sequence[str] = ()) -> Iterator[Finding]:
+    """All checks in order, or those with one of the texts in their name; `ConfigError` where there is none.
+
+    After a planner that does not start there are no more.
+    """
+    planned = {f"plans: {case.name}": partial(plans, case=case) for case in cases()} | CHECKS
+    chosen = {name: check for name, check in planned.items() if not only or any(text in name for text in only)}
+    if not chosen:
+        raise ConfigError(f"Expected a part of the name of a check for --only ({', '.join(planned)}), got {only}")
     wrong = bench.client.wait_for_planner(START_S) or bench.other.wait_for_planner(START_S)
     yield Finding(name="starts and shows its token", passed=not wrong, reason=wrong)
     if wrong:
         return
-    for case in cases():
-        yield _finding(f"plans: {case.name}", bench, lambda bench, case=case: plans(bench, case))  # type: ignore[misc]
-    for name, check in CHECKS.items():
+    for name, check in chosen.items():
         yield _finding(name, bench, check)
 
 

@@ -11,7 +11,7 @@ import tyro
 from legpush.errors import ConfigError
 from legpush.launch.options import program_path
 
-USAGE = "legpush plan-check [--deadline S] [--json FILE] -- COMMAND..."
+USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- COMMAND..."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +23,8 @@ class PlanCheckOptions:
 
     deadline_s: Annotated[float, tyro.conf.arg(name="deadline", metavar="S")] = 20.0
     """The planner has so long for each answer."""
+    only: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT ...")] = ()
+    """Run only the checks that have one of these texts in their name."""
     json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Write the findings there as well."""
 
