@@ -6,15 +6,11 @@ loop as in the paper. A row per mission goes to `results/references.csv`, the bo
 again.
 """
 
-import json
-import subprocess
 import sys
-import tempfile
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -24,13 +20,12 @@ from msgspec.structs import replace
 from rich.progress import Progress
 
 from agent_proc.poses import planar_pose
-from agent_proc.record import read_record
 from agent_proc.statistics import mean_interval
 from experiments.evaluations import RESULTS, read_table, write_table
-from legpush.episode import read_episode
+from experiments.mission_runs import run_scenario
 from legpush.messages import Push
 from legpush.reference import reference_curve
-from legpush.scenario_file import load_scenario, write_scenario
+from legpush.scenario_file import load_scenario
 
 TABLE: Final = RESULTS / "references.csv"
 TRACKS: Final = RESULTS / "references_tracks.csv.gz"
@@ -97,16 +92,7 @@ def _mission(key: Key) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     name, composition, seed = key
     scenario = load_scenario(name)
     pushing = replace(scenario.pushing, composition="open_loop" if composition == "open_loop" else "closed_loop")
-    with tempfile.TemporaryDirectory(prefix="legpush-reference-") as scratch:
-        file, out = Path(scratch) / "scenario.toml", Path(scratch) / "run"
-        write_scenario(replace(scenario, pushing=pushing), file)
-        command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", str(file)]
-        command += ["--seed", str(seed), "--out", str(out), "--no-video"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode not in (0, 1):
-            raise SystemExit(f"{key}: legpush run exited with {done.returncode}: {done.stderr.strip()}")
-        report = json.loads((out / "report.json").read_text())
-        record = read_record(read_episode(next(out.glob("episode-*.journal"))))
+    report, record = run_scenario(replace(scenario, pushing=pushing), seed)
     of = {"scenario": name, "composition": composition, "seed": seed}
     boxes = [planar_pose(step.world.box) for step in record.steps if isinstance(step.motion, Push)]
     track = [{**of, "x_m": round(box.x_m, 4), "y_m": round(box.y_m, 4)} for box in boxes]

@@ -1,10 +1,5 @@
 """Missions in random rooms, each in three processes: the room of a seed, and what became of the mission."""
 
-import json
-import shutil
-import subprocess
-import sys
-import tempfile
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -15,14 +10,12 @@ import numpy as np
 from msgspec.structs import replace
 
 from agent_proc.draw_room import solvable_by
-from agent_proc.record import MissionRecord, read_record
-from legpush.episode import read_episode
-from legpush.launch.folder import PICTURE_FILE
+from agent_proc.record import MissionRecord
+from experiments.mission_runs import run_scenario
 from legpush.messages import BoxPathQuery, Push
 from legpush.random_room import RandomRoom
 from legpush.random_scenario import random_scenario
 from legpush.scenario import Scenario
-from legpush.scenario_file import write_scenario
 from planner_proc.planning import make_plan
 
 MASSES_KG: Final = (0.1, 0.5, 0.9)
@@ -85,19 +78,7 @@ def run_mission(
     """One mission: its row and its track; where it fails, its picture goes to the folder `failed`."""
     scenario, n_unsolvable = drawn_room(seed)
     scenario = replace(scenario, mission=replace(scenario.mission, handover_distance_m=handover_distance_m))
-    with tempfile.TemporaryDirectory(prefix="legpush-room-") as scratch:
-        file, out = Path(scratch) / "room.toml", Path(scratch) / "run"
-        write_scenario(scenario, file)
-        command = [str(Path(sys.executable).with_name("legpush")), "run", "--scenario", str(file)]
-        command += ["--seed", str(seed), "--out", str(out), "--no-video"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode not in (0, 1):
-            raise SystemExit(f"seed {seed}: legpush run exited with {done.returncode}: {done.stderr.strip()}")
-        report = json.loads((out / "report.json").read_text())
-        if failed is not None and not report["success"]:
-            failed.mkdir(exist_ok=True)
-            shutil.copy(out / PICTURE_FILE, failed / f"{seed}.png")
-        record = read_record(read_episode(next(out.glob("episode-*.journal"))))
+    report, record = run_scenario(scenario, seed, failed)
     row = {
         "seed": seed,
         "n_unsolvable": n_unsolvable,
