@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import nan
+from time import monotonic
 from typing import Final
 
 import msgpack
@@ -19,6 +20,7 @@ START_S: Final = 20.0
 """A planner has so long to come up."""
 SETTLE_S: Final = 0.6
 """An answer that should not come would come within this time."""
+RESEND_S: Final = 1.0
 N_RESENT: Final = 5
 
 
@@ -105,14 +107,23 @@ def repeats_its_answer(bench: Bench) -> str:
     request_id = bench.client.new_id()
     answers: list[PlanResult] = []
     for _ in range(N_RESENT):
-        bench.client.send(request_id, EASY)
-        results = bench.client.results(request_id, bench.deadline_s)
+        results = _asked_until_answered(bench, request_id)
         if not results:
             return f"after {len(answers)} answers: {bench.client.silence(bench.deadline_s)}"
         answers += results
         if different := differences(answers[0].plan, results[0].plan):
             return f"the same request gets another answer when it is sent again: {different}"
     return ""
+
+
+def _asked_until_answered(bench: Bench, request_id: int) -> list[PlanResult]:
+    """As a client does: a copy that comes while the request is answered may be taken as answered with it."""
+    until_s = monotonic() + bench.deadline_s
+    results: list[PlanResult] = []
+    while not results and monotonic() < until_s:
+        bench.client.send(request_id, EASY)
+        results = bench.client.results(request_id, RESEND_S)
+    return results
 
 
 def refuses_another_query(bench: Bench) -> str:

@@ -47,7 +47,7 @@ def test_the_version_is_that_of_the_package() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "Expected one of {run, train, evaluate, calibrate, scenarios, render}"),
+        ([], "Expected one of {run, train, evaluate, calibrate, plan-check, scenarios,"),
         (["walk"], "walk"),
         (["run", "--sed", "3"], "Unrecognized options: --sed, 3"),
         (["run", "--seed", "three"], "three"),
@@ -73,7 +73,7 @@ def test_the_version_is_that_of_the_package() -> None:
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
         (
             ["run", "--planner-command", "no-such-planner"],
-            "for --planner-command, got 'no-such-planner'",
+            "begins with a program, got 'no-such-planner', which is none",
         ),
         (
             ["run", "--planner-command", "'"],
