@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from math import cos, hypot, sin
 from typing import Final
@@ -101,7 +102,7 @@ class Pushes:
     def __init__(self, query: BoxPathQuery, field: ClearanceField) -> None:
         squares = Squares(query.grid)
         self.sides = [Side(side, query, field, squares) for side in query.sides]
-        self._walking = WalkingSpace(query.grid, field, query.walk_clearance_m)
+        self._field = field
         self._query = query
         self.extra_m = 0.0
         """Kept beyond what is required."""
@@ -125,6 +126,11 @@ class Pushes:
             and all(self.sides[stage.side].seems_free(stage, self.extra_m) for stage in way)
             and all(self._can_walk(before, stage) for stage, before in changes if before is not None)
         )
+
+    @cached_property
+    def _walking(self) -> WalkingSpace:
+        """Made when the first change of sides is looked at: many paths have none."""
+        return WalkingSpace(self._query.grid, self._field, self._query.walk_clearance_m)
 
     def _can_walk(self, before: int, stage: Stage) -> bool:
         """Whether the robot comes around the box, from one side of it to where a stage begins."""

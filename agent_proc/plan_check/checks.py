@@ -4,13 +4,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import nan
-from time import monotonic
 from typing import Final
 
 import msgpack
 from msgspec.structs import replace
 
-from agent_proc.plan_check.cases import Case, box_query, cases, query, room
+from agent_proc.plan_check.cases import Case, box_query, cases, huge, query, room
 from agent_proc.plan_check.client import Client, PlannerProcess
 from agent_proc.plan_check.truth import differences, faults
 from legpush.errors import ConfigError
@@ -20,7 +19,6 @@ START_S: Final = 20.0
 """A planner has so long to come up."""
 SETTLE_S: Final = 0.6
 """An answer that should not come would come within this time."""
-RESEND_S: Final = 1.0
 N_RESENT: Final = 5
 
 
@@ -107,23 +105,13 @@ def repeats_its_answer(bench: Bench) -> str:
     request_id = bench.client.new_id()
     answers: list[PlanResult] = []
     for _ in range(N_RESENT):
-        results = _asked_until_answered(bench, request_id)
+        results = bench.client.insist(request_id, EASY, bench.deadline_s)
         if not results:
             return f"after {len(answers)} answers: {bench.client.silence(bench.deadline_s)}"
         answers += results
         if different := differences(answers[0].plan, results[0].plan):
             return f"the same request gets another answer when it is sent again: {different}"
     return ""
-
-
-def _asked_until_answered(bench: Bench, request_id: int) -> list[PlanResult]:
-    """As a client does: a copy that comes while the request is answered may be taken as answered with it."""
-    until_s = monotonic() + bench.deadline_s
-    results: list[PlanResult] = []
-    while not results and monotonic() < until_s:
-        bench.client.send(request_id, EASY)
-        results = bench.client.results(request_id, RESEND_S)
-    return results
 
 
 def refuses_another_query(bench: Bench) -> str:
@@ -201,15 +189,14 @@ def _map(value: object) -> dict[str, object]:
 def comes_back(bench: Bench) -> str:
     """Killed while it plans, and started again: the request that is sent again is answered."""
     request_id = bench.client.new_id()
-    asked = cases()[-1].query
+    asked = huge()
     bench.client.send(request_id, asked)
     bench.client.results(request_id, 0.1)
     bench.planner.kill()
     bench.planner.start()
     if wrong := bench.client.wait_for_planner(START_S):
         return wrong
-    bench.client.send(request_id, asked)
-    results = bench.client.results(request_id, bench.deadline_s)
+    results = bench.client.insist(request_id, asked, bench.deadline_s)
     return judged(asked, results[0].plan, ("exact",)) if results else bench.client.silence(bench.deadline_s)
 
 

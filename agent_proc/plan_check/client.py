@@ -22,6 +22,7 @@ from legpush.messages import PlanQuery, PlanRequest, PlanResult
 
 RUN: Final = "plan-check"
 SLICE_S: Final = 0.05
+RESEND_S: Final = 2.0
 
 
 class PlannerProcess:
@@ -120,10 +121,19 @@ class Client:
 
     def ask(self, query: PlanQuery, deadline_s: float) -> PlanResult | str:
         """The answer to a new request, or what was wrong instead."""
-        request_id = self.new_id()
-        self.send(request_id, query)
-        results = self.results(request_id, deadline_s)
+        results = self.insist(self.new_id(), query, deadline_s)
         return results[0] if results else self.silence(deadline_s)
+
+    def insist(self, request_id: int, query: PlanQuery, deadline_s: float) -> list[PlanResult]:
+        """Send a request again until it is answered, as clients do: a copy may get lost, or be taken as answered
+        with the one before.
+        """
+        until_s = monotonic() + deadline_s
+        found: list[PlanResult] = []
+        while not found and monotonic() < until_s and not self._planner.end():
+            self.send(request_id, query)
+            found = self.results(request_id, RESEND_S)
+        return found
 
     def silence(self, deadline_s: float) -> str:
         """Why there was no answer."""
