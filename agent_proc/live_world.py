@@ -47,6 +47,14 @@ class LiveWorld:
         """Ask the planner."""
         return self._episode.plan(query)
 
+    def revision(self, revision: int) -> Plan:
+        """Wait for a better plan."""
+        return self._episode.revision(revision)
+
+    def cancel_plan(self) -> None:
+        """Wait for no more of them."""
+        self._episode.cancel_plan()
+
     def tell(self, phase: str, fraction: float | None, detail: str) -> None:
         """Publish what goes on."""
         self._told = (phase, fraction, detail)

@@ -109,6 +109,10 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
         goal_bias=planning.goal_bias,
         step_m=planning.step_m,
         goal_region_m=planning.goal_region_m,
+        steering=planning.steering,
+        min_turning_radius_m=planning.min_turning_radius_m,
+        smoothing=planning.smoothing,
+        anytime=planning.anytime,
     )
 
 

@@ -10,9 +10,9 @@ from legpush.service import ServiceConfig, run_process
 
 def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
     """Answer plan requests until asked to stop."""
-    from planner_proc.planning import make_plan
+    from planner_proc.planning import make_plans
 
-    serve_plans(bus, make_plan, stop)
+    serve_plans(bus, make_plans, stop)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import BoxPathQuery, Plan, Tree
+from legpush.plan_desk import Interrupted
 from planner_proc.occupancy import ClearanceField
 from planner_proc.push_tree import Found, search
 from planner_proc.pushes import Pushes, Way
@@ -23,8 +24,8 @@ NEAREST_REACH_M: Final = 2.0
 """How far around a pose that does not fit one that does is looked for, and how finely."""
 
 
-def make_box_plan(query: BoxPathQuery, field: ClearanceField) -> Plan:
-    """The plan for a query whose grid is sound; `field` is that of the grid."""
+def make_box_plan(query: BoxPathQuery, field: ClearanceField, interrupted: Interrupted = lambda: False) -> Plan:
+    """The plan for a query whose grid is sound; `field` is that of the grid. `PlanningInterruptedError`."""
     fault = _side_fault(query)
     if fault:
         return Plan(status="invalid", reason=fault)
@@ -35,7 +36,7 @@ def make_box_plan(query: BoxPathQuery, field: ClearanceField) -> Plan:
     n_iterations = 0
     for extra_cells in EXTRA_CLEARANCE_CELLS:
         pushes.extra_m = extra_cells * query.grid.resolution_m
-        found = search(query, pushes)
+        found = search(query, pushes, interrupted)
         n_iterations += found.n_iterations
         if not found.way:
             break

@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 
 ROUNDING_M: Final = 1e-8
 """What counts as equal: the rounding of coordinates, not a margin."""
+_POINT_M: Final = 1e-12
+"""A shorter segment is a point: its direction drowns in rounding."""
 _ROWS_AT_ONCE: Final = 256
 
 
@@ -73,7 +75,7 @@ class ClearanceField:
             return False
         length_m = hypot(bx_m - ax_m, by_m - ay_m)
         per_m = 1.0 / self._resolution_m
-        per_step = per_m / length_m if length_m > 0.0 else 0.0
+        per_step = per_m / length_m if length_m > _POINT_M else 0.0
         u, v = (ax_m - self._origin_m[0]) * per_m + 1.0, (ay_m - self._origin_m[1]) * per_m + 1.0
         du, dv = (bx_m - ax_m) * per_step, (by_m - ay_m) * per_step
         bound_m, n_columns = self._flat_bound_m, self._occupied.shape[1]

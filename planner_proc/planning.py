@@ -1,5 +1,6 @@
 """From a query to a plan: check it, search, shorten, smooth, measure. Pure: equal queries get equal plans."""
 
+from collections.abc import Iterator
 from math import hypot
 from typing import Final
 
@@ -18,12 +19,15 @@ from legpush.messages import (
     Tree,
     TrunkPathQuery,
 )
+from legpush.plan_desk import Interrupted
 from planner_proc import polylines
 from planner_proc.box_path import make_box_plan
 from planner_proc.occupancy import ROUNDING_M, ClearanceField
-from planner_proc.route import Route, search
+from planner_proc.route import Route
+from planner_proc.search import routes, steering_fault
 from planner_proc.shortcut import shortcut
 from planner_proc.smoothing import smooth
+from planner_proc.tube import Tube
 
 Floats = NDArray[np.float64]
 
@@ -33,52 +37,116 @@ _MAX_COORDINATE_M: Final = 1e7
 
 
 def make_plan(query: PlanQuery) -> Plan:
-    """The plan for a query; never an exception: what cannot be planned says so in `status` and `reason`."""
+    """The first plan for a query."""
+    return next(make_plans(query, lambda: False))
+
+
+def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
+    """The plan for a query, and with `anytime` one after each improvement, the best so far.
+
+    Never an error for a query: what cannot be planned says so in `status` and `reason`. `PlanningInterruptedError`.
+    """
     fault = _grid_fault(query.grid) or _search_fault(query)
     if fault:
-        return Plan(status="invalid", reason=fault)
+        yield Plan(status="invalid", reason=fault)
+        return
     field = ClearanceField(query.grid)
     if isinstance(query, BoxPathQuery):
-        return make_box_plan(query, field)
-    return _make_trunk_plan(query, field)
+        yield make_box_plan(query, field, interrupted)
+    else:
+        yield from _make_trunk_plans(query, field, interrupted)
 
 
-def _make_trunk_plan(query: TrunkPathQuery, field: ClearanceField) -> Plan:
+def _make_trunk_plans(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Plan]:
     for name, pose in (("start", query.start), ("goal", query.goal)):
         fault = _pose_fault(name, pose, field, query)
         if fault:
-            return Plan(status="invalid", reason=fault)
-    if _distance_m(query.start, (query.goal.x_m, query.goal.y_m)) < _SAME_PLACE_M:
-        return _turn_on_the_spot(query, field)
-    return _plan_from_route(query, field, search(query, field))
+            yield Plan(status="invalid", reason=fault)
+            return
+    n_revisions = 1 + (query.anytime.n_improvements if query.anytime is not None else 0)
+    there = _distance_m(query.start, (query.goal.x_m, query.goal.y_m)) < _SAME_PLACE_M
+    if there and (query.steering == "straight" or query.start.yaw_rad == query.goal.yaw_rad):
+        yield from [_turn_on_the_spot(query, field)] * n_revisions
+        return
+    best: Plan | None = None
+    for route in routes(query, field, interrupted):
+        plan = _plan_from_route(query, field, route)
+        if best is None or _is_better(plan, best):
+            best = plan
+        yield best
+
+
+def _is_better(plan: Plan, other: Plan) -> bool:
+    """Exact rather than not, then shorter."""
+    if (plan.status == "exact") != (other.status == "exact"):
+        return plan.status == "exact"
+    return plan.status == "exact" and plan.length_m < other.length_m
 
 
 def _plan_from_route(query: TrunkPathQuery, field: ClearanceField, route: Route) -> Plan:
     """Shorten and smooth what the search found."""
     tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
-    if len(route.points_m) < 2:
-        reason = _shortfall(query, field, route)
+
+    def failed(reason: str) -> Plan:
         return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
+
+    if len(route.points_m) < 2:
+        return failed(_shortfall(query, field, route))
     if len(route.points_m) > MAX_WAYPOINTS:
-        reason = (
+        return failed(
             f"The search took {len(route.points_m)} steps to the goal, a plan holds {MAX_WAYPOINTS}: "
             f"raise step_m, which is {query.step_m:g} m"
         )
-        return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
-    stretches = smooth(shortcut(route.points_m, field, query.clearance_m), field, query.clearance_m)
-    path_m = np.concatenate(stretches)
+    goal = query.goal if route.reached else None
+    if route.curve is not None:
+        path_m = route.curve[:, :2]
+        waypoints = _poses(route.curve, query.start, goal)
+        if not field.free_segments(path_m, query.clearance_m).all():
+            return failed("The curve that was found keeps the clearance only nearly; lower clearance_m a little")
+    else:
+        stretches = _smoothed(query, field, route.points_m)
+        if not stretches:
+            return failed(
+                f"The way that was found cannot be smoothed to a turning radius of {query.min_turning_radius_m:g} m: "
+                "lower it, raise clearance, or steer by dubins or reeds_shepp"
+            )
+        path_m = np.concatenate(stretches)
+        waypoints = _waypoints(stretches, query.start, goal)
+    if len(waypoints) > (n_most := query.smoothing.max_waypoints):
+        return failed(f"The path has {len(waypoints)} waypoints: raise max_waypoints, which is {n_most}")
     length_m = polylines.length(path_m)
     reached = f"Reached after {route.n_iterations} iterations: {length_m:.2f} m"
     return Plan(
         status="exact" if route.reached else "approximate",
         reason=reached if route.reached else _shortfall(query, field, route),
-        waypoints=_waypoints(stretches, query.start, query.goal if route.reached else None),
+        waypoints=waypoints,
         raw_path_m=tuple((x_m, y_m) for x_m, y_m in route.points_m.tolist()),
         tree=tree,
         length_m=length_m,
         min_clearance_m=field.path_clearance_m(path_m),
         n_iterations=route.n_iterations,
     )
+
+
+def _smoothed(query: TrunkPathQuery, field: ClearanceField, points_m: Floats) -> list[Floats]:
+    """Stretches of a smooth path; none where it cannot turn so wide."""
+    options = query.smoothing
+    tube = Tube(field, query.clearance_m, points_m, options.max_deviation_m)
+    corners_m = shortcut(points_m, tube) if options.shorten else _distinct(points_m)
+    return smooth(corners_m, tube, options, query.min_turning_radius_m)
+
+
+def _distinct(points_m: Floats) -> Floats:
+    """Without points that repeat the one before."""
+    moves = np.hypot(*np.diff(points_m, axis=0).T) > 0.0
+    distinct: Floats = points_m[np.concatenate([[True], moves])]
+    return distinct
+
+
+def _poses(curve: Floats, start: Pose2, goal: Pose2 | None) -> tuple[Pose2, ...]:
+    """A curve as waypoints, its ends as they were asked for."""
+    inner = [Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)) for x_m, y_m, yaw_rad in curve[1:].tolist()]
+    return (start, *inner[:-1], goal) if goal else (start, *inner)
 
 
 def _turn_on_the_spot(query: TrunkPathQuery, field: ClearanceField) -> Plan:
@@ -127,7 +195,7 @@ def _search_fault(query: PlanQuery) -> str:
     """Why no tree can be grown, or nothing."""
     if not query.step_m >= _SAME_PLACE_M:
         return f"Expected step_m of at least {_SAME_PLACE_M:g} m, got {query.step_m:g}"
-    return ""
+    return steering_fault(query) if isinstance(query, TrunkPathQuery) else ""
 
 
 def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQuery) -> str:

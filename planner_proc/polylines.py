@@ -44,3 +44,24 @@ def turns(points: Floats) -> Floats:
     steps = np.diff(points, axis=0)
     changes: Floats = (np.diff(np.arctan2(steps[:, 1], steps[:, 0])) + np.pi) % (2.0 * np.pi) - np.pi
     return changes
+
+
+def distances(points: Floats, others: Floats) -> Floats:
+    """From other points, (k, 2), to the nearest point of the polyline, (k,)."""
+    begin, along = points[:-1], np.diff(points, axis=0)
+    squared = np.maximum((along**2).sum(axis=1), 1e-300)
+    share = np.clip(((others[:, None] - begin) * along).sum(axis=-1) / squared, 0.0, 1.0)
+    apart = others[:, None] - begin - share[..., None] * along
+    nearest: Floats = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
+    return nearest
+
+
+def turning_radii(points: Floats) -> Floats:
+    """Of the circle through each inner vertex and its neighbours, (n - 2,); infinite on a straight line."""
+    steps = np.diff(points, axis=0)
+    a, b = np.hypot(*steps[:-1].T), np.hypot(*steps[1:].T)
+    c = np.hypot(*(points[2:] - points[:-2]).T)
+    twice_area = np.abs(steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0])
+    with np.errstate(divide="ignore"):
+        radii: Floats = np.where(twice_area > 1e-12 * a * b, a * b * c / (2.0 * np.maximum(twice_area, 1e-300)), np.inf)
+    return radii

@@ -10,6 +10,7 @@ import numpy as np
 
 from legpush.geometry import Pose2
 from legpush.messages import MAX_WAYPOINTS, BoxPathQuery, Point2
+from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from planner_proc.pushes import Pushes, Stage, Way
 from planner_proc.search_tree import thin
 
@@ -53,8 +54,11 @@ class Found:
     n_iterations: int
 
 
-def search(query: BoxPathQuery, pushes: Pushes) -> Found:
-    """The cheapest direct way that fits; else what the trees come to. Equal queries get equal answers."""
+def search(query: BoxPathQuery, pushes: Pushes, interrupted: Interrupted) -> Found:
+    """The cheapest direct way that fits; else what the trees come to. Equal queries get equal answers.
+
+    `PlanningInterruptedError` where the answer is not wanted any more.
+    """
     direct = pushes.best(pushes.to_goal(query.start, query.goal), query.present_side, inf, N_DIRECT)
     if direct is not None:
         return Found(way=direct, tree_points_m=_points(query.start, query.goal), tree_parents=(0, 0), n_iterations=0)
@@ -64,6 +68,8 @@ def search(query: BoxPathQuery, pushes: Pushes) -> Found:
     n_iterations, n_wanted, patience = 0, query.max_iterations, FIRST_TREES
     while n_iterations < n_wanted:
         n_iterations += 1
+        if interrupted():
+            raise PlanningInterruptedError
         if not ways and n_iterations > patience:
             patience *= 2
             trees = _Search(query, pushes, random)

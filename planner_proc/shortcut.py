@@ -1,4 +1,4 @@
-"""From the jagged path of a random search to a nearly taut one, by straight lines that keep the clearance."""
+"""From the jagged path of a random search to a nearly taut one, by straight lines inside a tube."""
 
 from typing import Final
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner_proc import polylines
-from planner_proc.occupancy import ClearanceField
+from planner_proc.tube import Tube
 
 Floats = NDArray[np.float64]
 
@@ -19,13 +19,13 @@ _CUTS: Final = (0.5, 0.25, 0.125, 0.0625)
 """Shares of the two legs at a corner that a cut may take, the longest first."""
 
 
-def shortcut(points_m: Floats, field: ClearanceField, clearance_m: float) -> Floats:
-    """A path between the same ends, (k, 2), never longer, that keeps the clearance as the given one, (n, 2), does."""
+def shortcut(points_m: Floats, tube: Tube) -> Floats:
+    """A path between the same ends, (k, 2), never longer, that is in the tube as the given one, (n, 2), is."""
     best, best_m = points_m, polylines.length(points_m)
     for _ in range(_N_ROUNDS):
-        path = _farthest_seen(polylines.subdivide(best, max(_LEG_M, best_m / _MAX_LEGS)), field, clearance_m)
-        path = _cut_corners(path, field, clearance_m)
-        path = _farthest_seen(path[::-1], field, clearance_m)[::-1]
+        path = _farthest_seen(polylines.subdivide(best, max(_LEG_M, best_m / _MAX_LEGS)), tube)
+        path = _cut_corners(path, tube)
+        path = _farthest_seen(path[::-1], tube)[::-1]
         length_m = polylines.length(path)
         if length_m >= best_m:
             break
@@ -36,28 +36,24 @@ def shortcut(points_m: Floats, field: ClearanceField, clearance_m: float) -> Flo
     return best
 
 
-def _farthest_seen(points_m: Floats, field: ClearanceField, clearance_m: float) -> Floats:
+def _farthest_seen(points_m: Floats, tube: Tube) -> Floats:
     """Go from each vertex straight to the last one that it sees."""
     points = points_m.tolist()
     last = len(points) - 1
     kept = [0]
     while (here := kept[-1]) < last:
-        seen = (
-            there
-            for there in range(last, here + 1, -1)
-            if field.segment_is_free(points[here], points[there], clearance_m)
-        )
+        seen = (there for there in range(last, here + 1, -1) if tube.segment_is_free(points[here], points[there]))
         kept.append(next(seen, here + 1))
     return points_m[kept]
 
 
-def _cut_corners(points_m: Floats, field: ClearanceField, clearance_m: float) -> Floats:
+def _cut_corners(points_m: Floats, tube: Tube) -> Floats:
     """Cut off each corner as far from it as is free."""
     cut = [points_m[0]]
     for before, corner, after in zip(points_m[:-2], points_m[1:-1], points_m[2:], strict=True):
         for share in _CUTS:
             a, b = corner + share * (before - corner), corner + share * (after - corner)
-            if field.segment_is_free(a.tolist(), b.tolist(), clearance_m):
+            if tube.segment_is_free(a.tolist(), b.tolist()):
                 cut += [a, b]
                 break
         else:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from legpush.geometry import Pose2
 from legpush.messages import BoxPathQuery, OccupancyGrid, PlanStatus, PushSide, TrunkPathQuery
 from legpush.room_shapes import Footprint
+from legpush.scenario import Smoothing
 
 CLEARANCE_M: Final = 0.44
 RESOLUTION_M: Final = 0.05
@@ -57,6 +58,10 @@ def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...]
         "goal_bias": 0.05,
         "step_m": 0.5,
         "goal_region_m": 0.25,
+        "steering": "straight",
+        "min_turning_radius_m": 0.0,
+        "smoothing": Smoothing(),
+        "anytime": None,
     }
     return TrunkPathQuery(grid=grid, start=_pose(*start), goal=_pose(*goal), **(fields | changes))
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from math import nan
 from typing import Final
 
@@ -14,12 +15,19 @@ from agent_proc.plan_check.client import Client, PlannerProcess
 from agent_proc.plan_check.truth import differences, faults
 from legpush.errors import ConfigError
 from legpush.messages import Plan, PlanResult, TrunkPathQuery
+from legpush.scenario import Anytime, Steering
 
 START_S: Final = 20.0
 """A planner has so long to come up."""
 SETTLE_S: Final = 0.6
 """An answer that should not come would come within this time."""
 N_RESENT: Final = 5
+CANCEL_AFTER_S: Final = 0.2
+CANCELLED_S: Final = 5.0
+"""A planner looks at what its clients want now and then."""
+N_BETTER: Final = 3
+RADIUS_M: Final = 0.5
+LENGTH_M: Final = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -243,6 +251,62 @@ def knows_boxes(bench: Bench) -> str:
     return ""
 
 
+def cancels(bench: Bench) -> str:
+    """A request that would take long and is taken back gets a last answer at once, and the next one is answered."""
+    asked = query(room(8.0, 6.0, (3.9, 4.1, 0.0, 6.0)), (1.0, 3.0), (7.0, 3.0), max_iterations=10_000_000)
+    request_id = bench.client.new_id()
+    bench.client.send(request_id, asked)
+    early = bench.client.results(request_id, CANCEL_AFTER_S)
+    bench.client.cancel(request_id)
+    results = early or bench.client.results(request_id, min(CANCELLED_S, bench.deadline_s))
+    if not results:
+        return f"no last answer within {min(CANCELLED_S, bench.deadline_s):g} s to a request that was cancelled"
+    if not results[0].final:
+        return "the answer to a request that was cancelled says that more will come"
+    if early and results[0].plan.status == "exact":
+        return "it finds a way through a wall"
+    after = bench.client.ask(EASY, bench.deadline_s)
+    return f"after it: {after}" if isinstance(after, str) else ""
+
+
+def improves(bench: Bench) -> str:
+    """Better plans, in order, each no worse than the one before, the last one marked; a planner may have none."""
+    asked = replace(EASY, planner="rrt_star", anytime=Anytime(n_improvements=N_BETTER, improvement_iterations=200))
+    request_id = bench.client.new_id()
+    answers = bench.client.insist(request_id, asked, bench.deadline_s)
+    while answers and not answers[-1].final:
+        more = bench.client.results(request_id, bench.deadline_s)
+        if not more:
+            return (
+                f"after revision {answers[-1].revision}, which is not final: {bench.client.silence(bench.deadline_s)}"
+            )
+        answers += more
+    if not answers:
+        return bench.client.silence(bench.deadline_s)
+    if answers[0].plan.status == "invalid" or len(answers) == 1:
+        return f"{REMARK}it has no better plans after the first one ({answers[0].plan.reason})"
+    revisions = [answer.revision for answer in answers]
+    if revisions != list(range(N_BETTER + 1)):
+        return f"its revisions are {revisions}, expected 0 to {N_BETTER} in order"
+    for before, after in pairwise(answers):
+        if wrong := judged(asked, after.plan, ("exact",)):
+            return f"revision {after.revision}: {wrong}"
+        if after.plan.length_m > before.plan.length_m + LENGTH_M:
+            return f"revision {after.revision} is longer than the one before it"
+    return ""
+
+
+def steers(bench: Bench, steering: Steering) -> str:
+    """A path with a turning radius; a planner may say that it knows none."""
+    asked = replace(EASY, planner="rrt", steering=steering, min_turning_radius_m=RADIUS_M, max_iterations=5000)
+    result = bench.client.ask(asked, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    if result.plan.status == "invalid" and result.plan.reason:
+        return f"{REMARK}it says that it cannot ({result.plan.reason})"
+    return judged(asked, result.plan, ("exact",))
+
+
 CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "answers once": answers_once,
     "repeats its answer to a request that is sent again": repeats_its_answer,
@@ -252,5 +316,10 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "serves two clients at once": serves_two_clients,
     "survives messages that are not valid": survives_nonsense,
     "comes back when it is killed while it plans": comes_back,
+    "answers a request that is cancelled": cancels,
+    "better plans after the first one": improves,
+    "turning radius between straight lines": partial(steers, steering="straight"),
+    "turning radius, forward only (Dubins)": partial(steers, steering="dubins"),
+    "turning radius, backward too (Reeds and Shepp)": partial(steers, steering="reeds_shepp"),
     "paths of the box": knows_boxes,
 }

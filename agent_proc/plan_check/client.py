@@ -18,7 +18,7 @@ from legpush.errors import StopRequestedError
 from legpush.launch.crew import Crew
 from legpush.launch.processes import Command, Process, describe_exit
 from legpush.launch.run import child_environment
-from legpush.messages import PlanQuery, PlanRequest, PlanResult
+from legpush.messages import PlanCancel, PlanQuery, PlanRequest, PlanResult
 
 RUN: Final = "plan-check"
 SLICE_S: Final = 0.05
@@ -78,6 +78,7 @@ class Client:
         self._planner = planner
         self._results = bus.subscribe(channels.plan_results(bus.run, bus.name))
         self._requests = bus.publisher(channels.plan_requests(bus.run, bus.name))
+        self._cancels = bus.publisher(channels.plan_cancels(bus.run, bus.name))
         bus.announce()
         self._next_id = 0
         self._n_invalid = 0
@@ -101,6 +102,10 @@ class Client:
     def send(self, request_id: int, query: PlanQuery) -> PlanRequest:
         """Publish a request."""
         return self._requests.send(lambda header: PlanRequest(header=header, request_id=request_id, query=query))
+
+    def cancel(self, request_id: int) -> None:
+        """Publish that a request is not wanted any more."""
+        self._cancels.send(lambda header: PlanCancel(header=header, request_id=request_id))
 
     def send_raw(self, payload: bytes) -> None:
         """Publish bytes as a request, whatever they are."""

@@ -16,6 +16,10 @@ Floats = NDArray[np.float64]
 
 SAME_M: Final = 1e-6
 SAME_RAD: Final = 1e-6
+RADIUS_SHARE: Final = 0.05
+"""By how much a turning radius may be missed: waypoints are rounded and placed unevenly."""
+FORWARD_SHARE: Final = 0.9
+"""Of a step, along the heading: less is sideways, or backward."""
 LONGEST_STEP_M: Final = 0.25
 """Between two waypoints: farther ones say too little about the headings in between."""
 
@@ -45,9 +49,43 @@ def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
             f"it collides: near ({x_m:.2f}, {y_m:.2f}) it is {nearest.distance_m:.3f} m from something occupied, "
             f"{query.clearance_m:g} m were asked for"
         )
+    found += _steering_faults(query, plan.waypoints)
     steps_m = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
     if steps_m.max() > LONGEST_STEP_M:
         found.append(f"waypoints are up to {steps_m.max():.2f} m apart, expected at most {LONGEST_STEP_M:g} m")
+    return found
+
+
+def _steering_faults(query: TrunkPathQuery, waypoints: Sequence[Pose2]) -> list[str]:
+    """Where a path turns tighter than it may, or moves backward though it may not."""
+    radius_m = query.min_turning_radius_m
+    if radius_m == 0.0:
+        return []
+    poses = np.array([[*waypoint.xy(), waypoint.yaw_rad] for waypoint in waypoints])
+    poses = poses[np.concatenate([[True], np.hypot(*np.diff(poses[:, :2], axis=0).T) > SAME_M])]
+    steps = np.diff(poses[:, :2], axis=0)
+    lengths_m = np.hypot(*steps.T)
+    found = []
+    if len(poses) > 2:
+        before, after = steps[:-1], steps[1:]
+        goes_on = (before * after).sum(axis=1) > 0.0
+        cross = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+        across_m = np.hypot(*(poses[2:, :2] - poses[:-2, :2]).T)
+        bends = np.where(goes_on, 2.0 * cross / (lengths_m[:-1] * lengths_m[1:] * np.maximum(across_m, SAME_M)), 0.0)
+        worst = int(bends.argmax())
+        if bends[worst] > (1.0 + RADIUS_SHARE) / radius_m:
+            x_m, y_m = _point(poses[worst + 1, :2])
+            found.append(
+                f"it turns on a radius of {1.0 / bends[worst]:.3g} m near ({x_m:.2f}, {y_m:.2f}), expected at least "
+                f"{radius_m:g} m"
+            )
+    if query.steering == "dubins":
+        middles = poses[:-1, 2] + 0.5 * ((poses[1:, 2] - poses[:-1, 2] + pi) % (2 * pi) - pi)
+        along_m = steps[:, 0] * np.cos(middles) + steps[:, 1] * np.sin(middles)
+        worst = int((along_m / lengths_m).argmin())
+        if along_m[worst] < FORWARD_SHARE * lengths_m[worst]:
+            x_m, y_m = _point(poses[worst, :2])
+            found.append(f"near ({x_m:.2f}, {y_m:.2f}) it does not move forward along its heading")
     return found
 
 

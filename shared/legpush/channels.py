@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar, cast
 
 from legpush import keys
-from legpush.messages import Action, Header, Observation, PlanRequest, PlanResult, Refusal, Role, Status
+from legpush.messages import Action, Header, Observation, PlanCancel, PlanRequest, PlanResult, Refusal, Role, Status
 
 Answer = Observation | Refusal
-Message = PlanRequest | PlanResult | Action | Answer | Status
+Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Status
 
 M = TypeVar("M", bound=Message)
 
@@ -50,6 +50,16 @@ def plan_requests(run: str, client: str) -> Channel[PlanRequest]:
         kind=PlanRequest,
         sender="agent",
         key_of=lambda header: keys.plan_request(run, header.name),
+    )
+
+
+def plan_cancels(run: str, client: str) -> Channel[PlanCancel]:
+    """What `client`, or `*` for all of them, no longer asks the planner."""
+    return Channel(
+        key=keys.plan_cancel(run, client),
+        kind=PlanCancel,
+        sender="agent",
+        key_of=lambda header: keys.plan_cancel(run, header.name),
     )
 
 

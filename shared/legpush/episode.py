@@ -6,7 +6,19 @@ from pathlib import Path
 from typing import NamedTuple
 
 from legpush.errors import JournalError, MotionError
-from legpush.journal import Acted, Entry, Journal, Numbered, Observed, Opened, Planned, Queried, Refused, read_entries
+from legpush.journal import (
+    Acted,
+    Awaited,
+    Entry,
+    Journal,
+    Numbered,
+    Observed,
+    Opened,
+    Planned,
+    Queried,
+    Refused,
+    read_entries,
+)
 from legpush.lockstep_client import PastStep, SimLink
 from legpush.messages import Motion, Outcome, Plan, PlanQuery
 from legpush.plan_client import PlanLink
@@ -29,6 +41,7 @@ class Episode:
         self._number: int | None = None
         self._recorded = read_entries(journal.path)
         self._n_entries = 0
+        self._query: PlanQuery | None = None
         self.live = False
         """Whether the journal has been used up, and answers come from the peers."""
 
@@ -49,9 +62,23 @@ class Episode:
         answer = self._answer(Queried(query=query), lambda: Planned(plan=self._planner.plan(query)))
         if not isinstance(answer, Planned):
             raise self._mismatch("a plan", answer)
+        self._query = query
         return answer.plan
 
-    def _answer(self, question: Acted | Queried, ask: Callable[[], Entry]) -> Entry:
+    def revision(self, revision: int) -> Plan:
+        """A better plan for the last query, the one with this number."""
+        answer = self._answer(
+            Awaited(revision=revision), lambda: Planned(plan=self._planner.revision(revision, self._query))
+        )
+        if not isinstance(answer, Planned):
+            raise self._mismatch("a better plan", answer)
+        return answer.plan
+
+    def cancel_plan(self) -> None:
+        """No better plans for the last query are waited for any more."""
+        self._planner.cancel()
+
+    def _answer(self, question: Acted | Queried | Awaited, ask: Callable[[], Entry]) -> Entry:
         """The recorded answer to the question, or the live one, which is recorded."""
         recorded = self._take()
         if recorded is None:
@@ -121,15 +148,17 @@ class PlanRecord(NamedTuple):
 
 def read_episode(path: Path) -> Iterator[StepRecord | PlanRecord]:
     """What happened in the episode, in order, for reports and pictures; refused and unanswered actions left out."""
-    question: Acted | Queried | None = None
+    question: Acted | Queried | Awaited | None = None
+    query: PlanQuery | None = None
     for entry in read_entries(path):
         match entry:
-            case Acted() | Queried():
+            case Acted() | Queried() | Awaited():
                 question = entry
+                query = entry.query if isinstance(entry, Queried) else query
             case Observed(outcome=outcome) if isinstance(question, Acted):
                 yield StepRecord(question.motion, outcome)
-            case Planned(plan=plan) if isinstance(question, Queried):
-                yield PlanRecord(question.query, plan)
+            case Planned(plan=plan) if query is not None and not isinstance(question, Acted):
+                yield PlanRecord(query, plan)
             case Opened() | Numbered() | Refused():
                 pass
             case _:

@@ -23,7 +23,7 @@ from legpush.messages import Count, Motion, Name, Outcome, Plan, PlanQuery
 
 log = logging.getLogger(__name__)
 
-JOURNAL_VERSION: Final = 1
+JOURNAL_VERSION: Final = 2
 MAGIC: Final = b"legpush journal\n"
 _HEAD: Final = struct.Struct(">II")
 _TAIL: Final = struct.Struct(">I")
@@ -72,13 +72,19 @@ class Queried(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
     query: PlanQuery
 
 
+class Awaited(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="awaited"):
+    """A better plan for the last query is waited for."""
+
+    revision: Count
+
+
 class Planned(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="planned"):
-    """The plan that answers the query before."""
+    """The plan that answers the query before, or the better one that was waited for."""
 
     plan: Plan
 
 
-Entry = Opened | Numbered | Acted | Observed | Refused | Queried | Planned
+Entry = Opened | Numbered | Acted | Observed | Refused | Queried | Awaited | Planned
 
 
 class _AnyEntry(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

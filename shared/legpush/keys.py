@@ -13,6 +13,11 @@ def plan_request(run: str, client: str) -> str:
     return f"{prefix(run)}/plan/{client}/request"
 
 
+def plan_cancel(run: str, client: str) -> str:
+    """Where `client` takes a request back; `*` for all clients."""
+    return f"{prefix(run)}/plan/{client}/cancel"
+
+
 def plan_result(run: str, client: str) -> str:
     """Where the planner answers `client`."""
     return f"{prefix(run)}/plan/{client}/result"

@@ -11,9 +11,9 @@ from msgspec import Meta, Struct
 from legpush.geometry import Pose2
 from legpush.robot import FrontLeg
 from legpush.room_shapes import Footprint
-from legpush.scenario import Face, PlannerName, Scenario
+from legpush.scenario import Anytime, Face, PlannerName, Scenario, Smoothing, Steering
 
-PROTOCOL_VERSION: Final = 4
+PROTOCOL_VERSION: Final = 5
 
 Role = Literal["planner", "sim", "agent", "launcher"]
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
@@ -42,7 +42,7 @@ class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Counts what this incarnation published under this key, from 0; a gap or a repeat shows loss or duplication."""
 
 
-# -- plan/<client>/request, plan/<client>/result ---------------------------------------------------------------------
+# -- plan/<client>/request, plan/<client>/cancel, plan/<client>/result -----------------------------------------------
 
 
 class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -71,9 +71,18 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """Budget; with the seed it makes the answer reproducible, which a wall-clock budget would not."""
     goal_bias: Unit
     step_m: Annotated[float, Meta(gt=0.0)]
-    """Longest edge of the tree."""
+    """Longest edge of the tree; `bit_star` and `prm_star` join what is near instead."""
     goal_region_m: Annotated[float, Meta(gt=0.0)]
     """Radius of the goal region of Algorithm 1."""
+    steering: Steering
+    """`straight`: lines, and turns on the spot. `dubins`, `reeds_shepp`: arcs and lines from the start's heading to the
+    goal's, forward only or backward too."""
+    min_turning_radius_m: Annotated[float, Meta(ge=0.0)]
+    """Of the path where it moves; 0 for any."""
+    smoothing: Smoothing
+    """For `straight` alone."""
+    anytime: Anytime | None
+    """With it the first path found is answered at once, and so many better ones follow."""
 
 
 class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -137,7 +146,14 @@ class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     query: PlanQuery
 
 
-PlanStatus = Literal["exact", "approximate", "failed", "invalid"]
+class PlanCancel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Stop working on this request of mine."""
+
+    header: Header
+    request_id: Count
+
+
+PlanStatus = Literal["exact", "approximate", "failed", "invalid", "cancelled"]
 
 
 class Tree(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -152,7 +168,7 @@ class Plan(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     status: PlanStatus
     """`exact`: start to goal, collision-free. `approximate`: collision-free, ends short of the goal. `failed`: nothing
-    within the budget. `invalid`: the request itself cannot be met; `reason` says why."""
+    within the budget. `invalid`: the request itself cannot be met; `reason` says why. `cancelled`: as was asked for."""
     reason: str
     waypoints: Annotated[tuple[Pose2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
     """The path, dense. Of the trunk: smoothed, heading along it; turns on the spot where consecutive positions
@@ -173,6 +189,10 @@ class PlanResult(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     header: Header
     client_incarnation: Name
     request_id: Count
+    revision: Count
+    """0 of the first answer; with `anytime`, the k-th better one."""
+    final: bool
+    """Whether this is the last revision."""
     plan: Plan
 
 

@@ -12,7 +12,8 @@ from legpush.robot import HIP_X_M, PUSH_GAP_M
 Positive = Annotated[float, Meta(gt=0.0)]
 BoxSide = Annotated[float, Meta(ge=0.01)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
-PlannerName = Literal["rrt", "rrt_connect", "rrt_star"]
+PlannerName = Literal["rrt", "rrt_connect", "rrt_star", "informed_rrt_star", "bit_star", "prm_star"]
+Steering = Literal["straight", "dubins", "reeds_shepp"]
 BoxShape = Literal["cuboid", "cylinder", "wedge", "l_shape"]
 Face = Literal["rear", "right", "front", "left"]
 """Of a box, seen along its x axis."""
@@ -99,10 +100,39 @@ class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     angle_tolerance_deg: Positive = 3.0
 
 
+class Smoothing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is made of the path that the search found; what comes out keeps the clearance in any case."""
+
+    method: Literal["none", "spline", "band"] = "band"
+    """`none`: the path itself, with turns on the spot. `spline`: the paper's cubic spline through its corners, drawn
+    back to it where that collides. `band`: a spline along an elastic band, which keeps away from obstacles."""
+    shorten: bool = True
+    """Whether detours are cut off first, where a straight line is free."""
+    comfort_m: NonNegative = 0.25
+    """What a `band` keeps beyond the required clearance, where there is room: turns around a corner get wider."""
+    max_deviation_m: Positive | None = None
+    """Farthest from the path of the search, shortened or not; nothing for any distance."""
+    max_waypoints: Annotated[int, Meta(ge=10, le=100_000)] = 20_000
+    """Of a smooth path: long ones get waypoints farther apart than 0.05 m."""
+
+
+class Anytime(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Better paths after the first one, each after a fixed number of iterations, so that a run can be repeated."""
+
+    n_improvements: Annotated[int, Meta(ge=1, le=1000)] = 10
+    improvement_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 500
+    """Of each."""
+
+
 class Planning(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the planner is asked."""
 
     planner: PlannerName = "rrt_connect"
+    steering: Steering = "straight"
+    """How poses are joined: by straight lines with turns on the spot, or by Dubins' arcs and lines forward only, or by
+    those of Reeds and Shepp, backward too."""
+    min_turning_radius_m: NonNegative = 0.0
+    """0 for any; between straight lines, what smoothing makes turns no tighter."""
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)] = 20_000
     goal_bias: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
     step_m: Positive = 0.5
@@ -111,6 +141,9 @@ class Planning(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Radius of the goal region of Algorithm 1."""
     margin_m: NonNegative = 0.1
     """Clearance to keep beyond the footprint's circumscribed circle."""
+    smoothing: Smoothing = Smoothing()
+    anytime: Anytime | None = None
+    """With it, walking begins on the first path found, and a better one may be taken between gait cycles."""
 
 
 class Mission(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

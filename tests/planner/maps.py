@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.scenario import Smoothing
 
 CLEARANCE_M = 0.44
+NOT_SMOOTHED = Smoothing(method="none", shorten=False)
 
 
 def grid(cells: NDArray[Any], resolution_m: float = 0.1, origin_m: tuple[float, float] = (0.0, 0.0)) -> OccupancyGrid:
@@ -61,6 +63,10 @@ def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...]
         "goal_bias": 0.05,
         "step_m": 0.5,
         "goal_region_m": 0.25,
+        "steering": "straight",
+        "min_turning_radius_m": 0.0,
+        "smoothing": Smoothing(),
+        "anytime": None,
     }
     return TrunkPathQuery(grid=grid, start=pose(*start), goal=pose(*goal), **(fields | changes))
 

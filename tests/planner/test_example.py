@@ -15,7 +15,7 @@ from legpush import codec
 from legpush.geometry import Pose2
 from legpush.messages import Plan, TrunkPathQuery
 from legpush.room import occupancy_grid
-from legpush.scenario import Rectangle, Room
+from legpush.scenario import Rectangle, Room, Smoothing
 from planner_proc.occupancy import ClearanceField
 from tests.planner.test_box_path import OPEN, SIDES, check, pose, query
 
@@ -55,6 +55,10 @@ def trunk_query(room: Room, start: Pose2, goal: Pose2) -> TrunkPathQuery:
         goal_bias=0.05,
         step_m=0.5,
         goal_region_m=0.25,
+        steering="straight",
+        min_turning_radius_m=0.0,
+        smoothing=Smoothing(),
+        anytime=None,
     )
 
 

@@ -12,7 +12,7 @@ ROGUES = {
     "The processes never import each other": ("agent_proc", "import sim_proc"),
     "What they share imports none of them": ("legpush", "import planner_proc"),
     "Planner and simulator load no learning library": ("sim_proc", "import torch"),
-    "Only planner_proc.route and planner_proc.dubins import OMPL": ("planner_proc", "from ompl import base"),
+    "Only planner_proc.ompl_search, steering and dubins import OMPL": ("planner_proc", "from ompl import base"),
     "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
     "Only agent_proc.picture and agent_proc.evaluation_plot import matplotlib": (

@@ -33,7 +33,7 @@ from legpush.messages import (
     WorldState,
 )
 from legpush.room_shapes import Footprint
-from legpush.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
+from legpush.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
 
 
 def header(role: Role, name: str = "main", run: str = "test", sequence: int = 7) -> Header:
@@ -63,6 +63,10 @@ QUERY = TrunkPathQuery(
     goal_bias=0.05,
     step_m=0.5,
     goal_region_m=0.25,
+    steering="straight",
+    min_turning_radius_m=0.0,
+    smoothing=Smoothing(),
+    anytime=None,
 )
 BOX_QUERY = BoxPathQuery(
     grid=QUERY.grid,
@@ -142,7 +146,9 @@ def _action(motion: Reset | Follow | Walk | Push, step: int) -> Action:
 MESSAGES: Mapping[str, PlanRequest | PlanResult | Action | Observation | Refusal | Status] = {
     "plan_request": PlanRequest(header=header("agent"), request_id=2, query=QUERY),
     "plan_request_box": PlanRequest(header=header("agent"), request_id=3, query=BOX_QUERY),
-    "plan_result": PlanResult(header=header("planner"), client_incarnation="agent-0a1b2c", request_id=2, plan=PLAN),
+    "plan_result": PlanResult(
+        header=header("planner"), client_incarnation="agent-0a1b2c", request_id=2, revision=0, final=True, plan=PLAN
+    ),
     "action_reset": _action(RESET, 0),
     "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
     "action_walk": _action(Walk(), 2),

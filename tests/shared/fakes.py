@@ -20,7 +20,8 @@ from legpush.lockstep_server import Stepper, serve_actions
 from legpush.messages import PROTOCOL_VERSION, Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Role, Walk
 from legpush.patience import Patience
 from legpush.plan_client import PlanLink
-from legpush.plan_server import MakePlan, serve_plans
+from legpush.plan_desk import Interrupted, MakePlans
+from legpush.plan_server import serve_plans
 from tests.shared.examples import RESET, TRACE, WORLD
 
 RUN = "test"
@@ -63,6 +64,16 @@ class FakeStepper:
         self._crc = crc32(codec.encode(motion), 0 if isinstance(motion, Reset) else self._crc)
         self.performed.append(motion)
         return Outcome(world=WORLD, state_crc=self._crc, trace=TRACE if with_trace else None)
+
+
+def one_plan(make_plan: Callable[[PlanQuery], Plan]) -> MakePlans:
+    """A planner that has no better plans."""
+
+    def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
+        del interrupted
+        yield make_plan(query)
+
+    return make_plans
 
 
 def fake_plan(query: PlanQuery) -> Plan:
@@ -137,11 +148,13 @@ def sim(directory: Path, stepper: Stepper | None = None, faults: Faults | None =
 
 
 @contextmanager
-def planner(directory: Path, make_plan: MakePlan = fake_plan, faults: Faults | None = None) -> Iterator[Bus]:
+def planner(
+    directory: Path, make_plan: Callable[[PlanQuery], Plan] = fake_plan, faults: Faults | None = None
+) -> Iterator[Bus]:
     """A planner that serves in a thread."""
     stop = Event()
     with bus(directory, "planner", faults=faults) as opened:
-        thread = Thread(target=serve_plans, args=(opened, make_plan, stop))
+        thread = Thread(target=serve_plans, args=(opened, one_plan(make_plan), stop))
         thread.start()
         try:
             yield opened

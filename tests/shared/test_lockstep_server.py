@@ -1,18 +1,16 @@
-"""The two desks, without a network: what is carried out, repeated, and refused."""
+"""The desk of the simulator, without a network: what is carried out, repeated, and refused."""
 
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from msgspec.structs import replace
 
 from legpush.errors import LegpushError, ScenarioError
 from legpush.lockstep_server import ActionDesk, Denial
-from legpush.messages import Action, Motion, Outcome, Plan, PlanQuery, PlanRequest, Push, Walk
-from legpush.plan_server import MAX_CLIENTS, PlanDesk, newest_per_client
-from tests.shared.examples import QUERY, RESET, header
-from tests.shared.fakes import FakeStepper, crc_after, fake_plan, mission
+from legpush.messages import Action, Motion, Outcome, Push, Walk
+from tests.shared.examples import RESET, header
+from tests.shared.fakes import FakeStepper, crc_after, mission
 
 MISSION = mission(6)
 
@@ -143,65 +141,3 @@ def test_whatever_order_actions_come_in_no_step_is_done_twice_or_left_out(steps:
 
 
 # -- the planner's desk ----------------------------------------------------------------------------------------------
-
-
-def request(request_id: int, seed: int = 1, client: str = "main", incarnation: str = "a") -> PlanRequest:
-    head = replace(header("agent", client), incarnation=incarnation)
-    return PlanRequest(header=head, request_id=request_id, query=replace(QUERY, seed=seed))
-
-
-class CountingPlanner:
-    """Remembers the seeds that it planned for."""
-
-    def __init__(self) -> None:
-        self.seeds: list[int] = []
-
-    def __call__(self, query: PlanQuery) -> Plan:
-        self.seeds.append(query.seed)
-        return fake_plan(query)
-
-
-def test_a_request_is_planned_once_and_its_copies_get_the_same_answer() -> None:
-    planner = CountingPlanner()
-    desk = PlanDesk(planner)
-    assert desk.answer(request(0)) == desk.answer(request(0))
-    assert planner.seeds == [1]
-
-
-def test_a_request_older_than_the_last_one_is_not_answered() -> None:
-    desk = PlanDesk(CountingPlanner())
-    desk.answer(request(4))
-    assert desk.answer(request(3)) is None
-
-
-def test_another_query_under_the_same_request_id_is_invalid() -> None:
-    desk = PlanDesk(CountingPlanner())
-    desk.answer(request(4, seed=1))
-    plan = desk.answer(request(4, seed=2))
-    assert plan is not None
-    assert plan.status == "invalid"
-    assert "request id 4" in plan.reason
-
-
-def test_a_client_that_was_restarted_begins_anew() -> None:
-    planner = CountingPlanner()
-    desk = PlanDesk(planner)
-    desk.answer(request(4, seed=1, incarnation="a"))
-    plan = desk.answer(request(0, seed=2, incarnation="b"))
-    assert plan is not None
-    assert plan.n_iterations == 2
-
-
-def test_answers_are_kept_for_a_bounded_number_of_clients() -> None:
-    planner = CountingPlanner()
-    desk = PlanDesk(planner)
-    for index in range(MAX_CLIENTS + 1):
-        desk.answer(request(0, seed=index, client=f"c{index}"))
-    desk.answer(request(0, seed=1, client="c1"))
-    desk.answer(request(0, seed=0, client="c0"))
-    assert planner.seeds == [*range(MAX_CLIENTS + 1), 0]
-
-
-def test_of_waiting_requests_the_newest_of_each_client_is_answered() -> None:
-    waiting = [request(0), request(0, client="other"), request(2), request(1)]
-    assert newest_per_client(waiting) == [request(2), request(0, client="other")]

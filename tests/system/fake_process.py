@@ -23,7 +23,7 @@ from legpush.plan_client import PlanLink
 from legpush.plan_server import serve_plans
 from legpush.service import ServiceConfig, run_process
 from tests.shared.examples import QUERY
-from tests.shared.fakes import FakeStepper, fake_plan, mission, opened
+from tests.shared.fakes import FakeStepper, fake_plan, mission, one_plan, opened
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ def serve_planner(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:
         death.asked()
         return fake_plan(query)
 
-    serve_plans(bus, make_plan, stop)
+    serve_plans(bus, one_plan(make_plan), stop)
 
 
 def run_agent(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:

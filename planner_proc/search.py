@@ -1,0 +1,39 @@
+"""The searches by name: which of them can be steered how, and their routes."""
+
+from collections.abc import Iterator
+from typing import Final, get_args
+
+from legpush.messages import TrunkPathQuery
+from legpush.plan_desk import Interrupted
+from legpush.scenario import PlannerName, Steering
+from planner_proc.occupancy import ClearanceField
+from planner_proc.ompl_search import ompl_routes
+from planner_proc.roadmap import roadmap_routes
+from planner_proc.route import Route
+
+NOT_STEERED: Final[dict[PlannerName, tuple[Steering, ...]]] = {
+    "rrt_connect": ("dubins",),
+    "prm_star": ("dubins", "reeds_shepp"),
+}
+"""Forward only, a tree that grows from the goal would lead away from it, and a roadmap would know no way back."""
+
+
+def routes(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Route]:
+    """The first route, and with `anytime` one after each improvement, better or not.
+
+    The same query always gives the same routes. `PlanningInterruptedError` where the answer is not wanted any more.
+    """
+    search = roadmap_routes if query.planner == "prm_star" else ompl_routes
+    return search(query, field, interrupted)
+
+
+def steering_fault(query: TrunkPathQuery) -> str:
+    """Why the query cannot be steered as it says, or nothing."""
+    if query.steering != "straight" and query.min_turning_radius_m == 0.0:
+        return f"Expected min_turning_radius_m above 0 m for the steering {query.steering}, got 0"
+    if query.steering in NOT_STEERED.get(query.planner, ()):
+        others = ", ".join(name for name in get_args(PlannerName) if query.steering not in NOT_STEERED.get(name, ()))
+        return f"Expected a planner that can be steered by {query.steering} ({others}), got {query.planner}"
+    if query.steering == "straight" and query.min_turning_radius_m > 0.0 and query.smoothing.method == "none":
+        return "Expected the smoothing spline or band for a turning radius between straight lines, got none"
+    return ""

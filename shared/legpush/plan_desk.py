@@ -1,0 +1,154 @@
+"""Which request a planner works on, and what it answers: decisions alone, without a bus.
+
+A request is answered once and the answers are repeated on demand; a client's newest request wins. First answers come
+before improvements. A search that has to make way is begun anew later: equal queries get equal plans, so what was
+answered already is skipped.
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from legpush.messages import Plan, PlanCancel, PlanQuery, PlanRequest, TrunkPathQuery
+
+MAX_CLIENTS: Final = 64
+"""Answers are kept for this many clients, the least recently served is forgotten first."""
+
+Interrupted = Callable[[], bool]
+"""Asked now and then by whoever plans: whether to stop, by `PlanningInterruptedError`."""
+MakePlans = Callable[[PlanQuery, Interrupted], Iterator[Plan]]
+"""The revisions of a plan, one for a query without `anytime`."""
+
+
+class PlanningInterruptedError(Exception):
+    """The answer is not wanted any more, or not now."""
+
+
+class Answer(NamedTuple):
+    """What a client is told."""
+
+    client: str
+    incarnation: str
+    request_id: int
+    revision: int
+    final: bool
+    plan: Plan
+
+
+@dataclass(kw_only=True)
+class _Case:
+    """The newest request of a client."""
+
+    client: str
+    incarnation: str
+    request_id: int
+    query: PlanQuery | None
+    """None where it was cancelled before it came."""
+    plans: list[Plan] = field(default_factory=list)
+    final: bool = False
+
+    def answers(self) -> list[Answer]:
+        """What was found so far."""
+        return [self.answer(revision) for revision in range(len(self.plans))]
+
+    def answer(self, revision: int) -> Answer:
+        """One of them."""
+        final = self.final and revision == len(self.plans) - 1
+        return Answer(self.client, self.incarnation, self.request_id, revision, final, self.plans[revision])
+
+
+class PlanDesk:
+    """The newest request of each client, and the search for the one at hand."""
+
+    def __init__(self, make_plans: MakePlans) -> None:
+        self._make_plans = make_plans
+        self._cases: OrderedDict[str, _Case] = OrderedDict()
+        self._at_hand: _Case | None = None
+        self._search: Iterator[Plan] = iter(())
+
+    def ask(self, request: PlanRequest) -> list[Answer] | None:
+        """What is answered at once; None for a request older than its client's newest."""
+        header = request.header
+        case = self._case(header.name, header.incarnation, request.request_id)
+        if case is None:
+            return None
+        if case.request_id != request.request_id or case.incarnation != header.incarnation:
+            self._open(header.name, header.incarnation, request.request_id, request.query)
+            return []
+        if case.query is None or case.query == request.query:
+            return case.answers()
+        reason = f"request id {case.request_id} was used for another query before"
+        invalid = Plan(status="invalid", reason=reason)
+        return [Answer(case.client, case.incarnation, case.request_id, 0, True, invalid)]
+
+    def cancel(self, cancel: PlanCancel) -> list[Answer]:
+        """The last answer to the request that is cancelled: the best found so far, or the status `cancelled`."""
+        header = cancel.header
+        case = self._case(header.name, header.incarnation, cancel.request_id)
+        if case is None:
+            return []
+        if case.request_id != cancel.request_id or case.incarnation != header.incarnation:
+            case = self._open(header.name, header.incarnation, cancel.request_id, None)
+        if not case.plans:
+            case.plans.append(Plan(status="cancelled", reason="Cancelled before there was a plan"))
+        case.final = True
+        return [case.answer(len(case.plans) - 1)]
+
+    def next_case(self) -> str:
+        """What there is to work on, in words; nothing if there is nothing."""
+        case = self._next()
+        return f"request {case.request_id} of {case.client}" if case is not None else ""
+
+    def should_stop(self) -> bool:
+        """Whether the search at hand has to make way."""
+        return self._at_hand is not self._next()
+
+    def work(self, interrupted: Interrupted) -> Answer | None:
+        """The next answer, of the request whose turn it is; None where the search had to make way."""
+        case = self._next()
+        if case is None or case.query is None:
+            return None
+        if case is not self._at_hand:
+            self._at_hand, self._search = case, self._make_plans(case.query, interrupted)
+            for _ in case.plans:
+                next(self._search, None)
+        try:
+            plan = next(self._search)
+        except PlanningInterruptedError:
+            self._at_hand = None
+            return None
+        case.plans.append(plan)
+        case.final = plan.status == "invalid" or len(case.plans) > _n_improvements(case.query)
+        return case.answer(len(case.plans) - 1)
+
+    def _case(self, client: str, incarnation: str, request_id: int) -> _Case | None:
+        """The client's newest request unless it is newer than this one; of a new client one that never was."""
+        case = self._cases.get(client)
+        if case is None:
+            return _Case(client=client, incarnation=incarnation, request_id=-1, query=None)
+        return None if case.incarnation == incarnation and request_id < case.request_id else case
+
+    def _open(self, client: str, incarnation: str, request_id: int, query: PlanQuery | None) -> _Case:
+        case = _Case(client=client, incarnation=incarnation, request_id=request_id, query=query)
+        self._cases[client] = case
+        self._cases.move_to_end(client)
+        if len(self._cases) > MAX_CLIENTS:
+            self._cases.popitem(last=False)
+        return case
+
+    def _next(self) -> _Case | None:
+        """The one without an answer that came first; else the one at hand, else any that can be improved."""
+        waiting = [case for case in self._cases.values() if not case.final]
+        if self._at_hand in waiting and self._at_hand is not None and not self._at_hand.plans:
+            return self._at_hand
+        unanswered = [case for case in waiting if not case.plans]
+        if unanswered:
+            return unanswered[0]
+        return self._at_hand if self._at_hand in waiting else next(iter(waiting), None)
+
+
+def _n_improvements(query: PlanQuery) -> int:
+    """How many revisions follow the first."""
+    anytime = query.anytime if isinstance(query, TrunkPathQuery) else None
+    return anytime.n_improvements if anytime is not None else 0
