@@ -15,6 +15,7 @@ ROGUES = {
     "Only planner_proc.route and planner_proc.dubins import OMPL": ("planner_proc", "from ompl import base"),
     "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
+    "Only legpush.map_server imports Pillow and PyYAML": ("legpush", "import yaml"),
     "Only agent_proc.picture and agent_proc.evaluation_plot import matplotlib": (
         "agent_proc",
         "from matplotlib import pyplot",
