@@ -16,7 +16,7 @@ ROGUES = {
     "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
     "Only legpush.map_server imports Pillow and PyYAML": ("legpush", "import yaml"),
-    "Only agent_proc.picture and agent_proc.evaluation_plot import matplotlib": (
+    "Only the agent's pictures import matplotlib": (
         "agent_proc",
         "from matplotlib import pyplot",
     ),
