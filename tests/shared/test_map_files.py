@@ -65,7 +65,7 @@ def as_pgm_in_binary(folder: Path) -> dict[str, Any]:
 
 
 def as_pgm_of_16_bits(folder: Path) -> dict[str, Any]:
-    grey = np.where(CELLS == 1, 300, 65000).astype(">u2")
+    grey = np.where(CELLS == 1, 300, 65535).astype(">u2")
     (folder / "map.pgm").write_bytes(b"P5\n16 10\n65535\n" + grey.tobytes())
     write_yaml(folder / "map.yaml")
     return {"grid_file": "map.yaml"}
@@ -91,7 +91,7 @@ def as_png_in_color(folder: Path) -> dict[str, Any]:
 
 
 def as_png_of_16_bits(folder: Path) -> dict[str, Any]:
-    write_png(folder / "map.png", np.where(CELLS == 1, 300, 65000).astype(np.uint16))
+    write_png(folder / "map.png", np.where(CELLS == 1, 300, 65535).astype(np.uint16))
     write_yaml(folder / "map.yaml", image="map.png")
     return {"grid_file": "map.yaml"}
 
