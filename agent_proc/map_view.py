@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from legpush.launch.maps import MapOptions
 from legpush.map_files import CELL_SUFFIXES, MAP_SERVER_SUFFIXES, OccupancyMap, read_cells, suffix_of
 from legpush.room import occupancy_grid
-from legpush.scenario import Scenario
+from legpush.scenario import MAX_OBSTACLES, Scenario
 from legpush.scenario_file import load_with_map
 from legpush.scenario_file_grid import merged_cells
 
@@ -38,12 +38,13 @@ class MapView:
     def lines(self) -> list[str]:
         """What is in it, for people."""
         n_rows, n_columns = self.occupied.shape
+        too_many = f": more than the {MAX_OBSTACLES} of a room" if self.n_walls > MAX_OBSTACLES else ""
         x_m, y_m = self.origin_m
         lines = [
             f"size        {self.size_m[0]:g} x {self.size_m[1]:g} m",
             f"cells       {n_columns} x {n_rows} of {self.resolution_m:g} m",
             "origin      (0, 0) is the lower left corner, x to the right, y up",
-            f"occupied    {self.occupied.mean():.1%} of the cells, in {self.n_walls} rectangles",
+            f"occupied    {self.occupied.mean():.1%} of the cells, in {self.n_walls} rectangles{too_many}",
         ]
         if self.origin_m != (0.0, 0.0):
             lines.insert(3, f"map frame   the room's plus ({x_m:g}, {y_m:g}): there the corner is ({x_m:g}, {y_m:g})")

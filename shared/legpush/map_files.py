@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from importlib.resources.abc import Traversable
 from io import BytesIO, StringIO
 from pathlib import PurePath
+from tokenize import TokenError
 from typing import Final, Literal
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,8 @@ MAP_SERVER_SUFFIXES: Final = (".yaml", ".yml")
 IMAGE_SUFFIXES: Final = (".pgm", ".png")
 """What they name as their image."""
 MAX_MAP_SIDE: Final = 4096
+NO_ARRAY: Final = (ValueError, TypeError, OverflowError, OSError, EOFError, MemoryError, TokenError, BadZipFile)
+"""What NumPy raises for a file that is none of its own, or a damaged one."""
 FirstRow = Literal["top", "bottom"]
 """Where the first row of a file lies: at the highest y, as in a picture, or at y = 0."""
 
@@ -87,7 +91,7 @@ def _read_npy(content: bytes, where: str) -> NDArray[np.bool_]:
     """Cells as in the file, (rows, columns)."""
     try:
         cells = np.load(BytesIO(content), allow_pickle=False)
-    except (ValueError, OSError, EOFError, MemoryError) as error:
+    except NO_ARRAY as error:
         raise ScenarioError(f"{where}: expected a NumPy file of one array without pickled objects ({error})") from error
     if not isinstance(cells, np.ndarray) or cells.ndim != 2:
         got = f"{cells.ndim} dimensions" if isinstance(cells, np.ndarray) else "an archive of arrays"

@@ -96,6 +96,16 @@ def test_a_lone_cell_of_a_large_map_is_seen(here: Path) -> None:
     assert (dark[1] > dark[0]).tolist() == [[True, False], [False, False]]
 
 
+def test_a_map_of_too_many_rectangles_is_shown_and_said_to_be_no_room(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cells = np.zeros((202, 202), dtype=np.bool_)
+    cells[::2, ::2] = True
+    np.save(here / "map.npy", cells)
+    assert run(options("map.npy", cell_m=0.05, first_row="top")) == 0
+    assert "25.0% of the cells, in 10201 rectangles: more than the 10000 of a room\n" in capsys.readouterr().out
+
+
 def test_only_a_picture_of_its_own_is_overwritten(here: Path) -> None:
     write_csv(here / "map.csv", CELLS)
     write_png(here / "plan.png", grey_of(CELLS))

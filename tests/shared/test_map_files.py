@@ -161,6 +161,16 @@ def test_a_lone_cell_lies_where_its_row_and_column_say(tmp_path: Path) -> None:
     assert np.argwhere(read_cells(tmp_path / "map.csv", 1.0, "bottom").occupied).tolist() == [[0, 1]]
 
 
+def test_the_example_of_a_ros_map_is_a_scenario_in_the_frame_of_the_map() -> None:
+    scenario, occupancy = load_with_map(Path(__file__).parents[2] / "examples" / "office" / "office.toml")
+    assert occupancy is not None
+    assert occupancy.unknown.any()
+    assert (scenario.room.size_m, occupancy.origin_m) == ((10.0, 7.0), (-4.0, -2.5))
+    assert (scenario.start.x_m, scenario.start.y_m) == pytest.approx((1.4, 1.7))
+    wall = next(wall for wall in scenario.room.obstacles if wall.x_min_m == pytest.approx(3.0))
+    assert sides(wall) == pytest.approx((3.0, 3.1, 0.5, 4.4))
+
+
 # -- the frame -------------------------------------------------------------------------------------------------------
 
 
@@ -395,7 +405,24 @@ def test_a_bad_array_is_refused_with_what_it_is(cells: NDArray[Any], words: str,
         read_cells(tmp_path / "map.npy", 1.0, "top")
 
 
-@pytest.mark.parametrize("content", [b"", b"\x80\x04]\x94.", b"0,1\n", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<i8'"])
+def npy_with_header(header: bytes) -> bytes:
+    return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(8)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\x80\x04]\x94.",
+        b"0,1\n",
+        b"PK\x03\x04",
+        b"\x93NUMPY\x01\x00\x10\x00{'descr': '<i8'",
+        npy_with_header(b"{'descr': ("),
+        npy_with_header(b"{'descr': '|u1', b'fortran_order': False, 'shape': (2, 4)}"),
+        npy_with_header(b"{'descr': '|u1', 'fortran_order': False, 'shape': (%d, %d)}" % (10**18, 10**18)),
+        npy_with_header(b"{'descr': '|u1', 'fortran_order': False, 'shape': (%d, 2)}" % 10**30),
+    ],
+)
 def test_a_file_that_is_no_array_is_refused(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "map.npy").write_bytes(content)
     with pytest.raises(ScenarioError, match=r"map\.npy: expected a NumPy file of one array without pickled objects"):
