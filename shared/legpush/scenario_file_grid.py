@@ -54,17 +54,18 @@ def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
     if not isinstance(room, dict) or not room.keys() & set(GRID_FIELDS):
         return None
     taken = {key: room.pop(key) for key in GRID_FIELDS if key in room}
-    name = taken.get("grid_file")
-    suffix = suffix_of(name) if isinstance(name, str) else CELL_SUFFIXES[0]
-    kind: type[GridSource] = MapSource if suffix in MAP_SERVER_SUFFIXES else CellSource
+    if "grid_file" not in taken:
+        raise ScenarioError(f"{where}: at `room.grid_file`: expected a value, got nothing, beside {', '.join(taken)}")
+    name = str(taken["grid_file"])
+    suffix = suffix_of(name)
     if suffix not in (*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES):
         valid = ", ".join((*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES))
         hint = " (of an image, name its YAML file)" if suffix in IMAGE_SUFFIXES else ""
         raise ScenarioError(f"{where}: at `room.grid_file`: expected a file that ends in {valid}, got '{name}'{hint}")
-    valid_fields = {field.name for field in fields(kind)}
+    kind: type[GridSource] = MapSource if suffix in MAP_SERVER_SUFFIXES else CellSource
+    why = "which says it itself" if kind is MapSource else "which has no frame of its own"
     for field in taken:
-        if name is not None and field not in valid_fields:
-            why = "which says it itself" if kind is MapSource else "which has no frame of its own"
+        if field not in {valid.name for valid in fields(kind)}:
             raise ScenarioError(f"{where}: at `room.{field}`: expected nothing beside `{name}`, {why}")
     if "size_m" in room:
         raise ScenarioError(f"{where}: at `room.size_m`: expected nothing, since `room.grid_file` says the size")

@@ -379,6 +379,11 @@ def test_a_room_says_nothing_that_its_map_says(room: dict[str, Any], words: str,
         load_scenario(write_scenario_of(tmp_path, as_pgm_in_ascii(tmp_path) | room))
 
 
+def test_a_frame_needs_a_map(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"at `room\.grid_file`: expected a value, got nothing, beside frame"):
+        load_scenario(write_scenario_of(tmp_path, {"size_m": [8.0, 5.0], "frame": "map"}))
+
+
 def test_a_map_without_a_frame_of_its_own_takes_none(tmp_path: Path) -> None:
     with pytest.raises(
         ScenarioError, match=r"at `room\.frame`: expected nothing beside `map\.csv`, which has no frame"
