@@ -1,4 +1,4 @@
-"""`mission.png`: the whole mission in one figure, from what its journal recorded. The only module with matplotlib."""
+"""`mission.png`: the whole mission in one figure, from what its journal recorded."""
 
 from itertools import groupby
 from math import ceil, degrees

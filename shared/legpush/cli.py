@@ -13,6 +13,7 @@ import tyro
 
 from legpush.errors import ConfigError, LegpushError
 from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
+from legpush.launch.maps import MapOptions
 from legpush.launch.options import RunOptions
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
 from legpush.launch.rooms import RandomScenario
@@ -70,6 +71,7 @@ PROGRAMS: Final[dict[type, Program]] = {
     TrainOptions: "train",
     EvaluateOptions: "evaluate",
     CalibrateOptions: "calibrate",
+    MapOptions: "show_map",
 }
 """What the agent does, in processes of its own."""
 
@@ -80,6 +82,7 @@ Command = (
     | Annotated[CalibrateOptions, tyro.conf.subcommand("calibrate")]
     | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
+    | Annotated[MapOptions, tyro.conf.subcommand("map")]
     | Annotated[Render, tyro.conf.subcommand("render")]
 )
 
@@ -94,7 +97,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     try:
         command: (
-            RunOptions | TrainOptions | EvaluateOptions | CalibrateOptions | PlanCheckOptions | Scenarios | Render
+            RunOptions
+            | TrainOptions
+            | EvaluateOptions
+            | CalibrateOptions
+            | PlanCheckOptions
+            | Scenarios
+            | MapOptions
+            | Render
         ) = tyro.cli(
             Command,
             prog="legpush",

@@ -23,6 +23,7 @@ STAND_OFF_M: Final = 0.75
 """The same distance where walking ends: far enough for the box to count as an obstacle until then."""
 CALIBRATION_PUSH_M: Final = 0.06
 """What one push of a calibration moves the box by, at most."""
+MAX_OBSTACLES: Final = 10_000
 
 ScenarioName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 
@@ -59,7 +60,7 @@ class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     size_m: tuple[Positive, Positive]
     """Extent along x and y."""
-    obstacles: Annotated[tuple[Rectangle, ...], Meta(max_length=10_000)] = ()
+    obstacles: Annotated[tuple[Rectangle, ...], Meta(max_length=MAX_OBSTACLES)] = ()
     resolution_m: Positive = 0.05
     """Cell size of the occupancy map that the planner gets."""
     wall_height_m: Positive = 0.6

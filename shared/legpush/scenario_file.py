@@ -15,10 +15,11 @@ import tomli_w
 
 from legpush.codec import convert
 from legpush.errors import MessageError, ScenarioError
+from legpush.map_files import OccupancyMap
 from legpush.scenario import Scenario
 from legpush.scenario_file_checks import check_scenario
 from legpush.scenario_file_errors import explain
-from legpush.scenario_file_grid import GRID_FIELDS, GridSource, read_grid
+from legpush.scenario_file_grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
 
 SUFFIX: Final = ".toml"
 
@@ -29,15 +30,29 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     A grid file that it names is read as well, so that the record is complete in itself. `ScenarioError` names the
     file, the field, and what was expected there.
     """
+    return load_with_map(name_or_path)[0]
+
+
+def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | None]:
+    """The same, and the map that its grid file holds; None where it names no such file."""
     source = scenario_source(name_or_path)
+    where = str(source)
     plain = _read_toml(source)
-    _inline_grid(plain, source, _folder(source))
+    grid = take_grid(plain, where)
+    occupancy = None if grid is None else read_grid(grid, _folder(source))
+    if occupancy is not None:
+        plain["room"]["size_m"] = list(occupancy.size_m)
     try:
         scenario = convert(plain, Scenario)
     except MessageError as error:
-        raise ScenarioError(f"{source}: {explain(str(error), plain, Scenario, also={'room': GRID_FIELDS})}") from error
-    check_scenario(scenario, str(source))
-    return scenario
+        raise ScenarioError(f"{where}: {explain(str(error), plain, Scenario, also={'room': GRID_FIELDS})}") from error
+    if grid is not None and occupancy is not None:
+        scenario = furnished(scenario, grid, occupancy, where)
+    try:
+        check_scenario(scenario, where)
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}{frame_note(grid, occupancy)}") from error
+    return scenario, occupancy
 
 
 def dump_scenario(scenario: Scenario) -> str:
@@ -123,24 +138,6 @@ def _read_toml(source: Traversable) -> dict[str, Any]:
         raise ScenarioError(f"{source}: expected UTF-8 text, got byte {error.start} that is not ({error})") from error
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{source}: expected TOML ({error})") from error
-
-
-def _inline_grid(plain: dict[str, Any], source: Traversable, folder: Traversable) -> None:
-    """Replace the fields of a `GridSource` in the `room` table by the size and the obstacles that its file says."""
-    room = plain.get("room")
-    if not isinstance(room, dict) or not room.keys() & set(GRID_FIELDS):
-        return
-    fields = {key: room.pop(key) for key in GRID_FIELDS if key in room}
-    try:
-        grid = convert(fields, GridSource)
-    except MessageError as error:
-        raise ScenarioError(f"{source}: {explain(str(error), fields, GridSource, at='room')}") from error
-    if "size_m" in room:
-        raise ScenarioError(f"{source}: at `room.size_m`: expected nothing, since `room.grid_file` says the size")
-    size_m, walls = read_grid(grid, folder)
-    room["size_m"] = list(size_m)
-    listed = room.get("obstacles", [])
-    room["obstacles"] = [*listed, *map(msgspec.to_builtins, walls)] if isinstance(listed, list) else listed
 
 
 def _folder(source: Traversable) -> Traversable:

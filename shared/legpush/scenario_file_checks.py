@@ -3,11 +3,12 @@
 What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import degrees, hypot, radians, sin
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from legpush.errors import ScenarioError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
@@ -32,7 +33,7 @@ from legpush.room_shapes import (
     distance_to_point_m,
     obstacle_footprint,
 )
-from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Room, Scenario
+from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Rectangle, Room, Scenario
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
@@ -183,7 +184,7 @@ def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, fi
     point = centre.xy()
     border = distance_to_border_m(point[np.newaxis], room)
     _require(border, radius_m + reach_m, field, f"from {what} to the border of the room", because)
-    for index, wall in enumerate(room.obstacles):
+    for index, wall in _near(room, point[np.newaxis], radius_m + reach_m):
         distance = distance_to_point_m(obstacle_footprint(wall), point)
         _require(distance, radius_m + reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
 
@@ -193,11 +194,22 @@ def _check_box(
 ) -> None:
     """A box is free wherever the seed may move it, or with another distance for the reason that is given."""
     because = _because(0.0, reach_m) if because is None else because
-    border = distance_to_border_m(footprint.corners(), room)
+    corners = footprint.corners()
+    border = distance_to_border_m(corners, room)
     _require(border, reach_m, field, f"from {what} to the border of the room", because)
-    for index, wall in enumerate(room.obstacles):
+    for index, wall in _near(room, corners, reach_m):
         distance = distance_m(obstacle_footprint(wall), footprint)
         _require(distance, reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
+
+
+def _near(room: Room, points: NDArray[np.float64], reach_m: float) -> Iterator[tuple[int, Rectangle]]:
+    """The obstacles, with their indices, that are not farther than `reach_m` along an axis from all points, (n, 2)."""
+    (x_low, y_low), (x_high, y_high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    for index, wall in enumerate(room.obstacles):
+        along_x_m = max(wall.x_min_m - x_high, x_low - wall.x_max_m)
+        along_y_m = max(wall.y_min_m - y_high, y_low - wall.y_max_m)
+        if along_x_m < reach_m and along_y_m < reach_m:
+            yield index, wall
 
 
 def _require(distance: float, least_m: float, field: str, between: str, because: str) -> None:

@@ -15,7 +15,8 @@ ROGUES = {
     "Only planner_proc.ompl_search, steering and dubins import OMPL": ("planner_proc", "from ompl import base"),
     "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
-    "Only agent_proc.picture and agent_proc.evaluation_plot import matplotlib": (
+    "Only legpush.map_server imports Pillow and PyYAML": ("legpush", "import yaml"),
+    "Only the agent's pictures import matplotlib": (
         "agent_proc",
         "from matplotlib import pyplot",
     ),

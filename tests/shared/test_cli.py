@@ -12,7 +12,7 @@ from legpush import cli
 from legpush.launch.options import RunOptions
 from legpush.scenario_file import load_scenario, scenario_names
 
-HEAVY = ("zenoh", "mujoco", "ompl", "torch", "matplotlib", "rich.live", "legpush.bus")
+HEAVY = ("zenoh", "mujoco", "ompl", "torch", "matplotlib", "PIL", "yaml", "rich.live", "legpush.bus")
 
 
 def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -25,7 +25,7 @@ def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedPro
 def test_help_names_the_subcommands() -> None:
     result = legpush("--help")
     assert result.returncode == 0
-    for name in ("run", "scenarios", "render"):
+    for name in ("run", "scenarios", "map", "render"):
         assert f"• {name}" in result.stdout
 
 
@@ -82,6 +82,23 @@ def test_the_version_is_that_of_the_package() -> None:
         (["run", "--scenario", "push", "--out", "full"], "error: full: expected a new or empty folder"),
         (["scenarios", "show", "defalt"], "(did you mean `default`?)"),
         (["scenarios", "copy", "default", "full/file"], "error: full/file: expected a new file"),
+        (
+            ["map", "show", "map.pgm"],
+            "error: map.pgm: expected a map with its scale: of an image, its .yaml or",
+        ),
+        (["map", "show", "map.csv", "--cell-m", "1"], "map.csv: expected --cell-m and --first-row, which a .csv file"),
+        (["map", "show", "map.npy", "--first-row", "top"], "map.npy: expected --cell-m and --first-row, which a .npy"),
+        (["map", "show", "map.yaml", "--cell-m", "1"], "map.yaml: expected --cell-m only with .csv and .npy files\n"),
+        (["map", "show", "push", "--first-row", "top"], "push: expected --first-row only with .csv and .npy files\n"),
+        (["map", "show", "map.csv", "--first-row", "top", "--cell-m", "0"], "more than 0 for --cell-m, got 0.0\n"),
+        (
+            ["map", "show", "push", "--output", "no/map.png"],
+            "in an existing folder for --output, got no/map.png",
+        ),
+        (["map", "show", "push", "--output", "map.jpg"], "a .png file in an existing folder for --output, got map.jpg"),
+        (["map", "show", "map.yaml"], "error: map.yaml: expected a readable map file (No such file or directory)\n"),
+        (["map", "show", "defalt"], "(did you mean `default`?)"),
+        (["map", "draw", "push"], "draw"),
         (["render", "full"], "error: Expected the folder of a run, with an episode-*.journal in it, got full\n"),
     ],
 )
@@ -112,6 +129,19 @@ def test_a_copied_scenario_can_be_shown(tmp_path: Path) -> None:
     copied = legpush("scenarios", "copy", "published", "mine.toml", cwd=tmp_path)
     assert copied.stdout == "wrote mine.toml\nwrote published_map.csv\n"
     assert legpush("scenarios", "show", "mine.toml", cwd=tmp_path).returncode == 0
+
+
+def test_a_map_is_drawn_into_a_picture(tmp_path: Path) -> None:
+    drawn = legpush("map", "show", "published", cwd=tmp_path)
+    assert drawn.returncode == 0, drawn.stderr
+    assert drawn.stdout.splitlines() == [
+        "size        60 x 60 m",
+        "cells       600 x 600 of 0.1 m",
+        "origin      (0, 0) is the lower left corner, x to the right, y up",
+        "occupied    11.2% of the cells, in 10 rectangles",
+        "wrote published_map.png",
+    ]
+    assert (tmp_path / "published_map.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyPatch) -> None:

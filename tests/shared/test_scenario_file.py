@@ -203,6 +203,14 @@ ROOM_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
         r"robot\), got 0\.100 m inside: 0\.542 m too little",
     ),
     "start near a wall": (put("start", "x_m", value=2.6), r"at `start`: .*obstacles\[0\].*got 0\.400 m: 0\.042 m too"),
+    "start right of a wall": (
+        put("start", value={"x_m": 3.5, "y_m": 1.0, "yaw_deg": 0.0}),
+        r"at `start`: .*obstacles\[0\].*got 0\.300 m: 0\.142 m too little",
+    ),
+    "start above a wall": (
+        put("start", value={"x_m": 3.1, "y_m": 2.3, "yaw_deg": 0.0}),
+        r"at `start`: .*obstacles\[0\].*got 0\.300 m: 0\.142 m too little",
+    ),
     "start outside": (
         put("start", "y_m", value=-1.0),
         r"at `start`: .* border of the room .*got 1\.000 m inside: 1\.442",

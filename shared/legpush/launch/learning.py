@@ -174,7 +174,7 @@ class CalibrateOptions(SimulatorOptions):
             raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
 
 
-Program = Literal["train", "evaluate", "calibrate", "draw_room", "plan_check"]
+Program = Literal["train", "evaluate", "calibrate", "draw_room", "show_map", "plan_check"]
 """Of the agent, besides missions."""
 
 

@@ -1,0 +1,109 @@
+"""Occupancy maps in files: CSV, NumPy, and what they have in common with those of ROS `map_server`."""
+
+import csv
+from dataclasses import dataclass
+from importlib.resources.abc import Traversable
+from io import BytesIO, StringIO
+from pathlib import PurePath
+from tokenize import TokenError
+from typing import Final, Literal
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.errors import ScenarioError
+
+CELL_SUFFIXES: Final = (".csv", ".npy")
+"""Files of nothing but cells: how large a cell is, and where the first row lies, has to be said beside them."""
+MAP_SERVER_SUFFIXES: Final = (".yaml", ".yml")
+"""Files that say all of it."""
+IMAGE_SUFFIXES: Final = (".pgm", ".png")
+"""What they name as their image."""
+MAX_MAP_SIDE: Final = 4096
+NO_ARRAY: Final = (ValueError, TypeError, OverflowError, OSError, EOFError, MemoryError, TokenError, BadZipFile)
+"""What NumPy raises for a file that is none of its own, or a damaged one."""
+FirstRow = Literal["top", "bottom"]
+"""Where the first row of a file lies: at the highest y, as in a picture, or at y = 0."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OccupancyMap:
+    """Square cells, (rows, columns); row 0 lies at the lowest y, column 0 at the lowest x."""
+
+    occupied: NDArray[np.bool_]
+    """Walls, and what is unknown."""
+    unknown: NDArray[np.bool_]
+    """Those of them that the file calls neither occupied nor free."""
+    cell_m: float
+    origin_m: tuple[float, float] = (0.0, 0.0)
+    """Lower left corner of the map in the file's own frame; in the room that it makes, the same corner is (0, 0)."""
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Extent along x and y."""
+        n_rows, n_columns = self.occupied.shape
+        return n_columns * self.cell_m, n_rows * self.cell_m
+
+
+def suffix_of(name: str) -> str:
+    """The end of a file's name by which its kind is known, in lower case."""
+    return PurePath(name).suffix.lower()
+
+
+def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> OccupancyMap:
+    """The map in a CSV or NumPy file; `ScenarioError` names the file, row and column that is wrong."""
+    try:
+        content = source.read_bytes()
+    except OSError as error:
+        raise ScenarioError(f"{source}: expected a readable grid file ({error.strerror})") from error
+    read = _read_csv if suffix_of(source.name) == ".csv" else _read_npy
+    occupied = read(content, str(source))
+    if first_row == "top":
+        occupied = occupied[::-1]
+    return OccupancyMap(occupied=occupied, unknown=np.zeros_like(occupied), cell_m=cell_m)
+
+
+def require_side(n_rows: int, n_columns: int, where: str) -> None:
+    """Raise where a map has no cells or too many."""
+    if not (1 <= n_rows <= MAX_MAP_SIDE and 1 <= n_columns <= MAX_MAP_SIDE):
+        size = f"{n_rows} rows of {n_columns}" if n_rows and n_columns else "none"
+        raise ScenarioError(f"{where}: expected 1 to {MAX_MAP_SIDE} rows and columns of cells, got {size}")
+
+
+def _read_csv(content: bytes, where: str) -> NDArray[np.bool_]:
+    """Cells as in the file, (rows, columns)."""
+    try:
+        rows = [row for row in csv.reader(StringIO(content.decode("utf-8"))) if row]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ScenarioError(f"{where}: expected a CSV file in UTF-8 ({error})") from error
+    require_side(len(rows), len(rows[0]) if rows else 0, where)
+    for number, row in enumerate(rows, start=1):
+        if len(row) != len(rows[0]):
+            raise ScenarioError(f"{where}: expected {len(rows[0])} cells in row {number} as in row 1, got {len(row)}")
+        for column, cell in enumerate(row, start=1):
+            if cell.strip() not in ("0", "1"):
+                raise ScenarioError(f"{where}: expected 0 or 1 in row {number}, column {column}, got `{cell}`")
+    return np.array([[cell.strip() == "1" for cell in row] for row in rows])
+
+
+def _read_npy(content: bytes, where: str) -> NDArray[np.bool_]:
+    """Cells as in the file, (rows, columns)."""
+    try:
+        cells = np.load(BytesIO(content), allow_pickle=False)
+    except NO_ARRAY as error:
+        raise ScenarioError(f"{where}: expected a NumPy file of one array without pickled objects ({error})") from error
+    if not isinstance(cells, np.ndarray) or cells.ndim != 2:
+        got = f"{cells.ndim} dimensions" if isinstance(cells, np.ndarray) else "an archive of arrays"
+        raise ScenarioError(f"{where}: expected an array of 2 dimensions, rows and columns, got {got}")
+    if cells.dtype.kind not in "biu":
+        raise ScenarioError(f"{where}: expected an array of integers or truth values, got {cells.dtype}")
+    n_rows, n_columns = cells.shape
+    require_side(n_rows, n_columns, where)
+    wrong = np.argwhere((cells != 0) & (cells != 1))
+    if len(wrong):
+        row, column = wrong[0]
+        raise ScenarioError(
+            f"{where}: expected 0 or 1 in row {row + 1}, column {column + 1}, got `{cells[row, column]}`"
+        )
+    return cells.astype(np.bool_)
