@@ -29,6 +29,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         messages.BoxPathQuery,
         messages.PushSide,
         messages.OccupancyGrid,
+        messages.PlanCancel,
         messages.PlanResult,
         messages.Plan,
         messages.Tree,
@@ -59,6 +60,8 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         scenario.Box,
         scenario.Goal,
         scenario.Planning,
+        scenario.Smoothing,
+        scenario.Anytime,
         scenario.Mission,
         scenario.Pushing,
         scenario.Randomization,
@@ -72,6 +75,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
 """What stands in each generated part, in this order."""
 MESSAGES: Final = (
     messages.PlanRequest,
+    messages.PlanCancel,
     messages.PlanResult,
     messages.Action,
     messages.Observation,

@@ -9,7 +9,7 @@ import pytest
 
 from legpush.geometry import wrap_angle
 from legpush.messages import Plan, TrunkPathQuery
-from legpush.scenario import PlannerName, Steering
+from legpush.scenario import Anytime, PlannerName, Steering
 from planner_proc.planning import make_plan
 from planner_proc.search import NOT_STEERED
 from tests.planner import maps
@@ -25,7 +25,13 @@ STEERED: list[tuple[PlannerName, Steering]] = [
 
 
 def steered(planner: PlannerName, steering: Steering, **changes: object) -> TrunkPathQuery:
-    fields = {"planner": planner, "steering": steering, "min_turning_radius_m": RADIUS_M, "max_iterations": 2000 if steering == "dubins" else 500}
+    fields: dict[str, object] = {
+        "planner": planner,
+        "steering": steering,
+        "min_turning_radius_m": RADIUS_M,
+        "max_iterations": 4000,
+        "anytime": Anytime(n_improvements=1, improvement_iterations=1),
+    }
     return maps.query(MAZE, (1.0, 1.0, 0.0), (7.0, 5.0, 0.2), **(fields | changes))
 
 
