@@ -57,7 +57,7 @@ def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | No
 
 def dump_scenario(scenario: Scenario) -> str:
     """The scenario as TOML with every field in it that has a value; loading it gives an equal record."""
-    return tomli_w.dumps({name: value for name, value in msgspec.to_builtins(scenario).items() if value is not None})
+    return tomli_w.dumps(_without_nothing(msgspec.to_builtins(scenario)))
 
 
 def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
@@ -118,6 +118,15 @@ def write_scenario(scenario: Scenario, target: Path) -> Path:
     """Write every field to a new file; `ScenarioError` where it exists or cannot be written."""
     _write_new(target, dump_scenario(scenario).encode())
     return target
+
+
+def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
+    """A table without fields that are None, which TOML cannot say; they are the defaults."""
+    return {
+        name: _without_nothing(value) if isinstance(value, dict) else value
+        for name, value in table.items()
+        if value is not None
+    }
 
 
 def _write_new(path: Path, content: bytes) -> None:

@@ -53,6 +53,7 @@ def test_a_golden_message_fits_its_schema_and_a_wrong_one_does_not(path: Path) -
 def test_the_keys_and_ports_of_the_document_are_those_of_the_code() -> None:
     made = [
         keys.plan_request("R", "<client>"),
+        keys.plan_cancel("R", "<client>"),
         keys.plan_result("R", "<client>"),
         keys.action("R", "<name>"),
         keys.observation("R", "<name>"),
