@@ -1,9 +1,10 @@
 """Whether a scenario can be carried out at all: everything inside the room, with space where it is needed.
 
-What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed.
+What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed. An
+obstacle that appears later may do so anywhere in the room: it waits until nothing is in its place.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import degrees, hypot, radians, sin
 from typing import Final
 
@@ -32,7 +33,7 @@ from legpush.room_shapes import (
     distance_to_point_m,
     obstacle_footprint,
 )
-from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Room, Scenario
+from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Rectangle, Room, Scenario
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
@@ -183,7 +184,7 @@ def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, fi
     point = centre.xy()
     border = distance_to_border_m(point[np.newaxis], room)
     _require(border, radius_m + reach_m, field, f"from {what} to the border of the room", because)
-    for index, wall in enumerate(room.obstacles):
+    for index, wall in _from_the_start(room):
         distance = distance_to_point_m(obstacle_footprint(wall), point)
         _require(distance, radius_m + reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
 
@@ -195,9 +196,14 @@ def _check_box(
     because = _because(0.0, reach_m) if because is None else because
     border = distance_to_border_m(footprint.corners(), room)
     _require(border, reach_m, field, f"from {what} to the border of the room", because)
-    for index, wall in enumerate(room.obstacles):
+    for index, wall in _from_the_start(room):
         distance = distance_m(obstacle_footprint(wall), footprint)
         _require(distance, reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
+
+
+def _from_the_start(room: Room) -> Iterator[tuple[int, Rectangle]]:
+    """Obstacles that do not appear later, with their places in the list."""
+    return ((index, wall) for index, wall in enumerate(room.obstacles) if wall.appears_at_s == 0.0)
 
 
 def _require(distance: float, least_m: float, field: str, between: str, because: str) -> None:
