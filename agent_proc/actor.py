@@ -5,15 +5,16 @@ from itertools import groupby
 from math import degrees, radians
 from typing import Final, Literal, Protocol
 
-from agent_proc.poses import BoxError, box_error, box_tilt_rad, distance_m, planar_pose
+from agent_proc.better_path import BetterPaths, cost_m
+from agent_proc.obstacles import in_words, is_in_walk, known_scenario
+from agent_proc.poses import BoxError, box_error, box_tilt_rad, distance_m, moved_m, planar_pose
 from agent_proc.routes import query_to_measured_box
-from agent_proc.station import at_station, last_stretch, way_back
+from agent_proc.station import at_station, can_turn, last_stretch, way_back
 from legpush.errors import PeerError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
-from legpush.geometry import Pose2, wrap_angle
+from legpush.geometry import Pose2
 from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, TrunkPathQuery, Walk, WorldState
-from legpush.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.scenario import Face, Scenario
+from legpush.scenario import Face, Rectangle, Scenario
 
 STILL_CYCLES: Final = 5
 """The robot is stuck when this many cycles in a row change too little."""
@@ -44,6 +45,12 @@ class World(Protocol):
     def plan(self, query: PlanQuery) -> Plan:
         """Ask the planner."""
 
+    def revision(self, revision: int) -> Plan:
+        """Wait for the better plan with this number, for the last query."""
+
+    def cancel_plan(self) -> None:
+        """Wait for no more of them."""
+
     def tell(self, phase: str, fraction: float | None, detail: str) -> None:
         """Let people know what goes on."""
 
@@ -63,12 +70,32 @@ class Actor:
 
     def __init__(self, world: World, scenario: Scenario, seed: int) -> None:
         self.world = world
+        self._whole = scenario
         self.scenario = scenario
+        """As far as it is known: without the obstacles that have not appeared."""
         self.seed = seed
+        self._better: BetterPaths | None = None
+        """Of the last plan that was asked for."""
+        self.n_better_paths = 0
+        """How often a better path was taken."""
+        self.n_replans = 0
+        """How often an obstacle appeared in the way."""
 
-    def walk(self, phase: str, waypoints: tuple[Pose2, ...], until_m: float = 0.0) -> None:
-        """Gait cycle by gait cycle to the end of the path, or until the box is nearer than `until_m`."""
+    def walk_plan(self, phase: str, plan: Plan, *, last_stretch: tuple[Pose2, ...] = (), until_m: float = 0.0) -> bool:
+        """The same along the plan that was asked for last, and on; a better one is taken where it comes in time."""
+        done = self.walk(phase, plan.waypoints + last_stretch, until_m, last_stretch)
+        self._better = None
+        self.world.cancel_plan()
+        return done
+
+    def walk(
+        self, phase: str, waypoints: tuple[Pose2, ...], until_m: float = 0.0, last_stretch: tuple[Pose2, ...] = ()
+    ) -> bool:
+        """Gait cycle by gait cycle to the end of the path, or until the box is nearer than `until_m`; False where an
+        obstacle has appeared in the way, which nobody walks on then.
+        """
         self.step(Follow(waypoints=waypoints))
+        n_known = self.n_appeared()
         past: deque[tuple[Pose2, float]] = deque(maxlen=STILL_CYCLES + 1)
         while True:
             path = self.state.path
@@ -77,7 +104,18 @@ class Actor:
             share = min(path.travelled_m / path.length_m, 1.0) if path.length_m > 0.0 else 1.0
             self.world.tell(phase, share, f"{path.travelled_m:.1f} of {path.length_m:.1f} m")
             if path.done or self.box_distance_m() <= until_m:
-                return
+                return True
+            if any(is_in_walk(new, self.scenario, waypoints, path.travelled_m) for new in self.appeared_since(n_known)):
+                self.give_up("the robot")
+                return False
+            if self.n_appeared() > n_known:
+                self._better = None
+            n_known = self.n_appeared()
+            if better := self._better_path(waypoints, path.travelled_m, last_stretch):
+                waypoints = better
+                self.step(Follow(waypoints=waypoints))
+                past.clear()
+                continue
             past.append((self.trunk(), path.travelled_m))
             (then, then_m), (now, now_m) = past[0], past[-1]
             if len(past) > STILL_CYCLES and min(moved_m(then, now), now_m - then_m) < LEAST_WALK_M:
@@ -86,27 +124,47 @@ class Actor:
                 )
             self.step(Walk())
 
+    def _better_path(
+        self, waypoints: tuple[Pose2, ...], travelled_m: float, last_stretch: tuple[Pose2, ...]
+    ) -> tuple[Pose2, ...]:
+        """A path from here on that is shorter than what is left of the present one, if the planner has found one; it is
+        waited for before each gait cycle but the first, so that a mission can be repeated.
+        """
+        if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
+            return ()
+        left_m = cost_m(waypoints) - travelled_m - cost_m(last_stretch)
+        joined = self._better.joined(self.world.revision(revision), self.trunk(), left_m)
+        if joined:
+            self.n_better_paths += 1
+        return joined + last_stretch if joined else ()
+
     def query_behind(self, face: Face) -> PlanQuery:
         """For the way from here to the stand-off behind a face of the box where it is."""
         return query_to_measured_box(self.scenario, self.seed, self.trunk(), self.box(), face)
 
-    def walk_behind(self, face: Face, plan: Plan) -> None:
-        """Along the path to the stand-off, and on to the station."""
+    def walk_behind(self, face: Face, plan: Plan) -> bool:
+        """Along the path to the stand-off, and on to the station; False where an obstacle has appeared in the way, and
+        then the robot has space to turn.
+        """
         box, pose = pushed_box(self.scenario.box, face), pushed_pose(self.box(), face)
-        self.walk("approaching", plan.waypoints + last_stretch(self.scenario, box, pose))
+        if not self.walk_plan("approaching", plan, last_stretch=last_stretch(self.scenario, box, pose)):
+            if not can_turn(self.scenario, self.trunk(), self.box()):
+                self.walk("backing off", way_back(self.scenario, self.trunk(), self.box()))
+            return False
         if not self.at_station(face):
             raise MissionEndedError(
                 "missed_station", f"the approach ended {self.box_distance_m():.2f} m from the box, not at the station"
             )
+        return True
 
     def approach(self, face: Face) -> None:
         """Walk to the stand-off behind a face of the measured box, and straight on to the station."""
-        plan = self.ask(self.query_behind(face), "the way behind the box")
-        if plan.status != "exact":
-            raise MissionEndedError(
-                "no_path", f"the way behind the box: the planner's answer is {plan.status}: {plan.reason}"
-            )
-        self.walk_behind(face, plan)
+        while True:
+            plan = self.ask(self.query_behind(face), "the way behind the box")
+            if plan.status != "exact":
+                raise self.no_path("the way behind the box", plan)
+            if self.walk_behind(face, plan):
+                return
 
     def back_off(self) -> None:
         """From the box, straight back, so far that the robot can turn."""
@@ -118,13 +176,33 @@ class Actor:
         """The planner's answer, whatever it is; `PeerError` where it cannot be followed though it says so."""
         self.world.tell("planning", None, what)
         plan = self.world.plan(query)
+        self._better = BetterPaths(query, plan) if isinstance(query, TrunkPathQuery) and query.anytime else None
         if plan.status == "exact" and (fault := plan_fault(query, plan)):
             raise PeerError(f"{what}: expected a plan that can be followed, but {fault}")
         return plan
 
+    def no_path(self, what: str, plan: Plan) -> MissionEndedError:
+        """What to raise where there is no way."""
+        appeared = f"; appeared: {in_words(self.state.appeared)}" if self.state.appeared else ""
+        return MissionEndedError("no_path", f"{what}: the planner's answer is {plan.status}: {plan.reason}{appeared}")
+
+    def n_appeared(self) -> int:
+        """How many obstacles have appeared up to now."""
+        return len(self.state.appeared)
+
+    def appeared_since(self, n_known: int) -> list[Rectangle]:
+        """All that have appeared but the first `n_known`."""
+        return [self._whole.room.obstacles[each.obstacle] for each in self.state.appeared[n_known:]]
+
+    def give_up(self, what: str) -> None:
+        """Let people know that an obstacle has appeared in the way of robot or box, and count it."""
+        self.n_replans += 1
+        self.world.tell("giving up a path", None, f"in the way of {what}: {in_words(self.state.appeared[-1:])}")
+
     def step(self, motion: Motion) -> None:
-        """Move; a fall, of robot or box, ends the mission."""
+        """Move, and look around; a fall, of robot or box, ends the mission."""
         self.state = self.world.step(motion).world
+        self.scenario = known_scenario(self._whole, self.state)
         if self.state.fallen:
             raise MissionEndedError(
                 "fell", f"the robot fell during {type(motion).__name__.lower()}, tick {self.state.tick}"
@@ -184,8 +262,3 @@ def plan_fault(query: PlanQuery, plan: Plan) -> str:
         if all(distance_m(pose, poses[0]) == 0.0 for pose in poses):
             return f"the box does not move in the stage at ({poses[0].x_m:g}, {poses[0].y_m:g})"
     return ""
-
-
-def moved_m(a: Pose2, b: Pose2) -> float:
-    """Between two poses, turning counted by the arc of the foot rectangle's corners."""
-    return distance_m(a, b) + abs(wrap_angle(b.yaw_rad - a.yaw_rad)) * FOOT_RECTANGLE_RADIUS_M

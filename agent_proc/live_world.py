@@ -1,5 +1,6 @@
 """The world of a mission that is really run: an episode in lockstep, told to whoever watches."""
 
+import logging
 import threading
 
 from legpush.bus import Bus
@@ -10,6 +11,8 @@ from legpush.messages import Motion, Outcome, Plan, PlanQuery
 from legpush.patience import Patience
 from legpush.plan_client import PlanLink
 from legpush.status import StatusBeacon
+
+log = logging.getLogger(__name__)
 
 
 class LiveWorld:
@@ -56,7 +59,9 @@ class LiveWorld:
         self._episode.cancel_plan()
 
     def tell(self, phase: str, fraction: float | None, detail: str) -> None:
-        """Publish what goes on."""
+        """Publish what goes on, and log what each phase begins with."""
+        if phase != self._told[0]:
+            log.info("%s: %s", phase, detail)
         self._told = (phase, fraction, detail)
         self._beacon.say(phase, fraction, detail)
 

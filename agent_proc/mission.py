@@ -30,6 +30,10 @@ class MissionResult:
     handover_distance_m: float | None
     """Trunk to box where walking along the map ended; None if it did not come to that."""
     n_push_cycles: int
+    n_better_paths: int
+    """How often a better path was taken while walking."""
+    n_replans: int
+    """How often an obstacle appeared in the way, so that another one was planned, or tried to be."""
 
 
 def run_mission(
@@ -59,19 +63,19 @@ def run_mission(
         detail=detail,
         handover_distance_m=handover_distance_m,
         n_push_cycles=pushing.n_cycles,
+        n_better_paths=actor.n_better_paths,
+        n_replans=actor.n_replans,
     )
 
 
 def _walk_to_handover(actor: Actor, pushing: Pushing) -> None:
     """Walk towards the nominal box until the real one is near enough to be measured, or the path ends."""
-    scenario = actor.scenario
-    near_m = scenario.mission.handover_distance_m
-    if actor.box_distance_m() <= near_m:
-        return
+    near_m, nominal = actor.scenario.mission.handover_distance_m, actor.scenario.box.pose.pose()
 
     def way(face: Face) -> PlanQuery:
-        return query_to_nominal_box(scenario, actor.seed, actor.trunk(), face)
+        return query_to_nominal_box(actor.scenario, actor.seed, actor.trunk(), face)
 
-    _, plan = pushing.way_to_push(scenario.box.pose.pose(), way, "the way to the box")
-    if plan is not None:
-        actor.walk("walking", plan.waypoints, until_m=near_m)
+    while actor.box_distance_m() > near_m:
+        _, plan = pushing.way_to_push(nominal, way, "the way to the box")
+        if plan is None or actor.walk_plan("walking", plan, until_m=near_m):
+            return

@@ -17,11 +17,13 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
 from agent_proc.mission import MissionResult
-from agent_proc.poses import distance_m, planar_pose
-from agent_proc.record import Floats, MissionRecord, Step
+from agent_proc.picture_parts import MAX_POINTS, appeared, box_at, extent, followed, handover_place, thin, widen
+from agent_proc.poses import planar_pose
+from agent_proc.record import Floats, MissionRecord
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, Follow, Motion, Plan, Push, TrunkPathQuery, Walk
+from legpush.messages import BoxPathQuery, Motion, Plan, Push, TrunkPathQuery, Walk
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
+from legpush.room import room_by_now
 from legpush.room_shapes import Footprint, box_footprint, obstacle_footprint
 
 STYLE: Final[dict[Any, Any]] = {
@@ -41,17 +43,14 @@ WALL, FLOOR, INK, GRID = "#3b3f46", "#ffffff", "#1b2a41", "#e6e8eb"
 TREE, RAW, SMOOTH, TRUNK = "#9dbbdc", "#c8553d", "#4a9b6e", "#1b2a41"
 FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0"}
 BOX, GOAL, BLUE = "#8d6748", "#2b8a4b", "#3a6ea5"
+APPEARED, GIVEN_UP = "#b8651b", "#77706a"
 PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
 LEAST_NAMED: Final = 0.08
 """Share of the mission's time below which a phase has no room for its name."""
 DPI: Final = 160
 HEADLINE_LENGTH: Final = 140
-MAX_POINTS: Final = 4000
-"""Longer lines are thinned: more cannot be seen."""
 WORLD: Final = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
 ZOOM_ASPECT: Final = 2.45
-PLAN_ASPECT: Final = 1.15
-AROUND_M: Final = 2.0
 BEHIND_M: Final = np.array([0.6, 0.2])
 BESIDE_M: Final = np.array([0.1, 0.2])
 ERROR_TICKS: Final = (0, 1, 3, 10, 30, 100, 300, 1000)
@@ -90,20 +89,24 @@ def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None
     if record.scenario.reference is not None:
         axes.plot(*record.steps[0].box_path_m.T, color=GOAL, lw=1.6, ls=(0, (4, 1)), label="reference", zorder=6)
     _draw_box_plans(axes, [each.plan for each in record.plans if isinstance(each.query, BoxPathQuery)])
-    follows = [step for step in record.steps if isinstance(step.motion, Follow)]
-    for index, step in enumerate(follows):
-        label = "smoothed path" if index == 0 else None
-        axes.plot(*step.path_m.T, color=SMOOTH, lw=3.2, alpha=0.45, label=label, zorder=3, solid_capstyle="round")
+    follows = followed(record)
+    labels = {False: "smoothed path", True: "path given up"}
+    for step, given_up in follows:
+        color, dashes = (GIVEN_UP, (0, (2, 1))) if given_up else (SMOOTH, "-")
+        label = labels.pop(given_up, None)
+        axes.plot(
+            *step.path_m.T, color=color, lw=3.2, ls=dashes, alpha=0.45, label=label, zorder=3, solid_capstyle="round"
+        )
     _draw_feet(axes, record, WORLD, 0.55)
-    axes.plot(*_thin(record.ticks().trunk_m).T, color=TRUNK, lw=1.1, label="trunk", zorder=5)
+    axes.plot(*thin(record.ticks().trunk_m).T, color=TRUNK, lw=1.1, label="trunk", zorder=5)
     _draw_robot(axes, planar_pose(record.steps[0].world.trunk), label="robot at start and end")
     _draw_robot(axes, planar_pose(record.steps[-1].world.trunk))
     if result.handover_distance_m is not None and len(follows) > 1:
-        here = planar_pose(min(follows, key=lambda step: _off_handover_m(step, result)).world.trunk)
+        here = handover_place(record, result.handover_distance_m)
         label = f"hand-over, {result.handover_distance_m:.2f} m from the box"
         axes.plot(here.x_m, here.y_m, "o", ms=5.5, mfc="white", mec=INK, mew=1.2, ls="", label=label, zorder=7)
     _draw_box(axes, record)
-    low, high = _extent(record)
+    low, high = extent(record)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]", ylabel="y [m]", aspect="equal")
     axes.set_anchor("N")
 
@@ -128,23 +131,18 @@ def _draw_box_plans(axes: Axes, plans: list[Plan]) -> None:
         axes.plot(*path.T, color=GOAL, lw=1.6, ls=(0, (1, 1)), alpha=alpha, label=label, zorder=6)
 
 
-def _off_handover_m(step: Step, result: MissionResult) -> float:
-    apart_m = distance_m(planar_pose(step.world.trunk), planar_pose(step.world.box))
-    return abs(apart_m - (result.handover_distance_m or 0.0))
-
-
 def _draw_zoom(axes: Axes, record: MissionRecord) -> None:
     """The neighbourhood of the box, turned so that the goal's heading is to the right."""
     scenario = record.scenario
     seen = scenario.goal.pose.pose().inverse()
     _draw_room(axes, record, seen)
     _draw_feet(axes, record, seen, 0.7)
-    axes.plot(*seen.apply(_thin(record.ticks().trunk_m)).T, color=TRUNK, lw=0.7, alpha=0.8, zorder=5)
+    axes.plot(*seen.apply(thin(record.ticks().trunk_m)).T, color=TRUNK, lw=0.7, alpha=0.8, zorder=5)
     _draw_robot(axes, planar_pose(record.steps[-1].world.trunk), seen)
     _draw_box(axes, record, seen)
-    outlines = [_box_at(record, step).corners() for step in (record.steps[0], record.steps[-1])]
+    outlines = [box_at(record, step).corners() for step in (record.steps[0], record.steps[-1])]
     corners = seen.apply(np.concatenate([*outlines, box_footprint(scenario.box, scenario.goal.pose.pose()).corners()]))
-    low, high = _widen(corners.min(axis=0) - BEHIND_M, corners.max(axis=0) + BESIDE_M, ZOOM_ASPECT)
+    low, high = widen(corners.min(axis=0) - BEHIND_M, corners.max(axis=0) + BESIDE_M, ZOOM_ASPECT)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     axes.set(xlabel="along the goal's heading, from the goal [m]", ylabel="across [m]")
     axes.set_title("Pushing")
@@ -155,16 +153,44 @@ def _draw_room(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
     axes.set_facecolor(FLOOR)
     axes.grid(color=GRID, lw=0.6, zorder=0)
     axes.set_axisbelow(True)
-    for index, obstacle in enumerate(room.obstacles):
+    label: str | None = "obstacle"
+    for obstacle in room_by_now(room, ()).obstacles:
         corners = seen.apply(obstacle_footprint(obstacle).corners())
-        axes.add_patch(Polygon(corners, color=WALL, lw=0, label="obstacle" if index == 0 else None, zorder=2.5))
+        axes.add_patch(Polygon(corners, color=WALL, lw=0, label=label, zorder=2.5))
+        label = None
+    _draw_appeared(axes, record, seen)
+
+
+def _draw_appeared(axes: Axes, record: MissionRecord, seen: Pose2) -> None:
+    """What appeared, hatched, with the time beside it."""
+    label: str | None = "appeared later"
+    for each in appeared(record):
+        place = obstacle_footprint(record.scenario.room.obstacles[each.obstacle])
+        axes.add_patch(
+            Polygon(seen.apply(place.corners()), fc=FLOOR, ec=APPEARED, hatch="/////", lw=1.0, label=label, zorder=2.5)
+        )
+        label = None
+        x_m, y_m = seen.apply(place.pose.xy()[None])[0]
+        axes.annotate(
+            f"{each.tick * CONTROL_PERIOD_S:.0f} s",
+            (x_m, y_m),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            color=APPEARED,
+            fontsize=8.0,
+            fontweight="bold",
+            clip_on=True,
+            bbox={"fc": FLOOR, "ec": "none", "alpha": 0.8, "pad": 0.8},
+            zorder=7,
+        )
 
 
 def _draw_feet(axes: Axes, record: MissionRecord, seen: Pose2, width: float) -> None:
     tips = record.ticks().tips_m
     for index, leg in enumerate(LEGS):
         axes.plot(
-            *seen.apply(_thin(tips[:, index, :2])).T,
+            *seen.apply(thin(tips[:, index, :2])).T,
             color=FEET[leg],
             lw=width,
             alpha=0.9,
@@ -186,14 +212,14 @@ def _draw_box(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
     """Its start, its way, its end and its goal."""
     steps = record.pushing() or record.steps[-1:]
     ghosts = np.unique(np.linspace(0, len(steps) - 1, N_GHOSTS + 2, dtype=int))[1:-1]
-    start, end = (seen.apply(_box_at(record, step).corners()) for step in (record.steps[0], record.steps[-1]))
+    start, end = (seen.apply(box_at(record, step).corners()) for step in (record.steps[0], record.steps[-1]))
     goal = seen.apply(box_footprint(record.scenario.box, record.scenario.goal.pose.pose()).corners())
     for index in ghosts:
-        corners = seen.apply(_box_at(record, steps[index]).corners())
+        corners = seen.apply(box_at(record, steps[index]).corners())
         axes.add_patch(Polygon(corners, fill=False, ec=BOX, lw=0.6, alpha=0.55, zorder=5))
     axes.add_patch(Polygon(start, fill=False, ec=BOX, lw=1.3, ls=(0, (3, 1.5)), label="box at start", zorder=5))
     axes.add_patch(Polygon(end, fc=BOX, ec=BOX, alpha=0.45, lw=1.3, label="box at end", zorder=5))
-    track = seen.apply(_thin(record.ticks().box[:, :2]))
+    track = seen.apply(thin(record.ticks().box[:, :2]))
     axes.plot(*track.T, color=BOX, lw=1.3, label="box track", zorder=6)
     axes.add_patch(Polygon(goal, fill=False, ec=GOAL, lw=1.6, label="goal", zorder=6))
 
@@ -268,33 +294,3 @@ def _shade_phases(axes: Axes, record: MissionRecord) -> None:
             axes.text(begin, 0.96, f" {name}", transform=where, va="top", fontsize=7.5, color="#6b717b")
     axes.margins(y=0.25)
     axes.set_xlim(0.0, end_s)
-
-
-def _box_at(record: MissionRecord, step: Step) -> Footprint:
-    return box_footprint(record.scenario.box, planar_pose(step.world.box))
-
-
-def _extent(record: MissionRecord) -> tuple[Floats, Floats]:
-    """Lower left and upper right corner of the part of the room where something happened, with some space around."""
-    scenario = record.scenario
-    start, goal = _box_at(record, record.steps[0]), box_footprint(scenario.box, scenario.goal.pose.pose())
-    planned = [np.array(each.plan.raw_path_m).reshape(-1, 2) for each in record.plans]
-    trunks = np.array([planar_pose(step.world.trunk).xy() for step in record.steps])
-    paths = [step.path_m for step in record.steps]
-    points = np.concatenate([start.corners(), goal.corners(), *planned, trunks, *paths])
-    low, high = _widen(points.min(axis=0) - AROUND_M, points.max(axis=0) + AROUND_M, PLAN_ASPECT)
-    return np.maximum(low, 0.0), np.minimum(high, scenario.room.size_m)
-
-
-def _widen(low: Floats, high: Floats, width_by_height: float) -> tuple[Floats, Floats]:
-    """The smallest rectangle of that shape around the same centre that holds both corners."""
-    centre, half = (low + high) / 2, (high - low) / 2
-    height = max(half[1], half[0] / width_by_height)
-    half = np.array([height * width_by_height, height])
-    return centre - half, centre + half
-
-
-def _thin(points: Floats) -> Floats:
-    """Every n-th row, so that few enough are left, and the last one."""
-    every = max(1, ceil(len(points) / MAX_POINTS))
-    return np.concatenate([points[::every], points[-1:]])

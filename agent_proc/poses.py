@@ -5,6 +5,7 @@ from math import acos, degrees, hypot
 
 from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
 from legpush.messages import BoxState, TrunkState, WorldState
+from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scenario import Goal, Scenario
 
 
@@ -40,6 +41,11 @@ def box_tilt_rad(world: WorldState) -> float:
 def distance_m(a: Pose2, b: Pose2) -> float:
     """Between the positions of two poses."""
     return hypot(a.x_m - b.x_m, a.y_m - b.y_m)
+
+
+def moved_m(a: Pose2, b: Pose2) -> float:
+    """Between two poses, turning counted by the arc of the foot rectangle's corners."""
+    return distance_m(a, b) + abs(wrap_angle(b.yaw_rad - a.yaw_rad)) * FOOT_RECTANGLE_RADIUS_M
 
 
 def box_error(world: WorldState, scenario: Scenario) -> BoxError:

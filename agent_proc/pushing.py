@@ -1,18 +1,19 @@
 """Pushing the box to its goal: stage after stage along a planned path, each followed push by push."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import hypot, radians
 from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.actor import STILL_CYCLES, Actor, MissionEndedError, Reason, moved_m
+from agent_proc.actor import STILL_CYCLES, Actor, MissionEndedError, Reason
 from agent_proc.box_path import BoxPath
 from agent_proc.box_path import stages as path_stages
 from agent_proc.follower import Ending, Follower
+from agent_proc.obstacles import in_words, is_in_push
 from agent_proc.policy import Policy
-from agent_proc.poses import BoxError, distance_m
+from agent_proc.poses import BoxError, distance_m, moved_m
 from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
 from agent_proc.push_map import PushMap
 from agent_proc.reference_path import reference_path
@@ -58,6 +59,8 @@ class Pushing:
         """Whether the box need not be calibrated any more."""
         self.n_cycles = 0
         """Pushes up to now."""
+        self._n_cleared = 0
+        """So many of the obstacles that have appeared are known not to be in the way of the present path."""
 
     def run(self) -> None:
         """Push along the reference, if there is one, or the path of the box, and plan anew where that was left, or did
@@ -90,7 +93,7 @@ class Pushing:
     def _calibrate(self) -> None:
         """Some pushes straight ahead, with both legs in turn, so that paths are planned for the box as it is.
 
-        None where there is no space for them.
+        None where there is no space for them, and no more once an obstacle appears.
         """
         face = self._come_to_push()[0].face
         estimate, n_pushes = self._estimates[face], self._actor.scenario.pushing.calibration_pushes
@@ -99,7 +102,10 @@ class Pushing:
         if plan.status != "exact" or plan.length_m > distance_m(ahead.start, ahead.goal) + STRAIGHT_WITHIN_M:
             return
         w1, w2 = estimate.curve
+        n_known = self._actor.n_appeared()
         for index in range(min(n_pushes, self._actor.scenario.mission.max_push_cycles)):
+            if self._actor.n_appeared() > n_known:
+                return
             self._actor.world.tell("calibrating", index / n_pushes, f"push {index + 1} of {n_pushes}, {face} face")
             leg = FRONT_LEGS[CALIBRATION_LEGS[index % len(CALIBRATION_LEGS)]]
             self._push(Push(w1=w1, w2=w2, leg=leg, depth_m=USUAL_DEPTH_M, face=face), learn=True)
@@ -126,10 +132,10 @@ class Pushing:
 
     def _push_along(self, stages: list[BoxPath], *, to_end: bool = False) -> bool:
         """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
-        for path in stages:
+        for index, path in enumerate(stages):
             if not self._actor.at_station(path.face) and not self._change_face(path.face):
                 return False
-            if self._follow(path, to_end=to_end) == "left_path":
+            if self._follow(stages[index:], to_end=to_end) == "left_path":
                 return False
         return True
 
@@ -139,16 +145,14 @@ class Pushing:
         plan = self._actor.ask(self._actor.query_behind(face), "the way to another face of the box")
         if plan.status != "exact":
             return False
-        self._actor.walk_behind(face, plan)
-        return True
+        return self._actor.walk_behind(face, plan)
 
     def _come_to_push(self) -> list[BoxPath]:
         """Plan the path of the box and walk to the face where it begins."""
-        stages, plan = self.way_to_push(self._actor.box(), self._actor.query_behind, "the way behind the box")
-        face = stages[0].face
-        if plan is not None:
-            self._actor.walk_behind(face, plan)
-        return stages
+        while True:
+            stages, plan = self.way_to_push(self._actor.box(), self._actor.query_behind, "the way behind the box")
+            if plan is None or self._actor.walk_behind(stages[0].face, plan):
+                return stages
 
     def way_to_push(
         self, box: Pose2, query: Callable[[Face], PlanQuery], what: str
@@ -168,14 +172,17 @@ class Pushing:
                 return stages, plan
             faces = tuple(face for face in faces if face != first)
             if not faces:
-                raise MissionEndedError("no_path", f"{what}: the planner's answer is {plan.status}: {plan.reason}")
+                raise self._actor.no_path(what, plan)
 
     def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[BoxPath]:
         """The reference, or the planned path of the box: with the least clearance where it has come closer to something
         than planned.
         """
         if self._reference is not None:
-            return [self._reference_path(self._reference)]
+            stages = [self._reference_path(self._reference)]
+            self._require_free(stages)
+            return stages
+        self._n_cleared = self._actor.n_appeared()
         present = self._actor.standing_at()
         estimates = {face: self._estimates[face] for face in faces}
         query = query_for_box(self._actor.scenario, self._actor.seed, box, estimates, present)
@@ -183,9 +190,7 @@ class Pushing:
         if plan.status == "invalid" and self.n_cycles and query.clearance_m > 0.0:
             plan = self._actor.ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
         if plan.status != "exact":
-            raise MissionEndedError(
-                "no_path", f"the path of the box: the planner's answer is {plan.status}: {plan.reason}"
-            )
+            raise self._actor.no_path("the path of the box", plan)
         return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})
 
     def _reference_path(self, reference: Reference) -> BoxPath:
@@ -198,6 +203,22 @@ class Pushing:
                 f"the reference turns on a radius of {tightest_m:.2f} m, the box on no less than {radius_m:.2f} m",
             )
         return reference_path(reference, self._actor.scenario.box.pose.pose(), estimate.axle_m)
+
+    def _is_free(self, stages: Sequence[BoxPath], from_m: float = 0.0) -> bool:
+        """Whether nothing has appeared in the way of box and robot, from a place on the first stage on."""
+        for new in self._actor.appeared_since(self._n_cleared):
+            for index, path in enumerate(stages):
+                if is_in_push(new, self._actor.scenario, path, 0.0 if index else from_m):
+                    return False
+        self._n_cleared = self._actor.n_appeared()
+        return True
+
+    def _require_free(self, stages: Sequence[BoxPath], from_m: float = 0.0) -> None:
+        """A reference that something has appeared in the way of ends the mission: there is no other."""
+        if not self._is_free(stages, from_m):
+            raise MissionEndedError(
+                "no_path", f"in the way of the reference: {in_words(self._actor.state.appeared[self._n_cleared :])}"
+            )
 
     def _aim(self) -> Goal:
         """The goal with tolerances no wider than the aim."""
@@ -215,10 +236,11 @@ class Pushing:
         self._actor.require_goal(reason, detail)
         return "done"
 
-    def _follow(self, path: BoxPath, *, to_end: bool) -> Ending:
-        """Push along a stage of the path until it ends or the box has left it; with `to_end`, being at the goal before
-        is not enough.
+    def _follow(self, stages: Sequence[BoxPath], *, to_end: bool) -> Ending:
+        """Push along the first of the stages that are left until it ends, the box has left it, or, in a closed loop, an
+        obstacle has appeared in the way; with `to_end`, being at the goal before is not enough.
         """
+        path = stages[0]
         max_cycles = self._actor.scenario.mission.max_push_cycles
         closed = self._actor.scenario.pushing.composition == "closed_loop"
         follower = Follower(path, self._policy, self._actor.scenario, self._estimates[path.face])
@@ -230,6 +252,11 @@ class Pushing:
             self._actor.world.tell("pushing", share, f"cycle {self.n_cycles}, box error {error}")
             if decision.push is None:
                 return decision.ending or "done"
+            if closed and to_end:
+                self._require_free(stages, decision.deviation.distance_m)
+            elif closed and not self._is_free(stages, decision.deviation.distance_m):
+                self._actor.give_up("the box")
+                return "left_path"
             if self.n_cycles >= max_cycles:
                 return self._stop("max_push_cycles", f"box error {error} after {self.n_cycles} push cycles", to_end)
             self._push(decision.push, learn=closed)

@@ -34,6 +34,15 @@ LOOK_AHEAD_M: Final = 0.5
 """So far ahead on its path the box may be after one more push cycle."""
 
 
+class Appeared(Struct, frozen=True, kw_only=True):
+    """An obstacle that appeared."""
+
+    obstacle: int
+    """Its place in `room.obstacles`, from 0."""
+    time_s: float
+    """Simulated time since the reset."""
+
+
 class Report(Struct, frozen=True, kw_only=True):
     """The fields of `report.json`; what could not be measured is None."""
 
@@ -55,6 +64,11 @@ class Report(Struct, frozen=True, kw_only=True):
     trunk_max_abs_roll_deg: float | None
     min_support_margin_m: float | None
     """Least distance of the CoM's ground projection from the border of the support polygon; negative outside."""
+    n_better_paths: int
+    """How often the robot took a better path while it walked."""
+    n_replans: int
+    """How often an obstacle appeared in the way of robot or box."""
+    appeared: tuple[Appeared, ...]
     n_push_cycles: int
     n_footsteps: int
     sim_time_s: float
@@ -90,6 +104,11 @@ def make_report(
         trunk_max_abs_pitch_deg=float(tilt_deg[:, 1].max()) if len(tilt_deg) else None,
         trunk_max_abs_roll_deg=float(tilt_deg[:, 0].max()) if len(tilt_deg) else None,
         min_support_margin_m=float(ticks.support_margin_m.min()) if len(tilt_deg) else None,
+        n_better_paths=result.n_better_paths,
+        n_replans=result.n_replans,
+        appeared=tuple(
+            Appeared(obstacle=each.obstacle, time_s=each.tick * CONTROL_PERIOD_S) for each in last.world.appeared
+        ),
         n_push_cycles=sum(isinstance(step.motion, Push) for step in record.steps),
         n_footsteps=last.world.n_footsteps,
         sim_time_s=sim_time_s,

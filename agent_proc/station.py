@@ -78,16 +78,19 @@ def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, 
         ):
             break
         way.append(back)
-        space_m = min(
-            distance_to_border_m(back.xy()[None], scenario.room),
-            *(distance_to_point_m(other, back.xy()) for other in solid),
-        )
-        if (
-            len(way) * BACK_STEP_M > LEAST_BACK_M
-            and space_m >= FOOT_RECTANGLE_RADIUS_M + CELLS * scenario.room.resolution_m
-        ):
+        if len(way) * BACK_STEP_M > LEAST_BACK_M and can_turn(scenario, back, box_pose):
             break
     return tuple(way)
+
+
+def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
+    """Whether the feet may be turned to anywhere around a place, and a path planned from there."""
+    solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
+    space_m = min(
+        distance_to_border_m(trunk.xy()[None], scenario.room),
+        *(distance_to_point_m(other, trunk.xy()) for other in solid),
+    )
+    return space_m >= FOOT_RECTANGLE_RADIUS_M + CELLS * scenario.room.resolution_m
 
 
 def box_reach_m(box: Box, offsets: Randomization) -> float:

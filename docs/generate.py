@@ -49,6 +49,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         messages.BoxState,
         messages.PathProgress,
         messages.PushReport,
+        messages.Appearance,
         messages.Trace,
     ),
     "common": (messages.Header, messages.Status, geometry.Pose2, room_shapes.Footprint),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sim_proc.film import Film
 from sim_proc.model import build_model
+from sim_proc.scenery import wall_name
 
 DISTANCE_M: Final = 3.3
 ELEVATION_DEG: Final = -28.0
@@ -51,6 +52,8 @@ class Camera:
         """The world at a tick, (height, width, 3)."""
         film = self._film
         self._data.qpos[:] = film.qpos[tick]
+        for index, row in film.hidden_until.items():
+            self._model.geom(wall_name(index)).rgba[3] = float(row is not None and row <= tick)
         mujoco.mj_forward(self._model, self._data)
         heading = film.heading_rad[tick]
         ahead = AHEAD_M * np.array([np.cos(heading), np.sin(heading)])

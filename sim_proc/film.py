@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import rpy_from_quaternion
-from legpush.messages import Follow, Reset
+from legpush.messages import Appearance, Follow, Reset
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Scenario
 from sim_proc.world_state import LOADED_N
@@ -44,6 +44,8 @@ class Film:
     paths_m: list[tuple[int, Array]]
     """Paths by the tick from which they are followed, each (k, 2)."""
     footprints: list[Footprint]
+    hidden_until: dict[int, int | None]
+    """By the place of an obstacle that appears later: the row of `qpos` from which it is seen, None for never."""
 
     @property
     def duration_s(self) -> float:
@@ -58,6 +60,7 @@ def film_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Film:
     tips: list[Array] = []
     loads: list[Array] = []
     paths: list[tuple[int, Array]] = []
+    appeared: tuple[Appearance, ...] = ()
     n_ticks = 0
     for record in records:
         if not isinstance(record, StepRecord):
@@ -66,6 +69,7 @@ def film_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Film:
             scenario = record.motion.scenario
         if isinstance(record.motion, Follow):
             paths.append((n_ticks, np.array([[p.x_m, p.y_m] for p in record.motion.waypoints])))
+        appeared = record.outcome.world.appeared
         trace = record.outcome.trace
         if trace is not None and trace.tick:
             rows.append(np.array(trace.qpos))
@@ -83,7 +87,15 @@ def film_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Film:
         heading_rad=_smooth(yaw),
         paths_m=paths,
         footprints=_footprints(np.concatenate(tips), np.concatenate(loads)),
+        hidden_until=_hidden_until(scenario, appeared),
     )
+
+
+def _hidden_until(scenario: Scenario, appeared: tuple[Appearance, ...]) -> dict[int, int | None]:
+    """The first row is the end of tick 1."""
+    rows = {each.obstacle: each.tick - 1 for each in appeared}
+    later = (index for index, obstacle in enumerate(scenario.room.obstacles) if obstacle.appears_at_s > 0.0)
+    return {index: rows.get(index) for index in later}
 
 
 def _footprints(tips_m: Array, forces_n: Array) -> list[Footprint]:

@@ -28,7 +28,7 @@ from legpush.scenario import Room, Scenario
 from sim_proc.box_body import add_box
 from sim_proc.incline import gravity_m_s2
 from sim_proc.leg_kinematics import HIPS_B, SIDE, inverse
-from sim_proc.scenery import add_scenery
+from sim_proc.scenery import add_scenery, wall_name
 
 PHYSICS_STEP_S: Final = 0.002
 STANDING_HEIGHT_M: Final = 0.48
@@ -196,7 +196,7 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
             pair(part, box, box_friction)
     for index in range(len(scenario.room.obstacles)):
         for part in (*feet, "trunk", *box_geoms):
-            pair(f"wall_{index}", part, WALL_FRICTION)
+            pair(wall_name(index), part, WALL_FRICTION)
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:

@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
+from legpush.messages import Appearance
 from legpush.robot import CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario
+from sim_proc.appearing import Waiting
 from sim_proc.model import PHYSICS_STEP_S, POSITION_GAIN_N_M_RAD, STANDING_HEIGHT_M, build_model, standing_joints_rad
+from sim_proc.scenery import wall_name
 
 Array = NDArray[np.float64]
 
 FALL_TILT_RAD: Final = radians(30.0)
 FALL_HEIGHT_M: Final = 0.3
+PARKED_M: Final = 1000.0
+"""So far below the floor is what has not appeared: nothing touches it, no ray and no camera meets it."""
 STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
 
 TRUNK_QPOS: Final = slice(0, 7)
@@ -67,12 +72,19 @@ class Physics:
         data.qpos[JOINT_QPOS] = standing_joints_rad().ravel()
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
         data.ctrl[:] = data.qpos[JOINT_QPOS]
+        self._waiting = Waiting(scenario.room, scenario.box)
+        for index in self._waiting.indices:
+            data.mocap_pos[self._wall(index), 2] = -PARKED_M
+        self.appeared: tuple[Appearance, ...] = ()
+        """What has appeared, in that order."""
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
 
     def run(self, joint_commands_rad: Array, joint_torques_n_m: Array) -> Recording:
         """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stops short at a fall.
+
+        An obstacle that is due is put in its place at the end of a tick.
 
         Each servo is commanded `q + (torque + qfrc_bias) / Kp`: the bias forces of gravity and motion are cancelled
         with their present values, the rest of the feed-forward was planned. Raises `LegpushError` where MuJoCo warns
@@ -95,6 +107,8 @@ class Physics:
             data.site_xpos.take(self._tip_sites, axis=0, out=tips[k])
             sensors[k] = data.sensordata
             done = k + 1
+            if self._waiting.next_tick <= self.tick + done:
+                self._let_appear(self.tick + done)
             row = qpos[k]
             if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < FALL_HEIGHT_M:
                 self.fallen = True
@@ -109,6 +123,16 @@ class Physics:
             com_m=sensors[:done, self._com],
             ctrl=ctrls[:done],
         )
+
+    def _let_appear(self, tick: int) -> None:
+        """Put in their places what can appear at the end of a tick."""
+        for index in self._waiting.take(tick, self.trunk_pose(), self.box_pose()):
+            self.data.mocap_pos[self._wall(index)] = self.model.body(wall_name(index)).pos
+            self.appeared += (Appearance(obstacle=index, tick=tick),)
+
+    def _wall(self, index: int) -> int:
+        """The row of an obstacle that appears later in MuJoCo's positions of such bodies."""
+        return int(self.model.body(wall_name(index)).mocapid[0])
 
     def _check(self, qpos: Array) -> None:
         """`LegpushError` if MuJoCo warned, or the state stopped being finite, in these ticks."""

@@ -8,6 +8,7 @@ import mujoco
 from legpush.scenario import Box, Goal, Room, Scenario
 
 WALL_GREY: Final = (0.62, 0.65, 0.69, 1.0)
+APPEARED_OCHRE: Final = (0.80, 0.58, 0.30, 1.0)
 GOAL_GREEN: Final = (0.12, 0.65, 0.32, 0.9)
 
 
@@ -65,15 +66,24 @@ def _add_looks(spec: mujoco.MjSpec) -> None:
     )
 
 
+def wall_name(index: int) -> str:
+    """Of an obstacle's geom, and of its body if it appears later."""
+    return f"wall_{index}"
+
+
 def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
+    """A wall that appears later is a body that can be put somewhere else meanwhile; the model has it in its place."""
     for index, wall in enumerate(room.obstacles):
         half = [(wall.x_max_m - wall.x_min_m) / 2, (wall.y_max_m - wall.y_min_m) / 2, room.wall_height_m / 2]
-        spec.worldbody.add_geom(
-            name=f"wall_{index}",
+        centre = [wall.x_min_m + half[0], wall.y_min_m + half[1], half[2]]
+        later = wall.appears_at_s > 0.0
+        body = spec.worldbody.add_body(name=wall_name(index), mocap=True, pos=centre) if later else spec.worldbody
+        body.add_geom(
+            name=wall_name(index),
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=half,
-            pos=[wall.x_min_m + half[0], wall.y_min_m + half[1], half[2]],
-            rgba=WALL_GREY,
+            pos=[0.0, 0.0, 0.0] if later else centre,
+            rgba=APPEARED_OCHRE if later else WALL_GREY,
             contype=0,
             conaffinity=0,
         )

@@ -43,6 +43,7 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
         fallen=physics.fallen,
         path=path,
         push=push,
+        appeared=physics.appeared,
     )
 
 

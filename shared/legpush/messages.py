@@ -290,6 +290,15 @@ class PushReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Largest contact force between foot and box, of those at the end of each tick."""
 
 
+class Appearance(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """That an obstacle with `appears_at_s` stands in the room."""
+
+    obstacle: Count
+    """Its place in `room.obstacles`, from 0."""
+    tick: Count
+    """The one at whose end it appeared."""
+
+
 class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The state of the world at the end of a step."""
 
@@ -309,6 +318,8 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     fallen: bool
     path: PathProgress | None
     push: PushReport | None
+    appeared: tuple[Appearance, ...]
+    """What has appeared since the reset, in that order; it stays."""
 
 
 class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,10 +1,12 @@
 """The occupancy map of a room: what the planner is told about it."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from itertools import compress
 from math import ceil
 from typing import Final
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from legpush.messages import OccupancyGrid
@@ -21,8 +23,16 @@ def clearance_m(planning: Planning) -> float:
     return FOOT_RECTANGLE_RADIUS_M + planning.margin_m
 
 
+def room_by_now(room: Room, appeared: Collection[int]) -> Room:
+    """The room without the obstacles that are yet to appear; `appeared` are the indices of those that have."""
+    stands = [obstacle.appears_at_s == 0.0 or index in appeared for index, obstacle in enumerate(room.obstacles)]
+    return room if all(stands) else replace(room, obstacles=tuple(compress(room.obstacles, stands)))
+
+
 def occupancy_grid(room: Room, footprints: Sequence[Footprint] = ()) -> OccupancyGrid:
     """The room with its obstacles and whatever else stands in it, such as the box; every touched cell is occupied.
+
+    Whether an obstacle has appeared is not asked: `room_by_now` leaves out what has not.
 
     Where the size of the room is no whole number of cells, the cells that reach beyond it are occupied.
     """

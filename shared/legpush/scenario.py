@@ -35,6 +35,8 @@ class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     x_max_m: float
     y_min_m: float
     y_max_m: float
+    appears_at_s: NonNegative = 0.0
+    """Simulated time from which it stands there, as soon as neither robot nor box is near; 0 is from the start."""
 
     def __post_init__(self) -> None:
         """Refuse a rectangle without area (`ValueError`)."""

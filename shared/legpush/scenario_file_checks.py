@@ -1,6 +1,7 @@
 """Whether a scenario can be carried out at all: everything inside the room, with space where it is needed.
 
-What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed.
+What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed. An
+obstacle that appears later may do so anywhere in the room: it waits until nothing is in its place.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -33,7 +34,7 @@ from legpush.room_shapes import (
     distance_to_point_m,
     obstacle_footprint,
 )
-from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Rectangle, Room, Scenario
+from legpush.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Planning, Rectangle, Room, Scenario
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
@@ -54,6 +55,7 @@ def _check(scenario: Scenario) -> None:
     """The checks, from the room to the goal."""
     room, box, offsets = scenario.room, scenario.box, scenario.randomization
     _check_room(room)
+    _check_planning(scenario.planning)
 
     start, box_pose, goal_pose = scenario.start.pose(), box.pose.pose(), scenario.goal.pose.pose()
     clear = clearance_m(scenario.planning)
@@ -125,6 +127,16 @@ def _check_place_to_end(scenario: Scenario, face: Face) -> None:
     behind = behind_box(box, pose, STATION_M)
     what = f"the robot's place behind the {face} face of the box at its goal"
     _check_circle(scenario.room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", what)
+
+
+def _check_planning(planning: Planning) -> None:
+    """A better path is joined by straight lines."""
+    curved = planning.steering != "straight" or planning.min_turning_radius_m > 0.0
+    if planning.anytime is not None and curved:
+        raise ScenarioError(
+            "at `planning.anytime`: expected the steering straight and no min_turning_radius_m with better paths while "
+            f"walking, got {planning.steering} and {planning.min_turning_radius_m:g} m"
+        )
 
 
 def _check_reference(scenario: Scenario, reference: Reference) -> None:
@@ -203,12 +215,14 @@ def _check_box(
 
 
 def _near(room: Room, points: NDArray[np.float64], reach_m: float) -> Iterator[tuple[int, Rectangle]]:
-    """The obstacles, with their indices, that are not farther than `reach_m` along an axis from all points, (n, 2)."""
+    """The obstacles that do not appear later, with their indices, not farther than `reach_m` along an axis from all
+    points, (n, 2).
+    """
     (x_low, y_low), (x_high, y_high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     for index, wall in enumerate(room.obstacles):
         along_x_m = max(wall.x_min_m - x_high, x_low - wall.x_max_m)
         along_y_m = max(wall.y_min_m - y_high, y_low - wall.y_max_m)
-        if along_x_m < reach_m and along_y_m < reach_m:
+        if wall.appears_at_s == 0.0 and along_x_m < reach_m and along_y_m < reach_m:
             yield index, wall
 
 

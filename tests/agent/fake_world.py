@@ -17,6 +17,7 @@ from legpush.episode import PlanRecord, StepRecord
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages import (
+    Appearance,
     BoxPathQuery,
     BoxState,
     Follow,
@@ -34,7 +35,7 @@ from legpush.messages import (
     Walk,
     WorldState,
 )
-from legpush.robot import foot_rectangle_b
+from legpush.robot import CONTROL_PERIOD_S, foot_rectangle_b
 from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
 
 STRIDE_M = 0.4
@@ -65,7 +66,13 @@ def scenario_at_station() -> Scenario:
 
 
 def make_state(
-    trunk: Pose2, box: Pose2, *, tick: int = 0, fallen: bool = False, path: PathProgress | None = None
+    trunk: Pose2,
+    box: Pose2,
+    *,
+    tick: int = 0,
+    fallen: bool = False,
+    path: PathProgress | None = None,
+    appeared: tuple[Appearance, ...] = (),
 ) -> WorldState:
     """A level robot with its feet at the foot rectangle, and a level box of 0.4 m height."""
     x, y, z, w = 0.0, 0.0, sin(trunk.yaw_rad / 2), cos(trunk.yaw_rad / 2)
@@ -93,6 +100,7 @@ def make_state(
         fallen=fallen,
         path=path,
         push=None,
+        appeared=appeared,
     )
 
 
@@ -124,7 +132,10 @@ class FakeWorld:
     noise: np.random.Generator | None = None
     records: list[StepRecord | PlanRecord] = field(default_factory=list)
     told: list[tuple[str, float | None, str]] = field(default_factory=list)
+    better: Callable[[PlanQuery, int], Plan] = lambda query, _revision: straight_plan(query)
+    n_cancelled: int = 0
     _tick: int = 0
+    _appeared: tuple[Appearance, ...] = ()
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
         """As a simulator that serves actions."""
@@ -138,7 +149,10 @@ class FakeWorld:
         n_ticks = self._move(motion)
         fallen = self.falls_in(motion, n_before + 1)
         begin, self._tick = self._tick, self._tick + n_ticks
-        world = make_state(self._trunk, self._box, tick=self._tick, fallen=fallen, path=self._progress())
+        self._let_appear()
+        world = make_state(
+            self._trunk, self._box, tick=self._tick, fallen=fallen, path=self._progress(), appeared=self._appeared
+        )
         trace = _trace(begin, n_ticks, before or (self._trunk, self._box), (self._trunk, self._box))
         outcome = Outcome(world=world, state_crc=crc32(codec.encode(world)), trace=trace)
         self.records.append(StepRecord(motion, outcome))
@@ -150,9 +164,25 @@ class FakeWorld:
         self.records.append(PlanRecord(query, plan))
         return plan
 
+    def revision(self, revision: int) -> Plan:
+        """The better plan with this number."""
+        query = next(r.query for r in reversed(self.records) if isinstance(r, PlanRecord))
+        plan = self.better(query, revision)
+        self.records.append(PlanRecord(query, plan))
+        return plan
+
+    def cancel_plan(self) -> None:
+        """Count it."""
+        self.n_cancelled += 1
+
     def tell(self, phase: str, fraction: float | None, detail: str) -> None:
         """Keep what people are told."""
         self.told.append((phase, fraction, detail))
+
+    @property
+    def tick(self) -> int:
+        """Now."""
+        return self._tick
 
     def motions(self, kind: type[Motion]) -> list[Motion]:
         """All motions of one kind."""
@@ -177,6 +207,7 @@ class FakeWorld:
                 self._box = Pose2(x_m=nominal.x_m + dx, y_m=nominal.y_m + dy, yaw_rad=nominal.yaw_rad + turn)
                 self._path: _Path | None = None
                 self._tick = 0
+                self._appeared = ()
                 return 0
             case Follow():
                 self._path = _Path(motion.waypoints)
@@ -192,6 +223,13 @@ class FakeWorld:
                 self._trunk = station(box, pose)
                 self._path = None
                 return PUSH_TICKS
+
+    def _let_appear(self) -> None:
+        """Obstacles appear when they are due, whatever is in their place, at the end of a step."""
+        there = {each.obstacle for each in self._appeared}
+        for index, obstacle in enumerate(self._scenario.room.obstacles):
+            if 0.0 < obstacle.appears_at_s <= self._tick * CONTROL_PERIOD_S and index not in there:
+                self._appeared += (Appearance(obstacle=index, tick=self._tick),)
 
     def _pushed(self, push: Push) -> Pose2:
         before = pushed_pose(self._box, push.face)

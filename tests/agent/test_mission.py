@@ -281,6 +281,12 @@ def test_a_mission_that_is_answered_from_its_record_asks_the_same_again() -> Non
             assert isinstance(plan, Plan)
             return plan
 
+        def revision(self, revision: int) -> Plan:
+            raise AssertionError(revision)
+
+        def cancel_plan(self) -> None:
+            pass
+
         def tell(self, phase: str, fraction: float | None, detail: str) -> None:
             pass
 

@@ -25,7 +25,15 @@ from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenari
 
 SCENARIO = make_scenario()
 BOX = Pose2(x_m=6.98, y_m=3.0, yaw_rad=0.02)
-DONE = MissionResult(success=True, reason="success", detail="box error", handover_distance_m=2.9, n_push_cycles=1)
+DONE = MissionResult(
+    success=True,
+    reason="success",
+    detail="box error",
+    handover_distance_m=2.9,
+    n_push_cycles=1,
+    n_better_paths=0,
+    n_replans=0,
+)
 REPORT_KEYS = (
     *("success", "reason", "detail", "box_position_error_m", "box_angle_error_deg", "walk_tracking_rms_m"),
     *(
@@ -35,6 +43,7 @@ REPORT_KEYS = (
         "trunk_max_abs_roll_deg",
         "min_support_margin_m",
     ),
+    *("n_better_paths", "n_replans", "appeared"),
     *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed", "versions"),
 )
 

@@ -6,6 +6,7 @@ from legpush.geometry import Pose2
 from legpush.messages import (
     PROTOCOL_VERSION,
     Action,
+    Appearance,
     BoxPathQuery,
     BoxState,
     Follow,
@@ -46,7 +47,13 @@ def header(role: Role, name: str = "main", run: str = "test", sequence: int = 7)
 POSE = Pose2(x_m=1.0, y_m=2.5, yaw_rad=-0.5)
 SCENARIO = Scenario(
     name="example",
-    room=Room(size_m=(6.0, 4.0), obstacles=(Rectangle(x_min_m=2.0, x_max_m=2.5, y_min_m=0.0, y_max_m=3.0),)),
+    room=Room(
+        size_m=(6.0, 4.0),
+        obstacles=(
+            Rectangle(x_min_m=2.0, x_max_m=2.5, y_min_m=0.0, y_max_m=3.0),
+            Rectangle(x_min_m=3.0, x_max_m=3.1, y_min_m=2.0, y_max_m=4.0, appears_at_s=2.5),
+        ),
+    ),
     start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
     box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0)),
     goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
@@ -126,6 +133,7 @@ WORLD = WorldState(
     fallen=False,
     path=PathProgress(travelled_m=1.25, length_m=2.47, done=False),
     push=PushReport(leg="FR", touched=True, peak_force_n=12.5),
+    appeared=(Appearance(obstacle=1, tick=130),),
 )
 TRACE = Trace(
     tick=(214, 215),

@@ -43,7 +43,7 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
         case inspect.UnionType():
             return st.one_of(*(_of(variant) for variant in info.types))
         case inspect.StructType(cls=cls) if cls is Rectangle:
-            return st.builds(_rectangle, *(4 * [_COORDINATE]))
+            return st.builds(_rectangle, *(4 * [_COORDINATE]), st.floats(0.0, 1e6))
         case inspect.StructType(cls=cls, fields=fields) if cls is Box:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_box)
         case inspect.StructType():
@@ -65,9 +65,10 @@ def _box(fields: dict[str, Any]) -> Box:
     return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
 
 
-def _rectangle(x_m: float, y_m: float, length_m: float, width_m: float) -> Rectangle:
+def _rectangle(x_m: float, y_m: float, length_m: float, width_m: float, appears_at_s: float) -> Rectangle:
     """One with an area, which no choice of its fields one by one ensures."""
-    return Rectangle(x_min_m=x_m, x_max_m=x_m + abs(length_m) + 1.0, y_min_m=y_m, y_max_m=y_m + abs(width_m) + 1.0)
+    x_max_m, y_max_m = x_m + abs(length_m) + 1.0, y_m + abs(width_m) + 1.0
+    return Rectangle(x_min_m=x_m, x_max_m=x_max_m, y_min_m=y_m, y_max_m=y_max_m, appears_at_s=appears_at_s)
 
 
 def _integers(info: inspect.IntType) -> st.SearchStrategy[int]:

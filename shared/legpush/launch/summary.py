@@ -12,6 +12,11 @@ from rich.text import Text
 from legpush.errors import LegpushError
 from legpush.launch.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
+
+def _when(appeared: dict[str, Any]) -> str:
+    return f"room.obstacles[{appeared['obstacle']}] at {appeared['time_s']:.1f} s"
+
+
 ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "success": ("mission", lambda done: "success" if done else "no success"),
     "reason": ("reason", str),
@@ -24,6 +29,9 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "trunk_max_abs_pitch_deg": ("trunk pitch, largest", lambda deg: f"{deg:.1f}°"),
     "trunk_max_abs_roll_deg": ("trunk roll, largest", lambda deg: f"{deg:.1f}°"),
     "min_support_margin_m": ("support margin, least", lambda m: f"{100 * m:.1f} cm"),
+    "n_better_paths": ("better paths taken while walking", str),
+    "appeared": ("obstacles that appeared", lambda obstacles: ", ".join(map(_when, obstacles)) or "-"),
+    "n_replans": ("new paths because of them", str),
     "n_push_cycles": ("push cycles", str),
     "n_footsteps": ("footsteps", str),
     "sim_time_s": ("simulated time", lambda s: f"{s:.1f} s"),
@@ -33,6 +41,9 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "seed": ("seed", str),
 }
 """Fields of the report in the order of the table: what people call them, and how they read them."""
+
+IF_APPEARED: Final = ("appeared", "n_replans")
+"""Rows of missions in which an obstacle appeared."""
 
 FILES: Final = {
     REPORT_FILE: "these numbers, and the versions of everything",
@@ -63,7 +74,7 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
     """A table of the numbers, one of the files that are there; a number that was not measured is a dash."""
     numbers = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for field, (title, read) in ROWS.items():
-        if field in report:
+        if field in report and _is_shown(field, report):
             value = "-" if report[field] is None else read(report[field])
             numbers.add_row(Text(title, style="dim"), Text(value, style=_style(field, report)))
     files = Table(box=None, show_header=False, padding=(0, 2, 0, 2))
@@ -73,6 +84,13 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
     console.print("", numbers, "", sep="\n")
     console.print(Text(f"In {folder}:"), soft_wrap=True)
     console.print(files)
+
+
+def _is_shown(field: str, report: dict[str, Any]) -> bool:
+    """Rows about what did not happen are left out."""
+    if field in IF_APPEARED:
+        return bool(report.get("appeared"))
+    return field != "n_better_paths" or report[field] > 0
 
 
 def _style(field: str, report: dict[str, Any]) -> str:
