@@ -11,7 +11,7 @@ from typing import Annotated, Final
 import tyro
 
 from legpush.errors import ConfigError
-from legpush.scenario import PlannerName
+from legpush.scenario import PlannerName, Steering
 
 DEFAULT_POLICY: Final = "variable"
 """The shipped one that chooses leg, curve and depth."""
@@ -39,6 +39,10 @@ class RunOptions:
     """Another planner process, such as "python examples/grid_planner.py"; `docs/protocol.md` says what it has to do."""
     planner: PlannerName | None = None
     """Replaces the scenario's planner."""
+    steering: Steering | None = None
+    """Replaces how the scenario's paths are steered; dubins and reeds_shepp need a turning radius."""
+    turning_radius_m: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    """Replaces the scenario's least turning radius of the robot's paths."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Replaces the scenario's box mass."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None

@@ -112,6 +112,8 @@ def resolve_scenario(options: RunOptions) -> Scenario:
     """The scenario with what the options replace in it."""
     changes = {
         "planning.planner": options.planner,
+        "planning.steering": options.steering,
+        "planning.min_turning_radius_m": options.turning_radius_m,
         "box.mass_kg": options.box_mass_kg,
         "box.friction": options.box_friction,
     }
