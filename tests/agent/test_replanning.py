@@ -1,6 +1,7 @@
 """A mission whose world changes: what appears in the way is gone around, what does not is left alone."""
 
 from collections.abc import Callable, Iterable
+from itertools import groupby
 
 import pytest
 from msgspec.structs import replace
@@ -123,6 +124,19 @@ def test_an_approach_is_planned_anew_as_well() -> None:
     assert (result.success, result.n_replans) == (True, 1)
     assert [knows(query, gate) for query in world.queries()] == [False, False, True]
     assert [knows(query, gate) for query in world.box_queries()] == [False, False, True]
+
+
+def test_a_robot_without_space_to_turn_steps_back_before_it_asks_for_a_new_way() -> None:
+    beside = Rectangle(x_min_m=5.2, x_max_m=5.3, y_min_m=3.39, y_max_m=3.6, appears_at_s=13.5)
+    world, scenario = FakeWorld(), with_obstacles(make_scenario(), beside)
+
+    result = run(world, scenario)
+
+    assert (result.success, result.n_replans) == (True, 1)
+    phases = [phase for phase, _ in groupby(phase for phase, _, _ in world.told)]
+    back = phases.index("backing off")
+    assert phases[back - 2 : back + 3] == ["approaching", "giving up a path", "backing off", "planning", "approaching"]
+    assert world.queries()[-1].start.x_m < 5.0
 
 
 def test_a_robot_that_is_cut_off_ends_its_mission_without_a_path_and_says_since_when() -> None:
