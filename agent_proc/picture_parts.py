@@ -26,7 +26,7 @@ def appeared(record: MissionRecord) -> tuple[Appearance, ...]:
 def followed(record: MissionRecord) -> list[tuple[Step, bool]]:
     """Every path of the robot at its beginning, and whether an obstacle appeared in the way of what was left of it."""
     begins = [index for index, step in enumerate(record.steps) if isinstance(step.motion, Follow)]
-    ends = [*begins[1:], len(record.steps)]
+    ends = [*begins, len(record.steps)][1:]
     return [
         (record.steps[begin], _was_given_up(record, record.steps[begin], record.steps[end - 1].world))
         for begin, end in zip(begins, ends, strict=True)

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.picture import save_picture
+from agent_proc.picture_parts import appeared, followed
 from agent_proc.poses import planar_pose
 from agent_proc.push_estimate import PushEstimate
 from agent_proc.record import MissionRecord, read_record
@@ -21,6 +22,7 @@ from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.messages import Follow, Outcome, Plan, PlanQuery, Push, Reset, Trace, Tree, Walk
 from legpush.reference import Arcs, Straight
+from legpush.scenario import Rectangle
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan
 
 SCENARIO = make_scenario()
@@ -241,7 +243,33 @@ def push_alone() -> tuple[MissionRecord, MissionResult]:
     return read_record(world.records), result
 
 
-@pytest.mark.parametrize("mission", [whole_mission, unplanned_mission, push_alone])
+def blocked_mission() -> tuple[MissionRecord, MissionResult]:
+    """Two obstacles appear, one in the way, and a third would have."""
+    wall = Rectangle(x_min_m=3.2, x_max_m=3.4, y_min_m=2.0, y_max_m=4.0)
+    gate, aside, late = (replace(wall, appears_at_s=at_s) for at_s in (2.0, 4.0, 1e6))
+    aside = replace(aside, y_min_m=0.0, y_max_m=1.0)
+    world = FakeWorld(planner=branching_plan)
+    scenario = replace(SCENARIO, room=replace(SCENARIO.room, obstacles=(late, gate, aside)))
+    result = run_mission(world, scenario, 5, ScriptedPolicy())
+    return read_record(world.records), result
+
+
+def test_the_report_says_what_appeared_when_and_how_often_that_was_in_the_way() -> None:
+    report = make_report(*blocked_mission(), 1.0, {})
+
+    assert [(each.obstacle, each.time_s) for each in report.appeared] == [(1, 3.2), (2, pytest.approx(4.8))]
+    assert report.n_replans == 1
+
+
+def test_a_path_is_given_up_that_an_obstacle_appeared_in_and_no_other() -> None:
+    record, _ = blocked_mission()
+
+    assert [given_up for _, given_up in followed(record)] == [True, False, False]
+    assert [each.obstacle for each in appeared(record)] == [1, 2]
+    assert not any(given_up for _, given_up in followed(whole_mission()[0]))
+
+
+@pytest.mark.parametrize("mission", [whole_mission, unplanned_mission, push_alone, blocked_mission])
 def test_every_mission_can_be_drawn(mission: object, tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
     record, result = mission()  # type: ignore[operator]
 

@@ -64,7 +64,7 @@ def test_the_version_is_that_of_the_package() -> None:
             ["calibrate", "--out", "full/file"],
             "error: Expected a new file in an existing folder for --out, got full/file",
         ),
-        (["run", "--scenario", "nope"], "error: Expected the name of a scenario (default, dubins_loop, published, "),
+        (["run", "--scenario", "nope"], "error: Expected the name of a scenario (blocked_way, default, dubins_loop, "),
         (["run", "--scenario", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
         (
             ["run", "--box-mass-kg", "-1"],

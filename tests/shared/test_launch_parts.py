@@ -168,6 +168,8 @@ REPORT = {
     "trunk_max_abs_pitch_deg": 1.5,
     "trunk_max_abs_roll_deg": 2.5,
     "min_support_margin_m": 0.031,
+    "n_replans": 1,
+    "appeared": [{"obstacle": 3, "time_s": 12.0}],
     "n_push_cycles": 17,
     "n_footsteps": 240,
     "sim_time_s": 101.25,
@@ -193,6 +195,24 @@ def test_the_summary_tells_every_number_and_only_the_files_that_are_there(tmp_pa
     assert f"In {tmp_path}:\n  report.json" in text
     assert "  logs" in text
     assert "mission.mp4" not in text
+
+
+@pytest.mark.parametrize(
+    ("appeared", "shown"),
+    [
+        ([], False),
+        ([{"obstacle": 7, "time_s": 6.0}, {"obstacle": 8, "time_s": 65.04}], True),
+    ],
+)
+def test_the_summary_tells_what_appeared_if_anything_did(
+    appeared: list[dict[str, float]], shown: bool, tmp_path: Path
+) -> None:
+    console = Console(file=StringIO(), width=200)
+    print_summary(console, tmp_path, {**REPORT, "appeared": appeared, "n_replans": 2})
+    assert isinstance(console.file, StringIO)
+    text = console.file.getvalue()
+    assert ("room.obstacles[7] at 6.0 s, room.obstacles[8] at 65.0 s" in text) == shown
+    assert ("new paths because of them" in text) == shown
 
 
 def test_the_table_shows_every_field_of_a_report_but_the_versions() -> None:

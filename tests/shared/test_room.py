@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.room import clearance_m, grid_shape, occupancy_grid
+from legpush.room import clearance_m, grid_shape, occupancy_grid, room_by_now
 from legpush.room_shapes import Footprint, distance_m, distance_to_point_m, obstacle_footprint
 from legpush.scenario import Planning, Rectangle, Room
 from legpush.scenario_file_grid import merged_rectangles
@@ -64,6 +64,19 @@ def test_walls_along_cell_borders_occupy_exactly_their_cells() -> None:
     cells = cells_of(occupancy_grid(Room(size_m=(2.0, 1.0), resolution_m=0.1, obstacles=(wall,))))
     assert cells.shape == (10, 20)
     assert np.argwhere(cells).tolist() == [[7, 3], [7, 4], [7, 5]]
+
+
+def test_a_room_has_by_now_what_was_there_and_what_has_appeared() -> None:
+    walls = tuple(
+        Rectangle(x_min_m=x_m, x_max_m=x_m + 0.5, y_min_m=0.0, y_max_m=1.0, appears_at_s=at_s)
+        for x_m, at_s in ((0.0, 0.0), (1.0, 4.0), (2.0, 2.0))
+    )
+    room = Room(size_m=(4.0, 2.0), obstacles=walls)
+
+    assert room_by_now(room, ()).obstacles == walls[:1]
+    assert room_by_now(room, {2}).obstacles == (walls[0], walls[2])
+    assert room_by_now(room, (2, 1)) == room
+    assert cells_of(occupancy_grid(room_by_now(room, {2}))).sum() == 2 * 10 * 20
 
 
 def test_row_0_lies_at_the_lowest_y() -> None:

@@ -70,8 +70,9 @@ def drop(table: str, field: str) -> Callable[[Plain], None]:
 # -- what loads ------------------------------------------------------------------------------------------------------
 
 
-def test_there_are_six_built_in_scenarios() -> None:
-    assert scenario_names() == ("default", "dubins_loop", "published", "published_detour", "push", "sine")
+def test_there_are_seven_built_in_scenarios() -> None:
+    names = ("blocked_way", "default", "dubins_loop", "published", "published_detour", "push", "sine")
+    assert scenario_names() == names
 
 
 @pytest.mark.parametrize("name", scenario_names())
@@ -140,6 +141,28 @@ def test_copying_never_overwrites(tmp_path: Path) -> None:
     assert load_scenario(tmp_path / "mine.toml").name == "default"
 
 
+def test_an_obstacle_is_there_from_the_start_unless_it_says_otherwise(tmp_path: Path) -> None:
+    plain = plain_scenario()
+    plain["room"]["obstacles"].append({**plain["room"]["obstacles"][0], "appears_at_s": 12.5})
+    scenario = load_scenario(write(tmp_path, plain))
+    assert [obstacle.appears_at_s for obstacle in scenario.room.obstacles] == [0.0, 12.5]
+    again = tmp_path / "again.toml"
+    again.write_text(dump_scenario(scenario))
+    assert load_scenario(again) == scenario
+
+
+@pytest.mark.parametrize("place", ["start", "box", "goal"])
+def test_an_obstacle_may_appear_where_none_may_stand(place: str, tmp_path: Path) -> None:
+    plain = plain_scenario()
+    x_m, y_m = {"start": (1.0, 1.0), "box": (5.5, 2.5), "goal": (6.5, 2.5)}[place]
+    rectangle = {"x_min_m": x_m - 0.3, "x_max_m": x_m + 0.3, "y_min_m": y_m - 0.3, "y_max_m": y_m + 0.3}
+    plain["room"]["obstacles"].append({**rectangle, "appears_at_s": 3.0})
+    assert len(load_scenario(write(tmp_path, plain)).room.obstacles) == 2
+    plain["room"]["obstacles"][1]["appears_at_s"] = 0.0
+    with pytest.raises(ScenarioError, match=r"to `room\.obstacles\[1\]`"):
+        load_scenario(write(tmp_path, plain))
+
+
 # -- what is refused -------------------------------------------------------------------------------------------------
 
 SCHEMA_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
@@ -180,6 +203,14 @@ SCHEMA_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
     "no area": (
         put("room", "obstacles", 0, "x_max_m", value=2.0),
         r"at `room\.obstacles\[0\]`: expected x_min_m < x_max_m, got 3\.0 and 2\.0",
+    ),
+    "time before the reset": (
+        put("room", "obstacles", 0, "appears_at_s", value=-0.5),
+        r"at `room\.obstacles\[0\]\.appears_at_s`: expected a number >= 0\.0, got -0\.5",
+    ),
+    "mistyped time": (
+        put("room", "obstacles", 0, "apears_at_s", value=1.0),
+        r"at `room\.obstacles\[0\]\.apears_at_s`: unknown field \(did you mean `appears_at_s`\?\)",
     ),
     "name with a slash": (put("name", value="a/b"), r"at `name`: expected a text matching regex .*, got 'a/b'"),
     "no budget": (put("planning", "max_iterations", value=0), r"at `planning\.max_iterations`: .* >= 1, got 0"),
@@ -263,6 +294,13 @@ ROOM_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
         put("room", "obstacles", 0, value={"x_min_m": 9.0, "x_max_m": 10.0, "y_min_m": 0.0, "y_max_m": 1.0}),
         r"at `room\.obstacles\[0\]`: expected a rectangle in the room, x 0 to 8\.0",
     ),
+    "obstacle that appears elsewhere": (
+        put(
+            *("room", "obstacles", 0),
+            value={"x_min_m": 9.0, "x_max_m": 10.0, "y_min_m": 0.0, "y_max_m": 1.0, "appears_at_s": 5.0},
+        ),
+        r"at `room\.obstacles\[0\]`: expected a rectangle in the room, x 0 to 8\.0",
+    ),
     "too many cells": (
         put("room", "resolution_m", value=1e-4),
         r"at `room\.resolution_m`: expected at most 16777216 cells",
@@ -293,7 +331,7 @@ def test_a_record_can_be_checked_without_a_file() -> None:
 def test_an_unknown_name_lists_the_valid_ones_and_the_nearest() -> None:
     with pytest.raises(
         ScenarioError,
-        match=r"default, dubins_loop, published, published_detour, push, sine.*got `defalt` .*mean `default`",
+        match=r"blocked_way, default, dubins_loop, .*, push, sine.*got `defalt` .*mean `default`",
     ):
         load_scenario("defalt")
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
-from legpush.episode import read_episode
+from legpush.episode import StepRecord, read_episode
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.journal import Acted, Journal, Observed, Opened
 from legpush.messages import Follow, Motion, Push, Reset, Walk
-from legpush.scenario import Scenario
+from legpush.scenario import Rectangle, Room, Scenario
 from sim_proc.film import film_of
 from sim_proc.simulator import Simulator
 from sim_proc.video import NO_OPENGL, working_backend
@@ -59,6 +60,21 @@ def test_a_film_has_every_tick_the_followed_path_and_the_footprints(run_folder: 
     n_steps = outcomes[-1].world.n_footsteps
     assert n_steps == 8
     assert n_steps <= len(film.footprints) <= n_steps + 4
+
+
+def test_a_film_hides_an_obstacle_until_the_tick_at_which_it_appeared(at_the_box: Scenario) -> None:
+    def wall(x_m: float, appears_at_s: float) -> Rectangle:
+        return Rectangle(x_min_m=x_m, x_max_m=x_m + 0.5, y_min_m=8.0, y_max_m=9.0, appears_at_s=appears_at_s)
+
+    walls = (wall(1.0, 0.0), wall(4.0, 0.4), wall(7.0, 1000.0))
+    scenario = replace(at_the_box, room=Room(size_m=(12.0, 10.0), obstacles=walls))
+    simulator = Simulator()
+    motions: list[Motion] = [Reset(scenario=scenario, seed=0), Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)]
+    records = [StepRecord(motion, simulator.perform(motion, with_trace=True)) for motion in motions]
+
+    film = film_of(records, "here")
+
+    assert film.hidden_until == {1: 19, 2: None}
 
 
 def test_an_episode_without_traces_cannot_be_filmed() -> None:
