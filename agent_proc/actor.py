@@ -92,7 +92,7 @@ class Actor:
         self, phase: str, waypoints: tuple[Pose2, ...], until_m: float = 0.0, last_stretch: tuple[Pose2, ...] = ()
     ) -> bool:
         """Gait cycle by gait cycle to the end of the path, or until the box is nearer than `until_m`; False where an
-        obstacle has appeared in the way, which nobody walks on then.
+        obstacle has appeared in what is left of the way.
         """
         self.step(Follow(waypoints=waypoints))
         n_known = self.n_appeared()
@@ -106,7 +106,7 @@ class Actor:
             if path.done or self.box_distance_m() <= until_m:
                 return True
             if any(is_in_walk(new, self.scenario, waypoints, path.travelled_m) for new in self.appeared_since(n_known)):
-                self.give_up("the robot")
+                self.give_up("the robot", n_known)
                 return False
             if self.n_appeared() > n_known:
                 self._better = None
@@ -194,10 +194,10 @@ class Actor:
         """All that have appeared but the first `n_known`."""
         return [self._whole.room.obstacles[each.obstacle] for each in self.state.appeared[n_known:]]
 
-    def give_up(self, what: str) -> None:
-        """Let people know that an obstacle has appeared in the way of robot or box, and count it."""
+    def give_up(self, what: str, n_known: int) -> None:
+        """Count that a path of robot or box is given up, and say what has appeared beyond the first `n_known`."""
         self.n_replans += 1
-        self.world.tell("giving up a path", None, f"in the way of {what}: {in_words(self.state.appeared[-1:])}")
+        self.world.tell("giving up a path", None, f"of {what}; appeared: {in_words(self.state.appeared[n_known:])}")
 
     def step(self, motion: Motion) -> None:
         """Move, and look around; a fall, of robot or box, ends the mission."""

@@ -216,9 +216,8 @@ class Pushing:
     def _require_free(self, stages: Sequence[BoxPath], from_m: float = 0.0) -> None:
         """A reference that something has appeared in the way of ends the mission: there is no other."""
         if not self._is_free(stages, from_m):
-            raise MissionEndedError(
-                "no_path", f"in the way of the reference: {in_words(self._actor.state.appeared[self._n_cleared :])}"
-            )
+            new = in_words(self._actor.state.appeared[self._n_cleared :])
+            raise MissionEndedError("no_path", f"the reference is not free any more; appeared: {new}")
 
     def _aim(self) -> Goal:
         """The goal with tolerances no wider than the aim."""
@@ -255,7 +254,7 @@ class Pushing:
             if closed and to_end:
                 self._require_free(stages, decision.deviation.distance_m)
             elif closed and not self._is_free(stages, decision.deviation.distance_m):
-                self._actor.give_up("the box")
+                self._actor.give_up("the box", self._n_cleared)
                 return "left_path"
             if self.n_cycles >= max_cycles:
                 return self._stop("max_push_cycles", f"box error {error} after {self.n_cycles} push cycles", to_end)

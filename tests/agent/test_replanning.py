@@ -89,7 +89,7 @@ def test_a_robot_asks_for_a_new_way_from_where_it_is_when_something_appears_in_i
     follows = world.motions(Follow)
     assert isinstance(follows[1], Follow)
     assert distance_m(follows[1].waypoints[0], second.start) < 1e-9
-    assert ("giving up a path", None, "in the way of the robot: room.obstacles[0] at 3.2 s") in world.told
+    assert ("giving up a path", None, "of the robot; appeared: room.obstacles[0] at 3.2 s") in world.told
 
 
 def test_the_first_plan_knows_nothing_of_what_is_yet_to_appear() -> None:
@@ -213,7 +213,7 @@ def test_there_is_no_other_way_than_along_a_reference(appears_at_s: float) -> No
     result = run(world, scenario)
 
     assert result.reason == "no_path"
-    assert result.detail.startswith("in the way of the reference: room.obstacles[0] at ")
+    assert result.detail.startswith("the reference is not free any more; appeared: room.obstacles[0] at ")
     assert bool(world.motions(Push)) == (appears_at_s > WALKING_S)
 
 
