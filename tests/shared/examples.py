@@ -17,6 +17,7 @@ from legpush.messages import (
     Outcome,
     PathProgress,
     Plan,
+    PlanCancel,
     PlanRequest,
     PlanResult,
     Push,
@@ -151,9 +152,10 @@ def _action(motion: Reset | Follow | Walk | Push, step: int) -> Action:
     return Action(header=header("agent"), episode=1700000000000, step=step, motion=motion, with_trace=step > 0)
 
 
-MESSAGES: Mapping[str, PlanRequest | PlanResult | Action | Observation | Refusal | Status] = {
+MESSAGES: Mapping[str, PlanRequest | PlanCancel | PlanResult | Action | Observation | Refusal | Status] = {
     "plan_request": PlanRequest(header=header("agent"), request_id=2, query=QUERY),
     "plan_request_box": PlanRequest(header=header("agent"), request_id=3, query=BOX_QUERY),
+    "plan_cancel": PlanCancel(header=header("agent"), request_id=3),
     "plan_result": PlanResult(
         header=header("planner"), client_incarnation="agent-0a1b2c", request_id=2, revision=0, final=True, plan=PLAN
     ),

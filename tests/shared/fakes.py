@@ -149,12 +149,15 @@ def sim(directory: Path, stepper: Stepper | None = None, faults: Faults | None =
 
 @contextmanager
 def planner(
-    directory: Path, make_plan: Callable[[PlanQuery], Plan] = fake_plan, faults: Faults | None = None
+    directory: Path,
+    make_plan: Callable[[PlanQuery], Plan] = fake_plan,
+    faults: Faults | None = None,
+    make_plans: MakePlans | None = None,
 ) -> Iterator[Bus]:
-    """A planner that serves in a thread."""
+    """A planner that serves in a thread; `make_plans` is one that improves its plans."""
     stop = Event()
     with bus(directory, "planner", faults=faults) as opened:
-        thread = Thread(target=serve_plans, args=(opened, one_plan(make_plan), stop))
+        thread = Thread(target=serve_plans, args=(opened, make_plans or one_plan(make_plan), stop))
         thread.start()
         try:
             yield opened
