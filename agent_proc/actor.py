@@ -82,7 +82,7 @@ class Actor:
         """How often an obstacle appeared in the way."""
 
     def walk_plan(self, phase: str, plan: Plan, *, last_stretch: tuple[Pose2, ...] = (), until_m: float = 0.0) -> bool:
-        """The same along the plan that was asked for last, and on; a better one is taken where it comes in time."""
+        """Along the plan that was asked for last, and on, as `walk` does; better ones are taken as they come."""
         done = self.walk(phase, plan.waypoints + last_stretch, until_m, last_stretch)
         self._better = None
         self.world.cancel_plan()
