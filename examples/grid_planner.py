@@ -56,7 +56,9 @@ def plan_trunk(query):
     points = shortest(start, goal, is_free)
     if points is None:
         return {"status": "failed", "reason": f"no way from point to point of a lattice of {LATTICE_M} m"}
-    corners, waypoints = shortened(points, is_free), [query["start"]]
+    corners, waypoints = [start], [query["start"]]
+    while corners[-1] != goal:  # on to the farthest point that a straight line leads to
+        corners.append(next(point for point in reversed(points) if is_free(corners[-1], point)))
     for a, b in pairwise(corners):
         yaw_rad = phase(b - a)
         waypoints += [{"x_m": at.real, "y_m": at.imag, "yaw_rad": yaw_rad} for at in line(a, b, WAYPOINT_M)]
@@ -91,26 +93,13 @@ def shortest(start, goal, is_free):
     return None
 
 
-def shortened(points, is_free):
-    """Without what a straight line makes needless: from each point as far ahead as one is free, by halves."""
-    kept, index = points[:1], 0
-    while index < len(points) - 1:
-        ahead = len(points) - 1
-        while ahead > index + 1 and not is_free(points[index], points[ahead]):
-            ahead = (index + ahead) // 2
-        kept, index = [*kept, points[ahead]], ahead
-    return kept
-
-
 def line(a, b, step_m):
     n = max(1, ceil(abs(b - a) / step_m))
     return [a + (b - a) * k / n for k in range(n + 1)]
 
 
-def answer(message, answered):
-    """The plan for a request or a cancellation, and the same again for one that is repeated; None for an old one."""
-    client, asker = message["header"]["name"], message["header"]["incarnation"]
-    number, query = message["request_id"], message.get("query")
+def answer(client, asker, number, query, answered):
+    """The plan for a query, or for None where it is cancelled; the same when it is repeated, None when it is old."""
     last_asker, last_number, last_query, last_plan = answered.get(client, (None, None, None, None))
     if asker == last_asker and number < last_number:
         return None
@@ -118,11 +107,11 @@ def answer(message, answered):
         is_other = query and last_query and query != last_query
         return {"status": "invalid", "reason": f"{number} was the id of another query"} if is_other else last_plan
     if query is None:
-        found = {"status": "cancelled", "reason": "there was no plan yet"}
+        plan = {"status": "cancelled", "reason": "there was no plan yet"}
     else:
-        found = plan_trunk(query) if query["kind"] == "trunk_path" else plan_box(query, fits)
-    answered[client] = asker, number, query, found
-    return found
+        plan = plan_trunk(query) if query["kind"] == "trunk_path" else plan_box(query, fits)
+    answered[client] = asker, number, query, plan
+    return plan
 
 
 def main():
@@ -145,25 +134,30 @@ def main():
     inbox, answered, sequences = queue.Queue(), {}, defaultdict(count)
     with zenoh.open(zenoh.Config.from_json5(json.dumps(config))) as session:
         for kind in ("request", "cancel"):
-            session.declare_subscriber(f"{prefix}/plan/*/{kind}", lambda sample: inbox.put(sample.payload.to_bytes()))
+            session.declare_subscriber(f"{prefix}/plan/*/{kind}", inbox.put)
         token = session.liveliness().declare_token(f"{prefix}/live/planner/{options.name}/{incarnation}")
         while token:
+            sample = inbox.get()
+            client, kind = str(sample.key_expr).split("/")[-2:]
             try:
-                message = msgpack.unpackb(inbox.get())
+                message = msgpack.unpackb(sample.payload.to_bytes())
                 json.dumps(message, allow_nan=False, default=len)  # an error where a number is not finite
-                header = message["header"]
-                is_mine = (header["protocol"], header["run"]) == (VERSION, options.run)
-                plan = answer(message, answered) if is_mine else None
+                header, number = message["header"], message["request_id"]
+                if (header["protocol"], header["run"], header["name"]) != (VERSION, options.run, client):
+                    raise ValueError(f"expected another sender than {header}")
+                query = message["query"] if kind == "request" else None
+                plan = answer(client, header["incarnation"], number, query, answered)
             except Exception as error:  # a message that is not valid harms nobody
                 print(f"not answered: {error!r}", file=sys.stderr)
                 continue
             if plan is not None:
-                client = header["name"]
-                result = {
+                mine = {
                     "header": {**me, "sequence": next(sequences[client])},
-                    "client_incarnation": header["incarnation"],
+                    "revision": 0,
+                    "final": True,
+                    "plan": plan,
                 }
-                result |= {"request_id": message["request_id"], "revision": 0, "final": True, "plan": plan}
+                result = {**mine, "client_incarnation": header["incarnation"], "request_id": number}
                 block = zenoh.CongestionControl.BLOCK
                 session.put(f"{prefix}/plan/{client}/result", msgpack.packb(result), congestion_control=block)
 
