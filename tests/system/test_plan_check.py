@@ -9,6 +9,8 @@ import pytest
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))
 FAULTY = str(Path(__file__).with_name("faulty_planner.py"))
+IMPATIENT = ("hangs", "invents fields", "ignores a cancel", "never is done")
+"""Faults that take as long as the deadline."""
 
 
 def check(*arguments: str, command: tuple[str, ...]) -> "subprocess.CompletedProcess[str]":
@@ -31,28 +33,45 @@ def test_the_built_in_planner_passes_all_checks(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("fault", "only", "words"),
     [
-        ("collides", "around a wall", "m from something occupied, 0.44 m were asked for"),
-        ("lies", "around a wall", "its status is failed (could not be bothered), expected exact"),
-        ("stops short", "open floor", "m from (7, 5)"),
-        ("random", "equal queries", "two equal queries get different plans: `length_m` is"),
-        ("hangs", "open floor", "no answer within 4 s"),
-        ("twice", "answers once", "it answers a request twice that was sent once"),
-        ("centimetres", "open floor", "it begins at (100, 100), 140 m from (1, 1); are these centimetres?"),
-        ("invents fields", "open floor", "no valid answer within 4 s; what came: "),
-        ("dies", "open floor", "out of ideas"),
+        ("collides", "plans: around a wall", "m from something occupied, 0.44 m were asked for"),
+        ("lies", "plans: around a wall", "its status is failed (could not be bothered), expected exact"),
+        ("stops short", "plans: open floor", "m from (7, 5)"),
+        ("centimetres", "plans: open floor", "it begins at (100, 100), 140 m from (1, 1); are these centimetres?"),
+        ("degrees", "plans: open floor", "a heading of 28.6479 rad, expected 0.5; are these degrees?"),
+        ("ignores the seed", "equal queries", "two equal queries get different plans: `"),
+        ("draws a seed when it starts", "equal queries", "after a restart an equal query gets another plan: `"),
+        ("hangs", "plans: open floor", "no answer within 2 s"),
+        ("dies", "plans: open floor", "out of ideas"),
+        ("answers twice", "answers once", "it answers a request twice that was sent once"),
+        ("invents fields", "plans: open floor", "no valid answer within 2 s; what came: "),
+        ("ignores a cancel", "is cancelled", "no last answer within 2 s to a request that was cancelled"),
+        ("skips a revision", "better plans", "its revisions are [0, 2, 3], expected 0 to 3 in order"),
+        ("never is done", "better plans", "after revision 2, which is not final: no answer within 2 s"),
+        ("gets worse", "better plans", "revision 1 is longer than the one before it"),
+        ("drives backward", "(Dubins)", "it does not move forward along its heading"),
+        ("turns too tightly", "(Dubins)", "it turns on a radius of 0.3"),
     ],
 )
 def test_each_fault_is_named(fault: str, only: str, words: str) -> None:
-    deadline_s = "60" if fault not in ("hangs", "invents fields") else "4"
+    deadline_s = "2" if fault in IMPATIENT else "60"
     done = check("--deadline", deadline_s, "--only", only, command=(sys.executable, FAULTY, fault))
 
     assert done.returncode == 1, done.stdout + done.stderr
-    assert f"FAIL  {'plans: ' if only in ('around a wall', 'open floor') else ''}{only}" in done.stdout
-    assert words in done.stdout
+    (failed,) = (line for line in done.stdout.splitlines() if line.startswith("FAIL"))
+    assert only in failed
+    assert words in failed
 
 
 def test_the_example_without_a_fault_passes_the_same_checks() -> None:
-    only = ("around a wall", "open floor", "equal queries", "answers once", "paths of the box")
+    only = (
+        "around a wall",
+        "open floor",
+        "equal queries",
+        "answers once",
+        "better plans",
+        "(Dubins)",
+        "paths of the box",
+    )
     done = check("--deadline", "60", "--only", *only, command=(sys.executable, FAULTY, "none"))
 
     assert done.returncode == 0, done.stdout + done.stderr
