@@ -11,8 +11,9 @@ import msgpack
 from msgspec.structs import replace
 
 from agent_proc.plan_check.cases import Case, box_query, cases, huge, query, room
-from agent_proc.plan_check.client import Client, PlannerProcess
+from agent_proc.plan_check.client import RUN, Client, PlannerProcess
 from agent_proc.plan_check.truth import differences, faults
+from legpush.bus import Bus
 from legpush.errors import ConfigError
 from legpush.messages import Plan, PlanResult, TrunkPathQuery
 from legpush.scenario import Anytime, Steering
@@ -217,6 +218,21 @@ def answers_the_newest(bench: Bench) -> str:
     return "" if results else f"the newest of three requests: {bench.client.silence(bench.deadline_s)}"
 
 
+def serves_a_client_anew(bench: Bench) -> str:
+    """A client that was started anew counts its requests from the first id on, and gets its own answers."""
+    bench.client.new_id()  # the next one is higher than the first one of the client that starts anew
+    before = bench.client.ask(query(room(8.0, 6.0), (1.0, 5.0), (7.0, 5.0)), bench.deadline_s)
+    if isinstance(before, str):
+        return before
+    with Bus(RUN, "agent", bench.client.bus.name, bench.planner.endpoints) as bus:
+        anew = Client(bus, bench.planner)
+        wrong = anew.wait_for_planner(START_S)
+        result = wrong or anew.ask(EASY, bench.deadline_s)
+    if isinstance(result, str):
+        return f"a client that was started anew: {result}"
+    return judged(EASY, result.plan, ("exact",))
+
+
 def serves_two_clients(bench: Bench) -> str:
     """Two clients at once get each its own answer."""
     questions = {bench.client: EASY, bench.other: query(room(8.0, 6.0), (1.0, 5.0), (7.0, 5.0))}
@@ -313,6 +329,7 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "refuses another query under a used request id": refuses_another_query,
     "answers the newest of several requests": answers_the_newest,
     "equal queries, equal plans, also after a restart": is_deterministic,
+    "serves a client that was started anew": serves_a_client_anew,
     "serves two clients at once": serves_two_clients,
     "survives messages that are not valid": survives_nonsense,
     "comes back when it is killed while it plans": comes_back,

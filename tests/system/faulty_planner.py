@@ -81,7 +81,7 @@ def steered(query: dict[str, Any]) -> dict[str, Any]:
 
 def break_answers(fault: str, planner: ModuleType) -> None:
     """Let it publish what the fault makes of an answer."""
-    put = planner.zenoh.Session.put
+    put, answer = planner.zenoh.Session.put, planner.answer
 
     def publish(session: Any, key: str, payload: bytes, **options: Any) -> None:
         result = msgpack.unpackb(payload)
@@ -92,6 +92,8 @@ def break_answers(fault: str, planner: ModuleType) -> None:
             put(session, key, msgpack.packb(revised), **options)
 
     planner.zenoh.Session.put = publish
+    if fault == "takes a restarted client for the old one":
+        vars(planner)["answer"] = lambda client, _, *rest: answer(client, "whoever", *rest)
 
 
 if __name__ == "__main__":
