@@ -13,6 +13,9 @@ from legpush.scenario import Smoothing
 
 CLEARANCE_M: Final = 0.44
 RESOLUTION_M: Final = 0.05
+AHEAD: Final = Pose2(x_m=4.0, y_m=3.0, yaw_rad=0.0)
+ASIDE: Final = Pose2(x_m=5.2, y_m=3.4, yaw_rad=0.3)
+"""Where the box should be."""
 Flags = NDArray[np.bool_]
 
 
@@ -66,8 +69,8 @@ def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...]
     return TrunkPathQuery(grid=grid, start=_pose(*start), goal=_pose(*goal), **(fields | changes))
 
 
-def box_query(length_m: float = 1.0) -> BoxPathQuery:
-    """The box straight ahead on an open floor, from one side."""
+def box_query(goal: Pose2) -> BoxPathQuery:
+    """The box from (3, 3), heading along x, on an open floor, pushed at one side."""
     here = _pose(0.0, 0.0)
     side = PushSide(
         frame=here,
@@ -81,7 +84,7 @@ def box_query(length_m: float = 1.0) -> BoxPathQuery:
     return BoxPathQuery(
         grid=room(8.0, 6.0),
         start=_pose(3.0, 3.0),
-        goal=_pose(3.0 + length_m, 3.0),
+        goal=goal,
         sides=(side,),
         present_side=None,
         box=Footprint(pose=here, length_m=0.4, width_m=0.5),

@@ -10,11 +10,13 @@ from typing import Final
 import msgpack
 from msgspec.structs import replace
 
-from agent_proc.plan_check.cases import Case, box_query, cases, huge, query, room
+from agent_proc.plan_check.box_truth import box_faults
+from agent_proc.plan_check.cases import AHEAD, ASIDE, Case, box_query, cases, huge, query, room
 from agent_proc.plan_check.client import RUN, Client, PlannerProcess
 from agent_proc.plan_check.truth import differences, faults
 from legpush.bus import Bus
 from legpush.errors import ConfigError
+from legpush.geometry import Pose2
 from legpush.messages import Plan, PlanResult, TrunkPathQuery
 from legpush.scenario import Anytime, Steering
 
@@ -248,23 +250,18 @@ def serves_two_clients(bench: Bench) -> str:
     return ""
 
 
-def knows_boxes(bench: Bench) -> str:
-    """A path of the box straight ahead; a planner may say that it knows none."""
-    asked = box_query()
+def knows_boxes(bench: Bench, goal: Pose2) -> str:
+    """A path of the box; a planner may say that it knows none."""
+    asked = box_query(goal)
     result = bench.client.ask(asked, bench.deadline_s)
     if isinstance(result, str):
         return result
     plan = result.plan
-    if plan.status in ("failed", "invalid"):
-        return f"{REMARK}it plans no paths of the box ({plan.reason}); missions need them"
-    if not plan.waypoints or len(plan.sides) != len(plan.waypoints):
-        return f"it has {len(plan.waypoints)} waypoints and {len(plan.sides)} sides, expected as many"
-    ends = ((plan.waypoints[0], asked.start, 1e-6), (plan.waypoints[-1], asked.goal, asked.position_tolerance_m))
-    for got, expected, most_m in ends:
-        off_m = float(abs(complex(got.x_m - expected.x_m, got.y_m - expected.y_m)))
-        if off_m > most_m:
-            return f"the box is at ({got.x_m:g}, {got.y_m:g}), {off_m:.3g} m from ({expected.x_m:g}, {expected.y_m:g})"
-    return ""
+    if plan.status in ("failed", "invalid") and plan.reason:
+        return f"{REMARK}it has none ({plan.reason}); missions need them"
+    if plan.status != "exact":
+        return f"its status is {plan.status} ({plan.reason}), expected exact"
+    return "; ".join(box_faults(asked, plan))
 
 
 def cancels(bench: Bench) -> str:
@@ -338,5 +335,6 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "turning radius between straight lines": partial(steers, steering="straight"),
     "turning radius, forward only (Dubins)": partial(steers, steering="dubins"),
     "turning radius, backward too (Reeds and Shepp)": partial(steers, steering="reeds_shepp"),
-    "paths of the box": knows_boxes,
+    "paths of the box: straight ahead": partial(knows_boxes, goal=AHEAD),
+    "paths of the box: to the side and turned": partial(knows_boxes, goal=ASIDE),
 }
