@@ -13,7 +13,8 @@ from rich.text import Text
 
 from agent_proc.files import write_whole
 from agent_proc.learning_service import run_program
-from agent_proc.plan_check.checks import Bench, Finding, run_checks
+from agent_proc.plan_check.bench import Bench
+from agent_proc.plan_check.checks import Finding, run_checks
 from agent_proc.plan_check.client import RUN, Client, PlannerProcess
 from legpush.bus import Bus
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
