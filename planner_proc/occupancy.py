@@ -4,8 +4,8 @@ Inside this module, lengths are cells and coordinates those of the grid with one
 (row, column) is the square from (column, row) to (column + 1, row + 1).
 """
 
-from collections.abc import Iterator, Sequence
-from math import hypot, sqrt
+from collections.abc import Sequence
+from math import ceil, hypot, inf
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from legpush.messages import OccupancyGrid
+from planner_proc.nearest import NearestCells
 from planner_proc.squares import point_square_offsets, segment_distance
 
 Floats = NDArray[np.float64]
@@ -21,7 +22,10 @@ ROUNDING_M: Final = 1e-8
 """What counts as equal: the rounding of coordinates, not a margin."""
 _POINT_M: Final = 1e-12
 """A shorter segment is a point: its direction drowns in rounding."""
-_ROWS_AT_ONCE: Final = 256
+NEAR_M: Final = 1.0
+_LEAST_REACH: Final = 8
+_WORTHWHILE: Final = 8.0
+"""A step along a segment by so many cells is taken without asking how many more it could be."""
 
 
 class ClearanceField:
@@ -31,24 +35,20 @@ class ClearanceField:
     is reported free whose distance is below the clearance asked for, but for `ROUNDING_M`.
     """
 
-    def __init__(self, grid: OccupancyGrid) -> None:
-        """Take a grid whose `cells` hold `n_rows * n_columns` zeros and ones."""
+    def __init__(self, grid: OccupancyGrid, near_m: float = NEAR_M) -> None:
+        """Take a grid whose `cells` hold `n_rows * n_columns` zeros and ones.
+
+        Up to `near_m` from what is occupied, `offsets_m` knows which of it is nearest.
+        """
         self._resolution_m = grid.resolution_m
         self._origin_m = grid.origin_m
+        self._per_m = 1.0 / grid.resolution_m
         self.size_m = (grid.n_columns * grid.resolution_m, grid.n_rows * grid.resolution_m)
         cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
         self._occupied = np.pad(cells != 0, 1, constant_values=True)
         self._exposed = _exposed(self._occupied)
-        self._nearest: NDArray[np.int32] = ndimage.distance_transform_edt(
-            ~self._occupied, return_distances=False, return_indices=True
-        )
-        """Row and column of the occupied cell whose centre is nearest to each cell's centre, (2, rows, columns)."""
-        self._bound_m = np.empty(self._occupied.shape, dtype=np.float32)
-        """No point of the cell is nearer than this to anything occupied."""
-        for rows, distances in self._centre_distances():
-            # Two squares are nearer than their centres by at most both half diagonals; the factor covers float32.
-            self._bound_m[rows] = np.maximum(distances - sqrt(2.0), 0.0) * (self._resolution_m * (1.0 - 1e-6))
-        self._flat_bound_m = self._bound_m.reshape(-1).data
+        reach = max(_LEAST_REACH, min(ceil(near_m * self._per_m) + 2, max(self._occupied.shape)))
+        self._nearest = NearestCells(self._occupied, reach)
 
     def contains(self, x_m: float, y_m: float) -> bool:
         """Whether the point lies on the grid."""
@@ -58,11 +58,13 @@ class ClearanceField:
         """Exact distance of points, (n, 2), to the nearest occupied square, (n,); 0 inside one and off the grid."""
         return self._segment_clearance_m(points_m, points_m)
 
-    def bounds_m(self, points_m: Floats) -> Floats:
-        """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell."""
+    def bounds_m(self, points_m: Floats, enough_m: Floats | float = inf) -> Floats:
+        """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell, or by more where
+        it is above `enough_m`.
+        """
         columns, rows = self._cells_of(self._to_cells(points_m)).T
-        bounds: Floats = np.where(self.on_grid(points_m), self._bound_m[rows, columns], 0.0)
-        return bounds
+        bounds = self._nearest.bounds(rows, columns, enough_m * self._per_m) * self._resolution_m
+        return np.where(self.on_grid(points_m), bounds, 0.0)
 
     def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float], clearance_m: float) -> bool:
         """Whether every point of the segment between two points keeps the clearance.
@@ -74,18 +76,21 @@ class ClearanceField:
         if not (self.contains(ax_m, ay_m) and self.contains(bx_m, by_m)):
             return False
         length_m = hypot(bx_m - ax_m, by_m - ay_m)
-        per_m = 1.0 / self._resolution_m
+        per_m = self._per_m
         per_step = per_m / length_m if length_m > _POINT_M else 0.0
         u, v = (ax_m - self._origin_m[0]) * per_m + 1.0, (ay_m - self._origin_m[1]) * per_m + 1.0
         du, dv = (bx_m - ax_m) * per_step, (by_m - ay_m) * per_step
-        bound_m, n_columns = self._flat_bound_m, self._occupied.shape[1]
-        least_m = 0.5 * self._resolution_m
+        bound, resolution_m = self._nearest.bound, self._resolution_m
+        least_m = 0.5 * resolution_m
+        enough = clearance_m * per_m + _WORTHWHILE
         begin_m, end_m = 0.0, length_m
-        while (step_m := bound_m[int(v + begin_m * dv) * n_columns + int(u + begin_m * du)] - clearance_m) > least_m:
+        while (
+            step_m := bound(int(v + begin_m * dv), int(u + begin_m * du), enough) * resolution_m - clearance_m
+        ) > least_m:
             begin_m += step_m
             if begin_m >= end_m:
                 return True
-        while (step_m := bound_m[int(v + end_m * dv) * n_columns + int(u + end_m * du)] - clearance_m) > least_m:
+        while (step_m := bound(int(v + end_m * dv), int(u + end_m * du), enough) * resolution_m - clearance_m) > least_m:
             end_m -= step_m
             if begin_m >= end_m:
                 return True
@@ -102,7 +107,7 @@ class ClearanceField:
 
     def free_segments(self, points_m: Floats, clearance_m: float) -> NDArray[np.bool_]:
         """Which segments of a polyline, (n, 2), keep the clearance all along, (n - 1,)."""
-        free = self._segment_bounds_m(points_m) >= clearance_m
+        free = self._segment_bounds_m(points_m, clearance_m) >= clearance_m
         rest = np.flatnonzero(~free)
         distances_m = self._segment_clearance_m(points_m[rest], points_m[rest + 1])
         free[rest] = distances_m >= clearance_m - ROUNDING_M
@@ -111,7 +116,7 @@ class ClearanceField:
     def path_clearance_m(self, points_m: Floats) -> float:
         """Exact least clearance of a polyline, (n, 2), over all of its points, not only the given ones."""
         least_m = float(self.clearance_m(points_m[:1])[0])
-        bounds_m = self._segment_bounds_m(points_m)
+        bounds_m = self._segment_bounds_m(points_m, least_m)
         order = np.argsort(bounds_m)
         for some in np.array_split(order, max(1, len(order) // 16)):
             if len(some) == 0 or bounds_m[some[0]] >= least_m:
@@ -123,17 +128,18 @@ class ClearanceField:
         """Vectors to points, (n, 2), from what is solid near them; where nothing is farther than a cell, a guess.
 
         The square is the one that is nearest to the centre of the point's cell, so another one may be slightly nearer:
-        good for steering, not for judging.
+        good for steering, not for judging. Beyond `near_m` it may
+        be any.
         """
         points = self._to_cells(points_m)
         columns, rows = self._cells_of(points).T
-        squares = np.stack([self._nearest[1, rows, columns], self._nearest[0, rows, columns]], axis=-1)
-        return point_square_offsets(points, squares) * self._resolution_m
+        squares = self._nearest.squares(rows, columns)
+        return point_square_offsets(points, squares[::-1].T) * self._resolution_m
 
     def is_separated(self, a_m: tuple[float, float], b_m: tuple[float, float], clearance_m: float) -> bool:
         """Whether it is certain that no path at this clearance joins the two points."""
         may_be_free = np.empty(self._occupied.shape, dtype=np.bool_)
-        for rows, distances in self._centre_distances():
+        for rows, distances in self._nearest.centre_distances():
             # No point of a cell is farther from a square than their centres are apart.
             may_be_free[rows] = distances * self._resolution_m >= clearance_m - ROUNDING_M
         labels, _ = ndimage.label(may_be_free, structure=np.ones((3, 3)))
@@ -150,29 +156,18 @@ class ClearanceField:
         cells: NDArray[np.int64] = np.clip(points, 0.0, [n_columns - 1, n_rows - 1]).astype(np.int64)
         return cells
 
-    def _centre_distances(self) -> Iterator[tuple[slice, Floats]]:
-        """Distances from the cells' centres to the nearest occupied centre, some rows at a time to save memory."""
-        n_rows, n_columns = self._occupied.shape
-        columns = np.arange(n_columns, dtype=np.float64)
-        for first in range(0, n_rows, _ROWS_AT_ONCE):
-            rows = slice(first, min(first + _ROWS_AT_ONCE, n_rows))
-            up = self._nearest[0, rows] - np.arange(rows.start, rows.stop, dtype=np.float64)[:, None]
-            across = self._nearest[1, rows] - columns
-            yield rows, np.sqrt(up * up + across * across)
-
     def _upper_bound(self, u: float, v: float) -> float:
         """Distance of one point to a square that is near it."""
-        row, column = int(v), int(u)
-        du = self._nearest.item(1, row, column) - u
-        dv = self._nearest.item(0, row, column) - v
+        row, column = self._nearest.square(int(v), int(u))
+        du, dv = column - u, row - v
         return hypot(max(du, -1.0 - du, 0.0), max(dv, -1.0 - dv, 0.0))
 
-    def _segment_bounds_m(self, points_m: Floats) -> Floats:
+    def _segment_bounds_m(self, points_m: Floats, enough_m: float) -> Floats:
         """What no point of each segment of a polyline is below, (n - 1,): a distance changes at most as fast as one
-        moves.
+        moves. Closely only where it is not above `enough_m`.
         """
-        bounds_m = self.bounds_m(points_m)
         lengths_m = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
+        bounds_m = self.bounds_m(points_m, enough_m + 0.5 * float(lengths_m.max(initial=0.0)))
         bounds: Floats = np.minimum(bounds_m[:-1], bounds_m[1:]) - 0.5 * lengths_m
         return bounds
 

@@ -22,7 +22,7 @@ from legpush.messages import (
 from legpush.plan_desk import Interrupted
 from planner_proc import polylines
 from planner_proc.box_path import make_box_plan
-from planner_proc.occupancy import ROUNDING_M, ClearanceField
+from planner_proc.occupancy import NEAR_M, ROUNDING_M, ClearanceField
 from planner_proc.route import Route
 from planner_proc.search import routes, steering_fault
 from planner_proc.shortcut import shortcut
@@ -50,7 +50,7 @@ def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
     if fault:
         yield Plan(status="invalid", reason=fault)
         return
-    field = ClearanceField(query.grid)
+    field = ClearanceField(query.grid, _near_m(query))
     if isinstance(query, BoxPathQuery):
         yield make_box_plan(query, field, interrupted)
     else:
@@ -189,6 +189,13 @@ def _grid_fault(grid: OccupancyGrid) -> str:
     if not max(abs(x_m), abs(y_m), abs(right_m), abs(top_m)) <= _MAX_COORDINATE_M:
         return f"Expected a map within {_MAX_COORDINATE_M:g} m of (0, 0), got {_extent(grid)}"
     return ""
+
+
+def _near_m(query: PlanQuery) -> float:
+    """How far from what is occupied it matters which of it is nearest."""
+    if isinstance(query, BoxPathQuery):
+        return max(NEAR_M, query.walk_clearance_m, query.clearance_m) + query.grid.resolution_m
+    return query.clearance_m + query.smoothing.comfort_m + 2.0 * query.grid.resolution_m
 
 
 def _search_fault(query: PlanQuery) -> str:
