@@ -1,8 +1,8 @@
 """Of each cell of a grid the occupied cell that is nearest to it, worked out only where somebody asks.
 
 A coarse pass over blocks of cells bounds all distances from below. Where that does not answer a question, one tile of
-cells is worked out exactly, from a window that reaches beyond it; where most of the grid is asked for, all of it at once.
-Lengths are cells.
+cells is worked out exactly, from a window that reaches beyond it; where much of the grid is asked for, all of it at
+once. Lengths are cells.
 """
 
 from collections.abc import Iterator
@@ -42,13 +42,14 @@ class NearestCells:
         self._n_columns = n_columns
         # Pages of zeros take no memory before something is written to them.
         self._squares = np.zeros((2, n_rows * n_columns), dtype=np.int32)
+        """Row and column of the one that is nearest to each cell, (2, rows * columns)."""
+        self._flat_squares = self._squares.data
         self._bounds = np.zeros(n_rows * n_columns, dtype=np.float32)
+        """What no point of each cell is nearer than, (rows * columns,); 0 where that is not known yet."""
         self._flat_bounds = self._bounds.data
         self._blocks_per_row = -(-n_columns // _BLOCK)
         self._solid_blocks = _any_in_blocks(occupied)
-        rows, columns = ndimage.distance_transform_edt(
-            ~self._solid_blocks, return_distances=False, return_indices=True
-        )
+        rows, columns = ndimage.distance_transform_edt(~self._solid_blocks, return_distances=False, return_indices=True)
         up, across = rows - np.arange(len(rows))[:, None], columns - np.arange(self._blocks_per_row)
         self._nearest_blocks = np.stack([rows.ravel(), columns.ravel()])
         apart = np.sqrt((up * up + across * across).ravel().astype(np.float64))
@@ -61,12 +62,12 @@ class NearestCells:
     def bound(self, row: int, column: int, enough: float) -> float:
         """What the distance of no point of the cell is below; exact to a cell unless it is more than `enough`."""
         index = row * self._n_columns + column
-        bound = self._flat_bounds[index]
+        bound: float = self._flat_bounds[index]
         if bound == 0.0:
-            coarse = self._flat_coarse[(row >> _SHIFT) * self._blocks_per_row + (column >> _SHIFT)]
+            coarse: float = self._flat_coarse[(row >> _SHIFT) * self._blocks_per_row + (column >> _SHIFT)]
             if coarse > enough:
                 return coarse
-            self._work_out(np.array([row]), np.array([column]))
+            self._work_out([(row // self._tile, column // self._tile)])
             bound = self._flat_bounds[index]
         return bound
 
@@ -77,23 +78,24 @@ class NearestCells:
         if (unknown := bounds == 0.0).any():
             coarse = self._coarse.take((rows >> _SHIFT) * self._blocks_per_row + (columns >> _SHIFT))
             if (unsure := unknown & (coarse <= enough)).any():
-                self._work_out(rows[unsure], columns[unsure])
+                self._work_out(self._tiles(rows[unsure], columns[unsure]))
                 bounds = self._bounds.take(index)
             bounds = np.where(bounds == 0.0, coarse, bounds)
-        return np.maximum(bounds, 0.0, dtype=np.float64)
+        known: Floats = np.maximum(bounds, 0.0, dtype=np.float64)
+        return known
 
     def square(self, row: int, column: int) -> tuple[int, int]:
         """Row and column of the occupied cell that is nearest to a cell."""
         index = row * self._n_columns + column
         if self._flat_bounds[index] == 0.0:
-            self._work_out(np.array([row]), np.array([column]))
-        return self._squares.item(0, index), self._squares.item(1, index)
+            self._work_out([(row // self._tile, column // self._tile)])
+        return self._flat_squares[0, index], self._flat_squares[1, index]
 
     def squares(self, rows: Integers, columns: Integers) -> NDArray[np.int32]:
         """Rows and columns of those nearest to many cells, (2, n)."""
         index = rows * self._n_columns + columns
         if (unknown := self._bounds.take(index) == 0.0).any():
-            self._work_out(rows[unknown], columns[unknown])
+            self._work_out(self._tiles(rows[unknown], columns[unknown]))
         squares: NDArray[np.int32] = self._squares.take(index, axis=1)
         return squares
 
@@ -106,10 +108,14 @@ class NearestCells:
             rows = slice(first, min(first + _ROWS_AT_ONCE, n_rows))
             yield rows, _distances(squares[:, rows], rows.start, 0)
 
-    def _work_out(self, rows: Integers, columns: Integers) -> None:
-        """Fill the tiles in which some cells are, (n,), or everything."""
+    def _tiles(self, rows: Integers, columns: Integers) -> list[tuple[int, int]]:
+        """Rows and columns of the tiles in which some cells are, (n,)."""
+        n = self._n_columns // self._tile + 1
+        return [divmod(tile, n) for tile in set((rows // self._tile * n + columns // self._tile).tolist())]
+
+    def _work_out(self, tiles: list[tuple[int, int]]) -> None:
+        """Fill some tiles, or everything."""
         size = self._tile
-        tiles = np.unique(np.stack([rows // size, columns // size]), axis=1).T.tolist()
         self._window_cells += len(tiles) * (2 * size) ** 2
         if self._window_cells > _WORTH_ALL * self._occupied.size:
             self._complete()
@@ -133,21 +139,18 @@ class NearestCells:
             apart = np.minimum(_distances(squares, bottom, left), float(self._reach))
             bounds = np.maximum(bounds, _below(apart))
         else:
-            squares = self._some_cells(blocks)
+            middle = blocks[len(blocks) // 2, blocks.shape[1] // 2]
+            squares = np.array(self._some_cell(int(middle)))[:, None, None]
             bounds = np.maximum(bounds, _below(np.array(float(self._reach))))
         bounds[bounds == 0.0] = _NONE
         self._bounds.reshape(n_rows, n_columns)[bottom:top, left:right] = bounds
         self._squares.reshape(2, n_rows, n_columns)[:, bottom:top, left:right] = squares
 
-    def _some_cells(self, blocks: Integers) -> Integers:
-        """An occupied cell in the occupied block that is nearest to each block, (2, rows, columns)."""
-        kinds, place = np.unique(blocks, return_inverse=True)
-        found = np.empty((2, len(kinds)), dtype=np.int64)
-        for k, (row, column) in enumerate(self._nearest_blocks[:, kinds].T.tolist()):
-            corner = (row << _SHIFT, column << _SHIFT)
-            block = self._occupied[corner[0] : corner[0] + _BLOCK, corner[1] : corner[1] + _BLOCK]
-            found[:, k] = np.add(corner, np.argwhere(block)[0])
-        return found[:, place.reshape(blocks.shape)]
+    def _some_cell(self, block: int) -> tuple[int, int]:
+        """Row and column of an occupied cell in the occupied block that is nearest to a block."""
+        bottom, left = (self._nearest_blocks[:, block] * _BLOCK).tolist()
+        row, column = np.argwhere(self._occupied[bottom : bottom + _BLOCK, left : left + _BLOCK])[0].tolist()
+        return bottom + row, left + column
 
     def _complete(self) -> None:
         """The whole grid."""
@@ -155,8 +158,9 @@ class NearestCells:
             return
         self._is_complete = True
         shape = self._occupied.shape
-        squares = self._squares.reshape(2, *shape)
-        ndimage.distance_transform_edt(~self._occupied, return_distances=False, return_indices=True, indices=squares)
+        self._squares = ndimage.distance_transform_edt(~self._occupied, return_distances=False, return_indices=True)
+        self._squares = self._squares.reshape(2, -1)
+        self._flat_squares = self._squares.data
         for rows, distances in self.centre_distances():
             bounds = _below(distances)
             bounds[bounds == 0.0] = _NONE
@@ -182,8 +186,11 @@ def _distances(squares: NDArray[np.integer], bottom: int, left: int) -> Floats:
 
 
 def _any_in_blocks(occupied: Flags) -> Flags:
-    """Which blocks have an occupied cell; those at the far sides may be narrower."""
-    n_rows, n_columns = occupied.shape
-    by_rows = np.logical_or.reduceat(occupied, np.arange(0, n_rows, _BLOCK), axis=0)
-    solid: Flags = np.logical_or.reduceat(by_rows, np.arange(0, n_columns, _BLOCK), axis=1)
-    return solid
+    """Which blocks have an occupied cell; what a block has beyond the grid is occupied."""
+    n_rows, n_columns = (-(-n // _BLOCK) for n in occupied.shape)
+    whole = np.ones((n_rows * _BLOCK, n_columns * _BLOCK), dtype=np.bool_)
+    whole[: occupied.shape[0], : occupied.shape[1]] = occupied
+    # Eight cells in a row are read as one number.
+    by_rows = whole.view(np.uint64).reshape(n_rows, _BLOCK, n_columns) != 0
+    in_blocks: Flags = by_rows.any(axis=1)
+    return in_blocks

@@ -14,7 +14,7 @@ from scipy import ndimage
 
 from legpush.messages import OccupancyGrid
 from planner_proc.nearest import NearestCells
-from planner_proc.squares import point_square_offsets, segment_distance
+from planner_proc.squares import point_square_offsets, segment_distances
 
 Floats = NDArray[np.float64]
 
@@ -24,6 +24,9 @@ _POINT_M: Final = 1e-12
 """A shorter segment is a point: its direction drowns in rounding."""
 NEAR_M: Final = 1.0
 _LEAST_REACH: Final = 8
+_MEASURED_AT_ONCE: Final = 16
+_CELLS_AT_ONCE: Final = 200_000
+"""Of the windows that are measured together: their squares take memory."""
 _WORTHWHILE: Final = 8.0
 """A step along a segment by so many cells is taken without asking how many more it could be."""
 
@@ -44,8 +47,10 @@ class ClearanceField:
         self._origin_m = grid.origin_m
         self._per_m = 1.0 / grid.resolution_m
         self.size_m = (grid.n_columns * grid.resolution_m, grid.n_rows * grid.resolution_m)
+        self._low_m, self._extent_m = np.array(self._origin_m), np.array(self.size_m)
         cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
         self._occupied = np.pad(cells != 0, 1, constant_values=True)
+        self._last_cell = np.array(self._occupied.shape[::-1], dtype=np.float64) - 1.0
         self._exposed = _exposed(self._occupied)
         reach = max(_LEAST_REACH, min(ceil(near_m * self._per_m) + 2, max(self._occupied.shape)))
         self._nearest = NearestCells(self._occupied, reach)
@@ -59,8 +64,8 @@ class ClearanceField:
         return self._segment_clearance_m(points_m, points_m)
 
     def bounds_m(self, points_m: Floats, enough_m: Floats | float = inf) -> Floats:
-        """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell, or by more where
-        it is above `enough_m`.
+        """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell, by more above
+        `enough_m`.
         """
         columns, rows = self._cells_of(self._to_cells(points_m)).T
         bounds = self._nearest.bounds(rows, columns, enough_m * self._per_m) * self._resolution_m
@@ -83,15 +88,17 @@ class ClearanceField:
         bound, resolution_m = self._nearest.bound, self._resolution_m
         least_m = 0.5 * resolution_m
         enough = clearance_m * per_m + _WORTHWHILE
+
+        def step_m(at_m: float) -> float:
+            return bound(int(v + at_m * dv), int(u + at_m * du), enough) * resolution_m - clearance_m
+
         begin_m, end_m = 0.0, length_m
-        while (
-            step_m := bound(int(v + begin_m * dv), int(u + begin_m * du), enough) * resolution_m - clearance_m
-        ) > least_m:
-            begin_m += step_m
+        while (ahead_m := step_m(begin_m)) > least_m:
+            begin_m += ahead_m
             if begin_m >= end_m:
                 return True
-        while (step_m := bound(int(v + end_m * dv), int(u + end_m * du), enough) * resolution_m - clearance_m) > least_m:
-            end_m -= step_m
+        while (back_m := step_m(end_m)) > least_m:
+            end_m -= back_m
             if begin_m >= end_m:
                 return True
         at_m = begin_m
@@ -103,7 +110,8 @@ class ClearanceField:
         au, av, bu, bv = u + begin_m * du, v + begin_m * dv, u + end_m * du, v + end_m * dv
         if self._upper_bound(bu, bv) * self._resolution_m < clearance_m - ROUNDING_M:
             return False
-        return self._measure(au, av, bu, bv, clearance_m * per_m) * self._resolution_m >= clearance_m - ROUNDING_M
+        rest = self._measure(np.array([[au, av]]), np.array([[bu, bv]]), [clearance_m * per_m])
+        return float(rest[0]) * self._resolution_m >= clearance_m - ROUNDING_M
 
     def free_segments(self, points_m: Floats, clearance_m: float) -> NDArray[np.bool_]:
         """Which segments of a polyline, (n, 2), keep the clearance all along, (n - 1,)."""
@@ -118,8 +126,9 @@ class ClearanceField:
         least_m = float(self.clearance_m(points_m[:1])[0])
         bounds_m = self._segment_bounds_m(points_m, least_m)
         order = np.argsort(bounds_m)
-        for some in np.array_split(order, max(1, len(order) // 16)):
-            if len(some) == 0 or bounds_m[some[0]] >= least_m:
+        for first in range(0, len(order), _MEASURED_AT_ONCE):
+            some = order[first : first + _MEASURED_AT_ONCE]
+            if bounds_m[some[0]] >= least_m:
                 break
             least_m = min(least_m, float(self._segment_clearance_m(points_m[some], points_m[some + 1]).min()))
         return least_m
@@ -147,13 +156,12 @@ class ClearanceField:
         return bool(labels[a_row, a_column] != labels[b_row, b_column])
 
     def _to_cells(self, points_m: Floats) -> Floats:
-        points: Floats = (points_m - np.array(self._origin_m)) / self._resolution_m + 1.0
+        points: Floats = (points_m - self._low_m) / self._resolution_m + 1.0
         return points
 
     def _cells_of(self, points: Floats) -> NDArray[np.int64]:
         """Column and row of the cell that each point stands in, (n, 2); of the nearest one off the grid."""
-        n_rows, n_columns = self._occupied.shape
-        cells: NDArray[np.int64] = np.clip(points, 0.0, [n_columns - 1, n_rows - 1]).astype(np.int64)
+        cells: NDArray[np.int64] = np.minimum(np.maximum(points, 0.0), self._last_cell).astype(np.int64)
         return cells
 
     def _upper_bound(self, u: float, v: float) -> float:
@@ -173,29 +181,39 @@ class ClearanceField:
 
     def on_grid(self, points_m: Floats) -> NDArray[np.bool_]:
         """Which points, (n, 2), lie on the grid, (n,)."""
-        beyond = points_m - np.array(self._origin_m)
-        on_grid: NDArray[np.bool_] = np.all((beyond >= 0.0) & (beyond <= np.array(self.size_m)), axis=-1)
+        beyond = points_m - self._low_m
+        on_grid: NDArray[np.bool_] = ((beyond >= 0.0) & (beyond <= self._extent_m)).all(axis=-1)
         return on_grid
 
     def _segment_clearance_m(self, a_m: Floats, b_m: Floats) -> Floats:
         """Exact distances of segments, (n, 2) to (n, 2), to the nearest occupied square, (n,)."""
         clearance_m = np.zeros(len(a_m))
-        inside = np.flatnonzero(self.on_grid(a_m) & self.on_grid(b_m)).tolist()
-        a, b = self._to_cells(a_m).tolist(), self._to_cells(b_m).tolist()
-        for k in inside:
-            (ax, ay), (bx, by) = a[k], b[k]
-            clearance_m[k] = self._measure(ax, ay, bx, by, self._upper_bound(ax, ay)) * self._resolution_m
+        inside = np.flatnonzero(self.on_grid(a_m) & self.on_grid(b_m))
+        a, b = self._to_cells(a_m[inside]), self._to_cells(b_m[inside])
+        reach = [self._upper_bound(u, v) for u, v in a.tolist()]
+        clearance_m[inside] = self._measure(a, b, reach) * self._resolution_m
         return clearance_m
 
-    def _measure(self, ax: float, ay: float, bx: float, by: float, reach: float) -> float:
-        """Distance from a segment on the grid to the nearest occupied square; may be infinite where beyond `reach`."""
-        if self._occupied.item(int(ay), int(ax)):
-            return 0.0
-        reach += 1e-6
-        left, bottom = max(int(min(ax, bx) - reach), 0), max(int(min(ay, by) - reach), 0)
-        right, top = int(max(ax, bx) + reach) + 1, int(max(ay, by) + reach) + 1
-        rows, columns = np.nonzero(self._exposed[bottom:top, left:right])
-        return segment_distance(ax - left, ay - bottom, bx - left, by - bottom, columns, rows)
+    def _measure(self, a: Floats, b: Floats, reach: Sequence[float]) -> Floats:
+        """Distances from segments on the grid, (n, 2) to (n, 2), to the nearest occupied square, (n,); may be infinite
+        where beyond `reach`.
+        """
+        spread = np.array(reach)[:, None] + 1e-6
+        corner = np.maximum((np.minimum(a, b) - spread).astype(np.int64), 0)
+        beyond = (np.maximum(a, b) + spread).astype(np.int64) + 1
+        distances = np.zeros(len(a))
+        n_at_once = max(1, _CELLS_AT_ONCE // int((beyond - corner).prod(axis=1).max(initial=1)))
+        for first in range(0, len(a), n_at_once):
+            some = slice(first, first + n_at_once)
+            windows = zip(corner[some].tolist(), beyond[some].tolist(), strict=True)
+            found = [np.nonzero(self._exposed[bottom:top, left:right]) for (left, bottom), (right, top) in windows]
+            rows, columns = (np.concatenate(each) for each in zip(*found, strict=True))
+            n_squares = np.array([len(each) for each, _ in found])
+            begins, ends = a[some] - corner[some], b[some] - corner[some]
+            distances[some] = segment_distances(begins, ends, columns, rows, n_squares)
+        at_columns, at_rows = a.astype(np.int64).T
+        distances[self._occupied[at_rows, at_columns]] = 0.0
+        return distances
 
 
 def _exposed(occupied: NDArray[np.bool_]) -> NDArray[np.bool_]:
