@@ -52,7 +52,7 @@ class ClearanceField:
         self._occupied = np.pad(cells != 0, 1, constant_values=True)
         self._last_cell = np.array(self._occupied.shape[::-1], dtype=np.float64) - 1.0
         self._exposed = _exposed(self._occupied)
-        reach = max(_LEAST_REACH, min(ceil(near_m * self._per_m) + 2, max(self._occupied.shape)))
+        reach = max(_LEAST_REACH, ceil(min(near_m * self._per_m, *self._last_cell.tolist())) + 2)
         self._nearest = NearestCells(self._occupied, reach)
 
     def contains(self, x_m: float, y_m: float) -> bool:

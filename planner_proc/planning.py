@@ -195,7 +195,8 @@ def _near_m(query: PlanQuery) -> float:
     """How far from what is occupied it matters which of it is nearest."""
     if isinstance(query, BoxPathQuery):
         return max(NEAR_M, query.walk_clearance_m, query.clearance_m) + query.grid.resolution_m
-    return query.clearance_m + query.smoothing.comfort_m + 2.0 * query.grid.resolution_m
+    # A clearance that is no number is refused later.
+    return max(query.grid.resolution_m, query.clearance_m + query.smoothing.comfort_m + 2.0 * query.grid.resolution_m)
 
 
 def _search_fault(query: PlanQuery) -> str:
