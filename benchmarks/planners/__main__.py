@@ -26,4 +26,4 @@ def main(what: What) -> None:
 
 
 if __name__ == "__main__":
-    main(tyro.cli(What))  # type: ignore[arg-type]
+    main(tyro.cli(What))

@@ -1,4 +1,4 @@
-"""All planners, straight and steered, on golden and random maps: how often, how soon, how short, how clear, how smooth."""
+"""All planners, straight and steered, on golden and random maps: how often, how soon, how short, clear and smooth."""
 
 from dataclasses import asdict, dataclass
 from itertools import product
@@ -128,13 +128,18 @@ def _mean(values: list[float]) -> tuple[float, float, float]:
 def _print(rows: list[Row]) -> None:
     """All maps together; lengths as a share of the shortest path that any planner found on that map."""
     shortest = {name: min(numbers((row for row in rows if row["map"] == name), "length_m")) for name in MAPS}
-    print(f"{'':26s} exact    first [ms]            final [ms]             length / shortest      RMS curvature [1/m]")
+    titles = ("exact".rjust(7), *(title.ljust(22) for title in ("first [ms]", "final [ms]", "length / shortest")))
+    print(" ".join((" " * 26, *titles, "RMS curvature [1/m]")))
     for planner, steering in VARIANTS:
         here = [row for row in rows if (row["planner"], row["steering"]) == (planner, steering)]
         good = [row for row in here if row["status"] == "exact"]
         relative = [float(row["length_m"]) / shortest[row["map"]] for row in good]
-        print(
-            f"{planner + ', ' + steering:26s} {len(good):3d}/{len(here):3d}  {spread(numbers(good, 'first_s'), 1e3):20s}  "
-            f"{spread(numbers(good, 'final_s'), 1e3, 0):20s}   {spread(relative, digits=3):22s} "
-            f"{spread(numbers(good, 'curvature_rms_per_m'), digits=2)}"
+        columns = (
+            f"{planner}, {steering}".ljust(26),
+            f"{len(good)}/{len(here)}".rjust(7),
+            spread(numbers(good, "first_s"), 1e3).ljust(22),
+            spread(numbers(good, "final_s"), 1e3, 0).ljust(22),
+            spread(relative, digits=3).ljust(22),
+            spread(numbers(good, "curvature_rms_per_m"), digits=2),
         )
+        print(" ".join(columns))

@@ -1,4 +1,4 @@
-"""The questions that all planners are asked: golden maps with known answers, the published map, rooms drawn at random."""
+"""The questions to all planners: golden maps with known answers, the published map, rooms drawn at random."""
 
 from functools import cache
 from typing import Final

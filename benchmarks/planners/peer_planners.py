@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Peer = Callable[[TrunkPathQuery, int], Floats | None]
 """A path, (n, 2), for a question and a seed, if one was found."""
 
-LONGEST_S: Final = 60.0
+LONGEST_S: Final = 20.0
 """Where a peer can be told when to stop."""
 MAX_SAMPLES: Final = 20_000
 SPARE_M: Final = 0.02
@@ -36,15 +36,18 @@ COMPILED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
 """Whether python_motion_planning's collision test runs through Numba, as it is installed; else it is pure Python."""
 
 
-def motion_planning(query: TrunkPathQuery, seed: int, *, star: bool) -> Floats | None:
-    """python_motion_planning: edges collide where a cell on their line is occupied or inflated.
+def motion_planning(
+    query: TrunkPathQuery, seed: int, *, star: bool, until: Callable[[TrunkPathQuery, int], float] | None = None
+) -> Floats | None:
+    """python_motion_planning, to its first path or, with `until`, to one that is no longer than what that says.
 
-    A point is up to half a cell's diagonal from the centre of the cell that it is rounded to, and a square reaches as
+    Edges collide where a cell on their line is occupied or inflated. A point is up to half a cell's diagonal from the centre of the cell that it is rounded to, and a square reaches as
     far beyond its own.
     """
     grid, resolution_m = query.grid, query.grid.resolution_m
     low = np.array(grid.origin_m) - resolution_m
-    high = low + (np.array([grid.n_columns, grid.n_rows]) + 2) * resolution_m
+    # It rounds the number of cells down.
+    high = low + (np.array([grid.n_columns, grid.n_rows]) + 2.001) * resolution_m
     cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
     # Outside is occupied: a ring of cells says so.
     occupied = np.pad(cells != 0, 1, constant_values=True).T
@@ -62,7 +65,14 @@ def motion_planning(query: TrunkPathQuery, seed: int, *, star: bool) -> Floats |
     options: dict[str, Any] = {"max_dist": query.step_m / resolution_m, "goal_sample_rate": query.goal_bias}
     if star:
         until_s = perf_counter() + LONGEST_S
-        options["stop_func"] = lambda n, first, most: first is not None or n >= most or perf_counter() > until_s
+        most = 0.0 if until is None else until(query, seed) / resolution_m
+
+        def stops(n: int, first: int | None, n_most: int) -> bool:
+            del n_most
+            is_short = first is not None and (until is None or planner.best_results[1]["length"] <= most)
+            return is_short or perf_counter() > until_s
+
+        options["stop_func"] = stops
     planner = (RRTStar if star else RRT)(
         map_=world,
         start=to_map(query.start.xy()),
@@ -70,20 +80,26 @@ def motion_planning(query: TrunkPathQuery, seed: int, *, star: bool) -> Floats |
         max_sample_step=MAX_SAMPLES,
         **options,
     )
-    path, _ = planner.plan()
-    return (np.array(path) + 0.5) * resolution_m + low if path else None
+    path, found = planner.plan()
+    if not path or (until is not None and found["length"] > most):
+        return None
+    return (np.array(path) + 0.5) * resolution_m + low
 
 
 def path_planning(query: TrunkPathQuery, seed: int, *, planner: str) -> Floats | None:
     """pathplanning: a search in C, among rectangles that grow by the clearance and a spare, sampled along edges."""
     grid, resolution_m = query.grid, query.grid.resolution_m
     cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
-    spans = merged_cells(cells != 0)
     left, bottom = grid.origin_m
     kept_m = query.clearance_m + SPARE_M
     rectangles = [
-        (left + first_column * resolution_m, bottom + first_row * resolution_m, width * resolution_m, height * resolution_m)
-        for first_row, first_column, height, width in _boxes(spans)
+        (
+            left + first * resolution_m,
+            bottom + row * resolution_m,
+            (last - first) * resolution_m,
+            (after - row) * resolution_m,
+        )
+        for row, after, first, last in merged_cells(cells != 0).tolist()
     ]
     space = Grid2DSamplingSpace(
         (left + kept_m, left + grid.n_columns * resolution_m - kept_m),
@@ -100,6 +116,6 @@ def path_planning(query: TrunkPathQuery, seed: int, *, planner: str) -> Floats |
         time_budget_s=LONGEST_S,
     )
     start, goal = ((pose.x_m, pose.y_m) for pose in (query.start, query.goal))
-    problem = ContinuousProblem(space=space, start=start, goal=GoalState(goal, query.goal_region_m))
+    problem = ContinuousProblem(space=space, start=start, goal=GoalState(goal))
     result = plan_continuous(problem, planner=planner, params=params, seed=seed)
     return np.asarray(result.path, dtype=np.float64) if result.success and result.path is not None else None

@@ -77,8 +77,8 @@ def random_grid(rng: np.random.Generator) -> OccupancyGrid:
         cells[row : row + height, column : column + width] = True
     rows, columns = np.indices(shape)
     for _ in range(rng.integers(0, 4)):
-        row, column = (rng.uniform(0, n) for n in shape)
-        cells |= np.hypot(rows - row, columns - column) < rng.uniform(1.0, 0.1 * min(shape) + 1.0)
+        middle_row, middle_column = (rng.uniform(0, n) for n in shape)
+        cells |= np.hypot(rows - middle_row, columns - middle_column) < rng.uniform(1.0, 0.1 * min(shape) + 1.0)
     if rng.random() < 0.15:
         cells |= rng.random(shape) < rng.choice([0.0005, 0.003])
     reach_m = float(rng.choice([0.0, 10.0, 1e3, 1e5]))

@@ -1,4 +1,4 @@
-"""How soon the first exact path is there: in the process, over the bus, on large maps; and how much memory that takes."""
+"""How soon the first exact path is there: in the process, over the bus, on large maps; and how much memory it takes."""
 
 import json
 import re
