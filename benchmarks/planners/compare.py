@@ -53,6 +53,9 @@ def main(config: Compare) -> None:
         for seed, name, (planner, steering) in product(range(config.n_seeds), MAPS, VARIANTS)
     ]
     rows = fill(TABLE, ("planner", "steering", "map", "seed"), wanted, _measure)
+    shortest_m = _shortest_m(rows)
+    for row in rows:
+        row["times_shortest"] = float(row["length_m"]) / shortest_m[row["map"]] if row["length_m"] else ""
     summary = [
         _summary(planner, steering, name, rows) for (planner, steering), name in product(VARIANTS, ("all", *MAPS))
     ]
@@ -111,6 +114,7 @@ def _summary(planner: str, steering: str, name: str, rows: list[Row]) -> Row:
         ("final_s", median_interval),
         ("first_length_m", _mean),
         ("length_m", _mean),
+        ("times_shortest", _mean),
         ("clearance_m", _mean),
         ("curvature_rms_per_m", _mean),
     ):
@@ -120,26 +124,30 @@ def _summary(planner: str, steering: str, name: str, rows: list[Row]) -> Row:
     return found
 
 
+def _shortest_m(rows: list[Row]) -> dict[str, float]:
+    """On each map, the length of the shortest path that any planner found with any seed."""
+    return {name: min(numbers((row for row in rows if row["map"] == name), "length_m")) for name in MAPS}
+
+
 def _mean(values: list[float]) -> tuple[float, float, float]:
     mean = mean_interval(values)
     return mean.value, mean.low, mean.high
 
 
 def _print(rows: list[Row]) -> None:
-    """All maps together; lengths as a share of the shortest path that any planner found on that map."""
-    shortest = {name: min(numbers((row for row in rows if row["map"] == name), "length_m")) for name in MAPS}
+    """All maps together."""
     titles = ("exact".rjust(7), *(title.ljust(22) for title in ("first [ms]", "final [ms]", "length / shortest")))
     print(" ".join((" " * 26, *titles, "RMS curvature [1/m]")))
     for planner, steering in VARIANTS:
         here = [row for row in rows if (row["planner"], row["steering"]) == (planner, steering)]
         good = [row for row in here if row["status"] == "exact"]
-        relative = [float(row["length_m"]) / shortest[row["map"]] for row in good]
+        relative = numbers(good, "times_shortest")
         columns = (
             f"{planner}, {steering}".ljust(26),
             f"{len(good)}/{len(here)}".rjust(7),
             spread(numbers(good, "first_s"), 1e3).ljust(22),
             spread(numbers(good, "final_s"), 1e3, 0).ljust(22),
-            spread(relative, digits=3).ljust(22),
+            "{:.3f} [{:.3f}, {:.3f}]".format(*_mean(relative)).ljust(22),
             spread(numbers(good, "curvature_rms_per_m"), digits=2),
         )
         print(" ".join(columns))

@@ -10,7 +10,7 @@ PANELS: Final = (
     ("success", "exact paths, share", False),
     ("first_s", "time to the first exact path [s], median", True),
     ("final_s", "time with three improvements [s], median", True),
-    ("length_m", "length [m], mean", False),
+    ("times_shortest", "length over the shortest found on that map, mean", False),
     ("clearance_m", "least clearance [m], mean", False),
     ("curvature_rms_per_m", "RMS curvature [1/m], mean", False),
 )
@@ -55,7 +55,7 @@ def draw(summary: list[dict[str, Any]], path: Path) -> None:
         axis.set_xlabel(label)
         if logarithmic:
             axis.set_xscale("log")
-        else:
+        elif key != "times_shortest":
             axis.set_xlim(left=0.0)
         axis.grid(alpha=0.25, axis="x")
         for border in range(1, len(maps)):

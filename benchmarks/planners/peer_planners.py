@@ -28,7 +28,7 @@ Peer = Callable[[TrunkPathQuery, int], Floats | None]
 
 LONGEST_S: Final = 20.0
 """Where a peer can be told when to stop."""
-MAX_SAMPLES: Final = 20_000
+MAX_SAMPLES: Final = 10_000
 SPARE_M: Final = 0.02
 SAMPLED_M: Final = 0.05
 
@@ -41,8 +41,8 @@ def motion_planning(
 ) -> Floats | None:
     """python_motion_planning, to its first path or, with `until`, to one that is no longer than what that says.
 
-    Edges collide where a cell on their line is occupied or inflated. A point is up to half a cell's diagonal from the centre of the cell that it is rounded to, and a square reaches as
-    far beyond its own.
+    Edges collide where a cell on their line is occupied or inflated. A point is up to half a cell's diagonal from the
+    centre of the cell that it is rounded to, and a square reaches as far beyond its own.
     """
     grid, resolution_m = query.grid, query.grid.resolution_m
     low = np.array(grid.origin_m) - resolution_m

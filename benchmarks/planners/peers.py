@@ -38,7 +38,7 @@ NOT_SMOOTHED: Final = Smoothing(method="none")
 AS_SHORT: Final = "python_motion_planning RRT* until as short"
 """As the reference is with that seed."""
 LONG_MAPS: Final = ("published", "around a wall")
-N_LONG: Final = 10
+N_LONG: Final = 5
 
 
 @dataclass(frozen=True, kw_only=True)
