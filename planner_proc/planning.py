@@ -181,8 +181,8 @@ def _grid_fault(grid: OccupancyGrid) -> str:
             f"Expected n_rows * n_columns = {grid.n_rows} * {grid.n_columns} = {n_cells} cells, got {len(grid.cells)}"
         )
     cells = np.frombuffer(grid.cells, dtype=np.uint8)
-    worst = int(cells.argmax())
-    if cells[worst] > 1:
+    if cells.max() > 1:
+        worst = int(cells.argmax())
         row, column = divmod(worst, grid.n_columns)
         return f"Expected cells of 0 (free) or 1 (occupied), got {cells[worst]} in row {row}, column {column}"
     (x_m, y_m), (right_m, top_m) = grid.origin_m, _far_corner(grid)

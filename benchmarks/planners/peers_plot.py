@@ -8,20 +8,28 @@ import numpy as np
 from matplotlib.figure import Figure
 
 N_COLUMNS: Final = 3
-COLORS: Final = ("#2b6f9e", "#5aa5d6", "#123a57", "#b04a4a", "#d98080", "#7a1f1f", "#c9822b", "#e3b679", "#7d4d10")
-GREYS: Final = {"pathplanning rrt, C": "#777777", "pathplanning rrt_connect, C": "#222222"}
+COLORS: Final = {
+    "legpush rrt_connect": "#2b6f9e",
+    "legpush rrt": "#7db8dc",
+    "legpush rrt_star": "#123a57",
+    "legpush rrt_connect, not smoothed": "#2a9d8f",
+    "python_motion_planning RRT, Numba": "#e08a8a",
+    "python_motion_planning RRT*, Numba": "#9c2b2b",
+    "python_motion_planning RRT, pure Python": "#e3b679",
+    "python_motion_planning RRT*, pure Python": "#a8640f",
+    "pathplanning rrt, C": "#999999",
+    "pathplanning rrt_connect, C": "#222222",
+}
 
 
 def draw(runs: list[dict[str, Any]], path: Path) -> None:
     """Runs that found a path that keeps the clearance."""
     good = [row for row in runs if row["keeps_clearance"] == "True"]
     maps = list(dict.fromkeys(row["map"] for row in runs))
-    planners = [label for label in dict.fromkeys(row["planner"] for row in runs) if label not in GREYS]
-    colors = {**dict(zip(planners, COLORS, strict=False)), **GREYS}
     figure = Figure(figsize=(14.0, 4.4 * ceil(len(maps) / N_COLUMNS) + 1.2), layout="constrained")
     axes = figure.subplots(ceil(len(maps) / N_COLUMNS), N_COLUMNS, squeeze=False).ravel()
     for axis, name in zip(axes, maps, strict=False):
-        for label, color in colors.items():
+        for label, color in COLORS.items():
             here = [row for row in good if (row["map"], row["planner"]) == (name, label)]
             if not here:
                 continue
