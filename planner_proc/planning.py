@@ -211,7 +211,10 @@ def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQ
     place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
     if not field.contains(pose.x_m, pose.y_m):
         return f"{place} lies off the map, which spans {_extent(query.grid)}"
-    clearance_m = float(field.clearance_m(np.array([[pose.x_m, pose.y_m]]))[0])
+    point_m = np.array([[pose.x_m, pose.y_m]])
+    if field.bounds_m(point_m, query.clearance_m)[0] >= query.clearance_m:
+        return ""
+    clearance_m = float(field.clearance_m(point_m)[0])
     if clearance_m == 0.0:
         return f"{place} lies in an obstacle; a clearance of {query.clearance_m:g} m is required"
     if not clearance_m >= query.clearance_m - ROUNDING_M:

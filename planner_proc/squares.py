@@ -29,7 +29,8 @@ def segment_distances(a: Floats, b: Floats, columns: Integers, rows: Integers, n
     distances = np.full(len(a), inf)
     if len(columns) == 0:
         return distances
-    ax, ay, bx, by = np.repeat(np.concatenate([a, b], axis=1), n_squares, axis=0).T
+    ends = np.concatenate([a, b], axis=1)
+    ax, ay, bx, by = (ends if len(a) == 1 else np.repeat(ends, n_squares, axis=0)).T
     dx, dy = bx - ax, by - ay
     # From the start of the segment to the corners of the squares, (4, n).
     wx, wy = columns + (_CORNERS_X - ax), rows + (_CORNERS_Y - ay)
