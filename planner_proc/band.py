@@ -5,7 +5,8 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.linalg import cholesky_banded
+from scipy.linalg.lapack import dpbtrs
 
 from planner_proc import polylines
 from planner_proc.occupancy import ClearanceField
@@ -76,9 +77,8 @@ class ElasticBand:
             distances_m, away = self._solid(inner_m)
             self._lean_m += _LEAN * np.maximum(self._required_m - distances_m, 0.0)[:, None] * away
             push_m = self._push(inner_m, distances_m, away)
-            inner_m = self._chord_m + cho_solve_banded(
-                (self._factor, False), inner_m - self._chord_m + push_m + self._lean_m
-            )
+            deviation_m, _ = dpbtrs(self._factor, inner_m - self._chord_m + push_m + self._lean_m)
+            inner_m = self._chord_m + deviation_m
             if self._reach_m < inf:
                 inner_m = self._laid_m + self._within_reach(inner_m - self._laid_m)
         self.knots_m = np.concatenate([self.knots_m[:1], inner_m, self.knots_m[-1:]])
@@ -94,8 +94,12 @@ class ElasticBand:
         With a distance d here and d' after a step s, the middle between two walls is (s + d' - d) / 2 from here.
         """
         steps_m = np.maximum(self._wanted_m - distances_m, 0.0)
-        after_m, _ = self._solid(points_m + steps_m[:, None] * away)
-        push_m: Floats = np.clip(0.5 * (steps_m + after_m - distances_m), 0.0, steps_m)[:, None] * away
+        push_m = np.zeros_like(points_m)
+        if len(near := np.flatnonzero(steps_m)):
+            steps_m, away = steps_m[near], away[near]
+            after_m, _ = self._solid(points_m[near] + steps_m[:, None] * away)
+            wanted_m = 0.5 * (steps_m + after_m - distances_m[near])
+            push_m[near] = np.minimum(np.maximum(wanted_m, 0.0), steps_m)[:, None] * away
         return push_m
 
     def _solid(self, points_m: Floats) -> tuple[Floats, Floats]:

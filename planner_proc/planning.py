@@ -22,7 +22,7 @@ from legpush.messages import (
 from legpush.plan_desk import Interrupted
 from planner_proc import polylines
 from planner_proc.box_path import make_box_plan
-from planner_proc.occupancy import ROUNDING_M, ClearanceField
+from planner_proc.occupancy import NEAR_M, ROUNDING_M, ClearanceField
 from planner_proc.route import Route
 from planner_proc.search import routes, steering_fault
 from planner_proc.shortcut import shortcut
@@ -50,7 +50,7 @@ def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
     if fault:
         yield Plan(status="invalid", reason=fault)
         return
-    field = ClearanceField(query.grid)
+    field = ClearanceField(query.grid, _near_m(query))
     if isinstance(query, BoxPathQuery):
         yield make_box_plan(query, field, interrupted)
     else:
@@ -181,14 +181,22 @@ def _grid_fault(grid: OccupancyGrid) -> str:
             f"Expected n_rows * n_columns = {grid.n_rows} * {grid.n_columns} = {n_cells} cells, got {len(grid.cells)}"
         )
     cells = np.frombuffer(grid.cells, dtype=np.uint8)
-    worst = int(cells.argmax())
-    if cells[worst] > 1:
+    if cells.max() > 1:
+        worst = int(cells.argmax())
         row, column = divmod(worst, grid.n_columns)
         return f"Expected cells of 0 (free) or 1 (occupied), got {cells[worst]} in row {row}, column {column}"
     (x_m, y_m), (right_m, top_m) = grid.origin_m, _far_corner(grid)
     if not max(abs(x_m), abs(y_m), abs(right_m), abs(top_m)) <= _MAX_COORDINATE_M:
         return f"Expected a map within {_MAX_COORDINATE_M:g} m of (0, 0), got {_extent(grid)}"
     return ""
+
+
+def _near_m(query: PlanQuery) -> float:
+    """How far from what is occupied it matters which of it is nearest."""
+    if isinstance(query, BoxPathQuery):
+        return max(NEAR_M, query.walk_clearance_m, query.clearance_m) + query.grid.resolution_m
+    # A clearance that is no number is refused later.
+    return max(query.grid.resolution_m, query.clearance_m + query.smoothing.comfort_m + 2.0 * query.grid.resolution_m)
 
 
 def _search_fault(query: PlanQuery) -> str:
@@ -203,7 +211,10 @@ def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQ
     place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
     if not field.contains(pose.x_m, pose.y_m):
         return f"{place} lies off the map, which spans {_extent(query.grid)}"
-    clearance_m = float(field.clearance_m(np.array([[pose.x_m, pose.y_m]]))[0])
+    point_m = np.array([[pose.x_m, pose.y_m]])
+    if field.bounds_m(point_m, query.clearance_m)[0] >= query.clearance_m:
+        return ""
+    clearance_m = float(field.clearance_m(point_m)[0])
     if clearance_m == 0.0:
         return f"{place} lies in an obstacle; a clearance of {query.clearance_m:g} m is required"
     if not clearance_m >= query.clearance_m - ROUNDING_M:

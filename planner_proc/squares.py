@@ -1,6 +1,6 @@
 """Exact distances to unit squares: square (column, row) reaches from there to (column + 1, row + 1)."""
 
-from math import inf, sqrt
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -15,37 +15,45 @@ _CORNERS_Y: Final = np.array([[0.0], [1.0], [0.0], [1.0]])
 
 def point_square_offsets(points: Floats, squares: Integers) -> Floats:
     """Shortest vectors from squares, (n, 2), to points, (n, 2); zero inside."""
-    offsets: Floats = points - np.clip(points, squares, squares + 1)
+    offsets: Floats = points - np.minimum(np.maximum(points, squares), squares + 1)
     return offsets
 
 
-def segment_distance(ax: float, ay: float, bx: float, by: float, columns: Integers, rows: Integers) -> float:
-    """Distance from a segment to the nearest of some squares, (n,) each; zero where it meets one, infinite for none.
+def segment_distances(a: Floats, b: Floats, columns: Integers, rows: Integers, n_squares: Integers) -> Floats:
+    """Distances from segments, (k, 2) to (k, 2), to the nearest of some squares each, (k,); zero where a segment meets
+    one, infinite where it has none.
 
-    Two convex shapes that do not meet are nearest at a vertex of one of them, and one of their sides separates them.
+    The first `n_squares[0]` of all squares, (n,), are those of the first segment, and so on. Two convex shapes that do
+    not meet are nearest at a vertex of one of them, and one of their sides separates them.
     """
+    distances = np.full(len(a), inf)
     if len(columns) == 0:
-        return inf
+        return distances
+    ends = np.concatenate([a, b], axis=1)
+    ax, ay, bx, by = (ends if len(a) == 1 else np.repeat(ends, n_squares, axis=0)).T
     dx, dy = bx - ax, by - ay
     # From the start of the segment to the corners of the squares, (4, n).
     wx, wy = columns + (_CORNERS_X - ax), rows + (_CORNERS_Y - ay)
     side = wx * dy - wy * dx
     meets = (side.min(axis=0) <= 0.0) & (side.max(axis=0) >= 0.0)
-    meets &= (columns <= max(ax, bx)) & (columns >= min(ax, bx) - 1.0)
-    meets &= (rows <= max(ay, by)) & (rows >= min(ay, by) - 1.0)
-    if meets.any():
-        return 0.0
-    squared = min(_squared_distance(ax, ay, columns, rows), _squared_distance(bx, by, columns, rows))
-    length_squared = dx * dx + dy * dy
-    if length_squared > 0.0:
-        along = np.clip((wx * dx + wy * dy) / length_squared, 0.0, 1.0)
-        ex, ey = wx - along * dx, wy - along * dy
-        squared = min(squared, float((ex * ex + ey * ey).min()))
-    return sqrt(squared)
+    meets &= (columns <= np.maximum(ax, bx)) & (columns >= np.minimum(ax, bx) - 1.0)
+    meets &= (rows <= np.maximum(ay, by)) & (rows >= np.minimum(ay, by) - 1.0)
+    squared = np.minimum(_squared_distances(ax, ay, columns, rows), _squared_distances(bx, by, columns, rows))
+    # A point has no direction; its corners are no nearer than what was measured already.
+    along = (wx * dx + wy * dy) / np.maximum(dx * dx + dy * dy, 1e-300)
+    along = np.minimum(np.maximum(along, 0.0), 1.0)
+    ex, ey = wx - along * dx, wy - along * dy
+    squared = np.minimum(squared, (ex * ex + ey * ey).min(axis=0))
+    squared[meets] = 0.0
+    some = n_squares > 0
+    begins = np.concatenate([[0], np.cumsum(n_squares[:-1])])[some]
+    distances[some] = np.sqrt(np.minimum.reduceat(squared, begins))
+    return distances
 
 
-def _squared_distance(x: float, y: float, columns: Integers, rows: Integers) -> float:
-    """From a point to the nearest of the squares."""
+def _squared_distances(x: Floats, y: Floats, columns: Integers, rows: Integers) -> Floats:
+    """From points to squares, (n,) each."""
     ex = np.maximum(np.abs(columns + (0.5 - x)) - 0.5, 0.0)
     ey = np.maximum(np.abs(rows + (0.5 - y)) - 0.5, 0.0)
-    return float((ex * ex + ey * ey).min())
+    squared: Floats = ex * ex + ey * ey
+    return squared

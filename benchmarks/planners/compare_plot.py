@@ -1,0 +1,68 @@
+"""The picture of the comparison: a panel per measure, a row per map, a mark per planner."""
+
+from math import isfinite
+from pathlib import Path
+from typing import Any, Final
+
+from matplotlib.figure import Figure
+
+PANELS: Final = (
+    ("success", "exact paths, share", False),
+    ("first_s", "time to the first exact path [s], median", True),
+    ("final_s", "time with three improvements [s], median", True),
+    ("times_shortest", "length over the shortest found on that map, mean", False),
+    ("clearance_m", "least clearance [m], mean", False),
+    ("curvature_rms_per_m", "RMS curvature [1/m], mean", False),
+)
+COLORS: Final = {
+    "rrt": "#b04a4a",
+    "rrt_connect": "#2b6f9e",
+    "rrt_star": "#3f8f4f",
+    "informed_rrt_star": "#8a5fb0",
+    "bit_star": "#c9822b",
+    "prm_star": "#555555",
+}
+MARKS: Final = {"straight": "o", "dubins": "^", "reeds_shepp": "D"}
+
+
+def draw(summary: list[dict[str, Any]], path: Path) -> None:
+    """Every map apart, with 95 % intervals."""
+    maps = [name for name in dict.fromkeys(row["map"] for row in summary) if name != "all"]
+    variants = list(dict.fromkeys((row["planner"], row["steering"]) for row in summary))
+    figure = Figure(figsize=(15.0, 13.0), layout="constrained")
+    axes = figure.subplots(2, 3, sharey=True)
+    for axis, (key, label, logarithmic) in zip(axes.flat, PANELS, strict=True):
+        for place, (planner, steering) in enumerate(variants):
+            rows = [row for row in summary if (row["planner"], row["steering"]) == (planner, steering)]
+            rows = [row for row in rows if row["map"] != "all" and isfinite(row[key])]
+            at = [maps.index(row["map"]) + 0.8 * (place / (len(variants) - 1) - 0.5) for row in rows]
+            middle = [row[key] for row in rows]
+            reach = [
+                [row[key] - row[f"{key}_low"] for row in rows],
+                [row[f"{key}_high"] - row[key] for row in rows],
+            ]
+            axis.errorbar(
+                middle,
+                at,
+                xerr=reach,
+                fmt=MARKS[steering],
+                color=COLORS[planner],
+                markerfacecolor=COLORS[planner] if steering == "straight" else "white",
+                markersize=4.5,
+                linewidth=1.0,
+                label=planner if steering == "straight" else f"{planner}, {steering}",
+            )
+        axis.set_xlabel(label)
+        if logarithmic:
+            axis.set_xscale("log")
+        elif key != "times_shortest":
+            axis.set_xlim(left=0.0)
+        axis.grid(alpha=0.25, axis="x")
+        for border in range(1, len(maps)):
+            axis.axhline(border - 0.5, color="#cccccc", linewidth=0.6)
+    for axis in axes[:, 0]:
+        axis.set_yticks(range(len(maps)), maps)
+    axes[0, 0].set_ylim(len(maps) - 0.5, -0.5)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=5)
+    figure.savefig(path, dpi=80)

@@ -1,0 +1,58 @@
+"""What a path is like, whoever made it: length, clearance by the independent exact test, smoothness."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agent_proc.plan_check.truth import SAME_M, clearance
+from legpush.messages import Plan, TrunkPathQuery
+
+Floats = NDArray[np.float64]
+
+SPACING_M: Final = 0.05
+"""Of the points at which headings are compared: a corner counts as if it were taken within so much of the way."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measures:
+    """Of one path."""
+
+    length_m: float
+    clearance_m: float
+    curvature_rms_per_m: float
+    """Root mean square of the curvature along the way: sqrt(sum of (heading change)^2 / step, over the length)."""
+    keeps_clearance: bool
+
+
+def measured(query: TrunkPathQuery, points_m: Floats) -> Measures:
+    """Measures of a polyline, (n, 2)."""
+    least_m = clearance(query.grid, points_m).distance_m
+    steps_m = np.hypot(*np.diff(points_m, axis=0).T)
+    return Measures(
+        length_m=float(steps_m.sum()),
+        clearance_m=least_m,
+        curvature_rms_per_m=curvature_rms(points_m, folded=query.steering == "reeds_shepp"),
+        keeps_clearance=bool(least_m >= query.clearance_m - SAME_M),
+    )
+
+
+def curvature_rms(points_m: Floats, *, folded: bool = False) -> float:
+    """In 1/m; `folded` takes a change of direction by more than a right angle as driving backward, not as a turn."""
+    travelled_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points_m, axis=0).T))])
+    n = max(2, round(travelled_m[-1] / SPACING_M))
+    at_m = np.linspace(0.0, travelled_m[-1], n + 1)
+    even = np.stack([np.interp(at_m, travelled_m, points_m[:, axis]) for axis in (0, 1)], axis=1)
+    steps = np.diff(even, axis=0)
+    turns = np.abs((np.diff(np.arctan2(steps[:, 1], steps[:, 0])) + pi) % (2.0 * pi) - pi)
+    if folded:
+        turns = np.minimum(turns, pi - turns)
+    step_m = travelled_m[-1] / n
+    return float(np.sqrt((turns**2).sum() / step_m / travelled_m[-1])) if travelled_m[-1] > 0.0 else 0.0
+
+
+def points_of(plan: Plan) -> Floats:
+    """Positions of a plan's waypoints, (n, 2)."""
+    return np.array([waypoint.xy() for waypoint in plan.waypoints])

@@ -1,0 +1,141 @@
+"""Planners of others beside ours on the same maps, in turn, judged by the same exact test at the same clearance.
+
+Ours answer with a smooth path, with a heading everywhere, and theirs with corners; the time is that from the question
+to the path, the map included. They come with `pip install 'legpush[bench]'`, python_motion_planning under the GPL.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import cache, partial
+from itertools import product
+from time import perf_counter
+from typing import Final
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from benchmarks.planners.maps import question
+from benchmarks.planners.measures import measured, points_of
+from benchmarks.planners.peers_plot import draw
+from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
+from experiments.evaluations import read_table, write_table
+from legpush.messages import TrunkPathQuery
+from legpush.scenario import Anytime, PlannerName, Smoothing
+from planner_proc import polylines
+from planner_proc.planning import make_plans
+
+Floats = NDArray[np.float64]
+Planner = Callable[[TrunkPathQuery, int], Floats | None]
+
+TABLE: Final = RESULTS / "planner_peers_runs.csv.gz"
+SUMMARY: Final = RESULTS / "planner_peers.csv"
+MAPS: Final = ("published", "published_detour", "around a wall", "maze", "random 1", "random 3")
+OURS: Final[tuple[PlannerName, ...]] = ("rrt_connect", "rrt", "rrt_star")
+REFERENCE: Final = "legpush rrt_connect"
+NOT_SMOOTHED: Final = Smoothing(method="none")
+"""Corners, as the others have them, but shortened."""
+AS_SHORT: Final = "python_motion_planning RRT* until as short"
+"""As the reference is with that seed."""
+LONG_MAPS: Final = ("published", "around a wall")
+N_LONG: Final = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peers:
+    """Planners of others. With NUMBA_DISABLE_JIT=1 in the environment python_motion_planning runs as pure Python: a
+    second call adds those rows."""
+
+    n_seeds: int = 20
+    """For each planner on each map."""
+
+
+def main(config: Peers) -> None:
+    """Measure what is missing, tabulate, draw."""
+    planners = _planners()
+    for name, planner in product(MAPS, planners.values()):
+        # What is compiled, or looked up once, is not the question.
+        if not _is_long(planner):
+            planner(question(name), config.n_seeds)
+    wanted = [
+        (label, name, seed)
+        for seed, name, (label, planner) in product(range(config.n_seeds), MAPS, planners.items())
+        if not _is_long(planner) or (name in LONG_MAPS and seed < N_LONG)
+    ]
+
+    def measure(label: str, name: str, seed: int) -> Row:
+        if _is_long(planners[label]):
+            _length_m(question(name), seed)
+        begin_s = perf_counter()
+        points_m = planners[label](question(name), seed)
+        row: Row = {"seconds": round(perf_counter() - begin_s, 6), "found": points_m is not None}
+        if points_m is None:
+            return row | {"length_m": "", "clearance_m": "", "curvature_rms_per_m": "", "keeps_clearance": ""}
+        measures = asdict(measured(question(name), points_m))
+        return row | {key: round(value, 5) if isinstance(value, float) else value for key, value in measures.items()}
+
+    rows = fill(TABLE, ("planner", "map", "seed"), wanted, measure)
+    summary = [_summary(label, name, rows) for name in MAPS for label in dict.fromkeys(row["planner"] for row in rows)]
+    write_table(summary, SUMMARY)
+    for row in read_table(SUMMARY):
+        print("  ".join(f"{value:>24s}" if key in ("planner", "map") else f"{value:>9s}" for key, value in row.items()))
+    draw(rows, RESULTS / "planner_peers.png")
+
+
+def _planners() -> dict[str, Planner]:
+    """By what they are called in the table; ours first."""
+    from benchmarks.planners import peer_planners as peers
+
+    numba = "Numba" if peers.COMPILED else "pure Python"
+    return {
+        **{f"legpush {name}": partial(_ours, planner=name) for name in OURS},
+        f"{REFERENCE}, not smoothed": partial(_ours, planner="rrt_connect", smoothing=NOT_SMOOTHED),
+        f"python_motion_planning RRT, {numba}": partial(peers.motion_planning, star=False),
+        f"python_motion_planning RRT*, {numba}": partial(peers.motion_planning, star=True),
+        f"{AS_SHORT}, {numba}": partial(peers.motion_planning, star=True, until=_length_m),
+        "pathplanning rrt, C": partial(peers.path_planning, planner="rrt"),
+        "pathplanning rrt_connect, C": partial(peers.path_planning, planner="rrt_connect"),
+    }
+
+
+def _is_long(planner: Planner) -> bool:
+    return isinstance(planner, partial) and planner.keywords.get("until") is not None
+
+
+@cache
+def _length_m(query: TrunkPathQuery, seed: int) -> float:
+    """Of the path of the reference."""
+    points_m = _ours(query, seed, planner="rrt_connect")
+    return 0.0 if points_m is None else polylines.length(points_m)
+
+
+def _ours(
+    query: TrunkPathQuery, seed: int, *, planner: PlannerName, smoothing: Smoothing | None = None
+) -> Floats | None:
+    """The first exact path."""
+    anytime = Anytime(n_improvements=1, improvement_iterations=1) if planner == "rrt_star" else None
+    asked = replace(query, planner=planner, seed=seed, anytime=anytime, smoothing=smoothing or query.smoothing)
+    plan = next(make_plans(asked, lambda: False))
+    return points_of(plan) if plan.status == "exact" else None
+
+
+def _summary(label: str, name: str, rows: list[Row]) -> Row:
+    """One planner on one map, and how many times as long it takes, and its path is, as the reference with that seed."""
+    here = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (label, name)}
+    ours = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (REFERENCE, name)}
+    found = [row for row in here.values() if row["found"] == "True"]
+    pairs = [(row, ours[row["seed"]]) for row in found if row["seed"] in ours and ours[row["seed"]]["found"] == "True"]
+    slower = [float(row["seconds"]) / float(other["seconds"]) for row, other in pairs]
+    longer = [float(row["length_m"]) / float(other["length_m"]) for row, other in pairs]
+    return {
+        "map": name,
+        "planner": label,
+        "n": len(here),
+        "found": len(found),
+        "keeps_clearance": sum(row["keeps_clearance"] == "True" for row in found),
+        "ms": spread(numbers(found, "seconds"), 1e3),
+        "times_as_slow": spread(slower),
+        "length_m": spread(numbers(found, "length_m"), digits=2),
+        "times_as_long": spread(longer, digits=3),
+        "curvature_rms_per_m": round(median_interval(numbers(found, "curvature_rms_per_m"))[0], 2) if found else "",
+    }

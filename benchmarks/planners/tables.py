@@ -1,0 +1,55 @@
+"""What the parts share: where results lie, tables that grow, and spread in words."""
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from time import monotonic
+from typing import Any, Final
+
+import numpy as np
+from rich.progress import track
+
+from experiments.evaluations import read_table, write_table
+
+RESULTS: Final = Path(__file__).parent.parent / "results"
+SAVED_EVERY_S: Final = 20.0
+
+Row = dict[str, Any]
+
+
+def fill(path: Path, keys: Sequence[str], wanted: Iterable[tuple[Any, ...]], measure: Callable[..., Row]) -> list[Row]:
+    """The rows of a table for all that is wanted; what is missing is measured and saved on the way.
+
+    `keys` are the columns that tell rows apart; `measure` takes their values.
+    """
+    rows: dict[tuple[str, ...], Row] = {tuple(row[key] for key in keys): dict(row) for row in read_table(path)}
+    missing = [values for values in wanted if tuple(map(str, values)) not in rows]
+    saved_at_s = monotonic()
+    for values in track(missing, description=path.name.partition(".")[0]):
+        rows[tuple(map(str, values))] = {**dict(zip(keys, values, strict=True)), **measure(*values)}
+        if monotonic() - saved_at_s > SAVED_EVERY_S:
+            write_table(list(rows.values()), path)
+            saved_at_s = monotonic()
+    if missing:
+        write_table(list(rows.values()), path)
+    return [{key: str(value) for key, value in row.items()} for row in rows.values()]
+
+
+def numbers(rows: Iterable[Row], key: str) -> list[float]:
+    """A column, as far as it has values."""
+    return [float(row[key]) for row in rows if row[key] not in ("", "None")]
+
+
+def median_interval(values: Sequence[float]) -> tuple[float, float, float]:
+    """A median and the 95 % percentile bootstrap interval of it, drawn with a fixed seed."""
+    data = np.array(values)
+    drawn = np.random.default_rng(0).integers(len(data), size=(2000, len(data)))
+    low, high = np.quantile(np.median(data[drawn], axis=1), (0.025, 0.975)).tolist()
+    return float(np.median(data)), low, high
+
+
+def spread(values: Sequence[float], scale: float = 1.0, digits: int = 1) -> str:
+    """Median and interval, as they are printed."""
+    if not values:
+        return "-"
+    median, low, high = (scale * value for value in median_interval(values))
+    return f"{median:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
