@@ -151,15 +151,17 @@ class Curved(Steer):
         return np.insert(poses, turning + 1, cusps, axis=0) if cusps else poses
 
     def _cusp(self, a: Any, b: Any, low: float, high: float) -> Floats:
-        """The pose between two shares of the way at which it turns back, (3,)."""
+        """The pose between two shares of the way at which it turns back, (3,): farthest from both of them together.
+
+        From the first alone the other may be farther, where the way back is the longer one.
+        """
+        begin_m, end_m = self._at_shares(a, b, np.array([low, high]))[:, :2]
         for _ in range(_CUSP_ROUNDS):
             shares = np.linspace(low, high, _CUSP_SAMPLES)
             poses = self._at_shares(a, b, shares)
-            headings = poses[:-1, 2]
-            steps = np.diff(poses[:, :2], axis=0)
-            forward = steps[:, 0] * np.cos(headings) + steps[:, 1] * np.sin(headings) > 0.0
-            best = int((forward != forward[0]).argmax())
-            low, high = shares[max(best - 1, 0)], shares[best + 1]
+            apart_m = np.hypot(*(poses[:, :2] - begin_m).T) + np.hypot(*(poses[:, :2] - end_m).T)
+            best = int(apart_m.argmax())
+            low, high = shares[max(best - 1, 0)], shares[min(best + 1, _CUSP_SAMPLES - 1)]
         cusp: Floats = poses[best]
         return cusp
 

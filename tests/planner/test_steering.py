@@ -10,8 +10,10 @@ import pytest
 from legpush.geometry import wrap_angle
 from legpush.messages import Plan, TrunkPathQuery
 from legpush.scenario import Anytime, PlannerName, Steering
+from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
 from planner_proc.search import NOT_STEERED
+from planner_proc.steering import Curved
 from tests.planner import maps
 
 MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
@@ -104,3 +106,22 @@ def test_what_cannot_be_steered_is_refused_with_what_can(
     plan = make_plan(steered(planner, steering, **changes))
     assert plan.status == "invalid"
     assert words in plan.reason
+
+
+def test_the_poses_of_a_curve_lead_all_the_way_to_each_cusp_and_back() -> None:
+    query = maps.query(
+        maps.room(), (4.0, 3.0), (5.0, 3.0), steering="reeds_shepp", min_turning_radius_m=0.9, planner="rrt_star"
+    )
+    steer = Curved(query, ClearanceField(query.grid))
+    rng = np.random.default_rng(0)
+    n_cusps = 0
+    for _ in range(200):
+        a, b = (
+            steer.state(maps.pose(*place, rng.uniform(-np.pi, np.pi)))
+            for place in rng.uniform(3.0, 4.0, (2, 2)).tolist()
+        )
+        poses = steer._poses(a, b, 0.05)
+        steps = np.diff(poses[:, :2], axis=0)
+        n_cusps += int(((steps[:-1] * steps[1:]).sum(axis=1) < 0.0).sum())
+        assert np.hypot(*steps.T).sum() == pytest.approx(steer.space.distance(a, b), abs=4e-3)
+    assert n_cusps > 100
