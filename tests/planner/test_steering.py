@@ -117,8 +117,8 @@ def test_the_poses_of_a_curve_lead_all_the_way_to_each_cusp_and_back() -> None:
     n_cusps = 0
     for _ in range(200):
         a, b = (
-            steer.state(maps.pose(*place, rng.uniform(-np.pi, np.pi)))
-            for place in rng.uniform(3.0, 4.0, (2, 2)).tolist()
+            steer.state(maps.pose(x_m, y_m, rng.uniform(-np.pi, np.pi)))
+            for x_m, y_m in rng.uniform(3.0, 4.0, (2, 2)).tolist()
         )
         poses = steer._poses(a, b, 0.05)
         steps = np.diff(poses[:, :2], axis=0)
