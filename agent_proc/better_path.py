@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.plan_check.truth import clearance
+from agent_proc.clearance import clearance
 from agent_proc.poses import distance_m, moved_m
 from legpush.geometry import Pose2
 from legpush.messages import Plan, TrunkPathQuery

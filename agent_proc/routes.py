@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from math import radians
 from typing import Final
 
-import numpy as np
 from msgspec.structs import replace
 
+from agent_proc.clearance import clearance_at
 from agent_proc.push_estimate import PushEstimate
 from agent_proc.station import nominal_obstacle, stand_off, station
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, OccupancyGrid, PushSide, TrunkPathQuery
+from legpush.messages import BoxPathQuery, PushSide, TrunkPathQuery
 from legpush.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint
@@ -97,7 +97,7 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
     """
     planning = scenario.planning
     grid = occupancy_grid(scenario.room, [box])
-    present_m = distance_to_occupied_m(grid, start) - SLACK_M
+    present_m = clearance_at(grid, start) - SLACK_M
     return TrunkPathQuery(
         grid=grid,
         start=start,
@@ -114,16 +114,3 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
         smoothing=planning.smoothing,
         anytime=planning.anytime,
     )
-
-
-def distance_to_occupied_m(grid: OccupancyGrid, pose: Pose2) -> float:
-    """From a position in the grid to the nearest occupied cell or to the grid's border."""
-    occupied = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
-    rows, columns = np.nonzero(occupied)
-    point = pose.xy() - np.array(grid.origin_m)
-    half_cell = grid.resolution_m / 2
-    centres = (np.stack([columns, rows], axis=-1) + 0.5) * grid.resolution_m
-    beyond = np.maximum(np.abs(centres - point) - half_cell, 0.0)
-    extent = np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
-    to_border = np.minimum(point, extent - point).min()
-    return float(np.hypot(*beyond.T).min(initial=max(to_border, 0.0)))

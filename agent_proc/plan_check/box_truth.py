@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.plan_check.truth import LONGEST_STEP_M, RADIUS_SHARE, SAME_M, SAME_RAD, Nearest, clearance
+from agent_proc.clearance import Nearest, clearance
+from agent_proc.plan_check.truth import LONGEST_STEP_M, RADIUS_SHARE, SAME_M, SAME_RAD
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import BoxPathQuery, Plan, PushSide
 

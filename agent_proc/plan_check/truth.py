@@ -1,18 +1,14 @@
 """What is wrong with a plan: its ends, its status, and the exact distance of all of it to what is occupied."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 from math import hypot, pi
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from agent_proc.clearance import clearance, xy_of
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
-
-Floats = NDArray[np.float64]
+from legpush.messages import Plan, TrunkPathQuery
 
 SAME_M: Final = 1e-6
 SAME_RAD: Final = 1e-6
@@ -22,14 +18,6 @@ FORWARD_SHARE: Final = 0.9
 """Of a step, along the heading: less is sideways, or backward."""
 LONGEST_STEP_M: Final = 0.25
 """Between two waypoints: farther ones say too little about the headings in between."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Nearest:
-    """The place of a path that is nearest to something occupied."""
-
-    distance_m: float
-    at_m: tuple[float, float]
 
 
 def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
@@ -74,7 +62,7 @@ def _steering_faults(query: TrunkPathQuery, waypoints: Sequence[Pose2]) -> list[
         bends = np.where(goes_on, 2.0 * cross / (lengths_m[:-1] * lengths_m[1:] * np.maximum(across_m, SAME_M)), 0.0)
         worst = int(bends.argmax())
         if bends[worst] > (1.0 + RADIUS_SHARE) / radius_m:
-            x_m, y_m = _point(poses[worst + 1, :2])
+            x_m, y_m = xy_of(poses[worst + 1, :2])
             found.append(
                 f"it turns on a radius of {1.0 / bends[worst]:.3g} m near ({x_m:.2f}, {y_m:.2f}), expected at least "
                 f"{radius_m:g} m"
@@ -84,7 +72,7 @@ def _steering_faults(query: TrunkPathQuery, waypoints: Sequence[Pose2]) -> list[
         along_m = steps[:, 0] * np.cos(middles) + steps[:, 1] * np.sin(middles)
         worst = int((along_m / lengths_m).argmin())
         if along_m[worst] < FORWARD_SHARE * lengths_m[worst]:
-            x_m, y_m = _point(poses[worst, :2])
+            x_m, y_m = xy_of(poses[worst, :2])
             found.append(f"near ({x_m:.2f}, {y_m:.2f}) it does not move forward along its heading")
     return found
 
@@ -113,68 +101,6 @@ def _unit_hint(got: Pose2, expected: Pose2) -> str:
     if hypot(got.y_m - expected.x_m, got.x_m - expected.y_m) < SAME_M:
         return "; are x and y the wrong way around?"
     return ""
-
-
-def clearance(grid: OccupancyGrid, points_m: Floats) -> Nearest:
-    """Exact least distance of a polyline, (n, 2), to occupied squares, the outside included."""
-    centres, half_m = _occupied(grid)
-    low = np.array(grid.origin_m)
-    high = low + np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
-    borders = np.minimum(points_m - low, high - points_m).min(axis=1)
-    worst = int(borders.argmin())
-    best = Nearest(distance_m=max(0.0, float(borders[worst])), at_m=_point(points_m[worst]))
-    if not len(centres):
-        return best
-    for a, b in pairwise(points_m if len(points_m) > 1 else np.repeat(points_m, 2, axis=0)):
-        reach_m = best.distance_m + half_m
-        box_low, box_high = np.minimum(a, b) - reach_m, np.maximum(a, b) + reach_m
-        near = centres[((centres >= box_low) & (centres <= box_high)).all(axis=1)]
-        if len(near):
-            distance_m = float(segment_distances_m(a, b, near, half_m).min())
-            if distance_m < best.distance_m:
-                best = Nearest(distance_m=distance_m, at_m=_point((a + b) / 2))
-    return best
-
-
-def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) -> Floats:
-    """From a segment to squares, (n, 2) centres; 0 where they meet, (n,).
-
-    Of two convex shapes apart, the nearest points include a corner of one of them.
-    """
-    corners = centres[:, None] + half_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    way = b - a
-    length2 = float(way @ way)
-    share = np.clip((corners - a) @ way / length2, 0.0, 1.0) if length2 > 0.0 else np.zeros(corners.shape[:2])
-    apart = np.hypot(*np.moveaxis(corners - a - share[..., None] * way, -1, 0)).min(axis=1)
-    for end in (a, b):
-        beyond = np.maximum(np.abs(centres - end) - half_m, 0.0)
-        apart = np.minimum(apart, np.hypot(*beyond.T))
-    return np.where(_meet(a, b, centres, half_m), 0.0, apart)
-
-
-def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> NDArray[np.bool_]:
-    """Whether a segment and squares overlap: no axis of the squares, and not the segment's normal, parts them."""
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    boxes = ((centres + half_m >= low) & (centres - half_m <= high)).all(axis=1)
-    normal = np.array([a[1] - b[1], b[0] - a[0]])
-    off = np.abs((centres - a) @ normal)
-    meets: NDArray[np.bool_] = boxes & (off <= half_m * np.abs(normal).sum())
-    return meets
-
-
-def _occupied(grid: OccupancyGrid) -> tuple[Floats, float]:
-    """Centres of the occupied squares that border on a free one, (n, 2), and half their side."""
-    cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns) != 0
-    free = np.pad(~cells, 1, constant_values=True)
-    exposed = cells & (free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:])
-    rows, columns = np.nonzero(exposed)
-    centres = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution_m + np.array(grid.origin_m)
-    return centres, grid.resolution_m / 2
-
-
-def _point(point: Floats) -> tuple[float, float]:
-    x_m, y_m = point.tolist()
-    return x_m, y_m
 
 
 def differences(one: Plan, other: Plan) -> str:

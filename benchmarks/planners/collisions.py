@@ -9,7 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.plan_check.truth import SAME_M, clearance, faults
+from agent_proc.clearance import clearance
+from agent_proc.plan_check.truth import SAME_M, faults
 from agent_proc.statistics import wilson
 from benchmarks.planners.random_requests import random_request
 from benchmarks.planners.tables import RESULTS, Row, fill, numbers

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
+from agent_proc.clearance import clearance
 from agent_proc.plan_check import cases
-from agent_proc.plan_check.truth import clearance
 from agent_proc.routes import query_to_nominal_box
 from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
 from legpush.scenario_file import load_scenario

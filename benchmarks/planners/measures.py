@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.plan_check.truth import SAME_M, clearance
+from agent_proc.clearance import clearance
+from agent_proc.plan_check.truth import SAME_M
 from legpush.messages import Plan, TrunkPathQuery
 
 Floats = NDArray[np.float64]

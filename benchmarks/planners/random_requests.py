@@ -6,8 +6,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from agent_proc.clearance import clearance
 from agent_proc.plan_check import cases
-from agent_proc.plan_check.truth import clearance
 from legpush.messages import OccupancyGrid, TrunkPathQuery
 from legpush.scenario import Anytime, PlannerName, Smoothing, Steering
 from planner_proc.search import NOT_STEERED

@@ -7,9 +7,9 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.actor import STILL_CYCLES
+from agent_proc.clearance import clearance_at
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.poses import box_error, planar_pose
-from agent_proc.routes import distance_to_occupied_m
 from agent_proc.scripted import ScriptedPolicy
 from agent_proc.station import stand_off, station
 from legpush.errors import PeerError
@@ -90,8 +90,8 @@ def test_the_box_is_an_obstacle_of_both_plans_and_the_goals_are_clear_of_it() ->
     nominal, measured = world.queries()
     assert sum(nominal.grid.cells) > sum(measured.grid.cells) > 0
     for query in (nominal, measured):
-        assert distance_to_occupied_m(query.grid, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0)) == 0.0
-        assert distance_to_occupied_m(query.grid, query.goal) > query.clearance_m == clearance_m(scenario.planning)
+        assert clearance_at(query.grid, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0)) == 0.0
+        assert clearance_at(query.grid, query.goal) > query.clearance_m == clearance_m(scenario.planning)
 
 
 def test_a_wide_margin_moves_the_stand_off_back_from_the_box() -> None:

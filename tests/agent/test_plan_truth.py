@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from agent_proc.clearance import clearance
 from agent_proc.plan_check.box_truth import box_faults
 from agent_proc.plan_check.cases import ASIDE, box_query
-from agent_proc.plan_check.truth import clearance
 from legpush.geometry import Pose2
 from legpush.messages import Plan
 from planner_proc.occupancy import ClearanceField

@@ -6,9 +6,9 @@ from itertools import groupby
 import pytest
 from msgspec.structs import replace
 
+from agent_proc.clearance import clearance_at
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.poses import box_error, distance_m
-from agent_proc.routes import distance_to_occupied_m
 from agent_proc.scripted import ScriptedPolicy
 from legpush.episode import StepRecord
 from legpush.errors import PeerError
@@ -39,7 +39,7 @@ def with_obstacles(scenario: Scenario, *obstacles: Rectangle) -> Scenario:
 def knows(query: PlanQuery, obstacle: Rectangle) -> bool:
     """Whether an obstacle is in the map of a query."""
     x_m, y_m = (obstacle.x_min_m + obstacle.x_max_m) / 2, (obstacle.y_min_m + obstacle.y_max_m) / 2
-    return distance_to_occupied_m(query.grid, Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0)) == 0.0
+    return clearance_at(query.grid, Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0)) == 0.0
 
 
 def moves(world: FakeWorld) -> list[Motion]:

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent_proc.routes import distance_to_occupied_m, query_to_measured_box
+from agent_proc.clearance import clearance_at
+from agent_proc.routes import query_to_measured_box
 from agent_proc.station import at_station, last_stretch, nominal_obstacle, stand_off, station
 from legpush.geometry import Pose2
 from legpush.messages import OccupancyGrid
@@ -93,7 +94,7 @@ def test_the_distance_to_what_is_occupied_is_that_to_the_square_or_the_border(
         n_columns=3, n_rows=3, resolution_m=1.0, origin_m=(10.0, 0.0), cells=bytes([0, 0, 0, 0, 1, 0, 0, 0, 0])
     )
 
-    distance_m = distance_to_occupied_m(grid, Pose2(x_m=10.0 + point[0], y_m=point[1], yaw_rad=0.0))
+    distance_m = clearance_at(grid, Pose2(x_m=10.0 + point[0], y_m=point[1], yaw_rad=0.0))
 
     assert distance_m == pytest.approx(expected_m, abs=1e-9)
 
