@@ -133,7 +133,9 @@ class Actor:
         if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
             return ()
         left_m = cost_m(waypoints) - travelled_m - cost_m(last_stretch)
-        joined = self._better.joined(self.world.revision(revision), self.trunk(), left_m)
+        plan = self.world.revision(revision)
+        self._require_followable(self._better.query, plan, f"revision {revision} of the way")
+        joined = self._better.joined(plan, self.trunk(), left_m)
         if joined:
             self.n_better_paths += 1
         return joined + last_stretch if joined else ()
@@ -176,10 +178,15 @@ class Actor:
         """The planner's answer, whatever it is; `PeerError` where it cannot be followed though it says so."""
         self.world.tell("planning", None, what)
         plan = self.world.plan(query)
+        self._require_followable(query, plan, what)
         self._better = BetterPaths(query, plan) if isinstance(query, TrunkPathQuery) and query.anytime else None
+        return plan
+
+    @staticmethod
+    def _require_followable(query: PlanQuery, plan: Plan, what: str) -> None:
+        """`PeerError` where a plan cannot be followed though it says so."""
         if plan.status == "exact" and (fault := plan_fault(query, plan)):
             raise PeerError(f"{what}: expected a plan that can be followed, but {fault}")
-        return plan
 
     def no_path(self, what: str, plan: Plan) -> MissionEndedError:
         """What to raise where there is no way."""

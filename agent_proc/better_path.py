@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.clearance import clearance
+from agent_proc.clearance import Occupied
 from agent_proc.poses import distance_m, moved_m
 from legpush.geometry import Pose2
 from legpush.messages import Plan, TrunkPathQuery
@@ -25,13 +25,14 @@ class BetterPaths:
     """The improvements of a plan that the robot walks along, one for each gait cycle."""
 
     def __init__(self, query: TrunkPathQuery, plan: Plan) -> None:
-        self._query = query
+        self.query = query
+        self._occupied = Occupied(query.grid)
         self._best_m = plan.length_m
         self._revision = 0
 
     def next_revision(self) -> int | None:
         """The number of the next one; None where no more follow."""
-        anytime = self._query.anytime
+        anytime = self.query.anytime
         if anytime is None or self._revision >= anytime.n_improvements:
             return None
         self._revision += 1
@@ -42,17 +43,17 @@ class BetterPaths:
         if plan.status != "exact" or plan.length_m >= self._best_m:
             return ()
         self._best_m = plan.length_m
-        ways = (self._way(plan.waypoints, k, here) for k in _places(plan.waypoints, here))
+        present_m = self._occupied.nearest(here.xy()[np.newaxis]).distance_m - SLACK_M
+        required_m = max(min(self.query.clearance_m, present_m), FOOT_RECTANGLE_RADIUS_M)
+        ways = (self._way(plan.waypoints, k, here, required_m) for k in _places(plan.waypoints, here))
         way = min((way for way in ways if way), key=cost_m, default=())
         return way if way and cost_m(way) < left_m - LEAST_GAIN_M else ()
 
-    def _way(self, waypoints: tuple[Pose2, ...], k: int, here: Pose2) -> tuple[Pose2, ...]:
+    def _way(self, waypoints: tuple[Pose2, ...], k: int, here: Pose2, required_m: float) -> tuple[Pose2, ...]:
         """From here straight to the k-th waypoint and on, or nothing where that is not free."""
         there = waypoints[k]
         line = np.array([here.xy(), there.xy()])
-        present_m = clearance(self._query.grid, line[:1]).distance_m - SLACK_M
-        required_m = max(min(self._query.clearance_m, present_m), FOOT_RECTANGLE_RADIUS_M)
-        if clearance(self._query.grid, line).distance_m < required_m:
+        if self._occupied.nearest(line).distance_m < required_m:
             return ()
         length_m = distance_m(here, there)
         if length_m == 0.0:

@@ -20,29 +20,47 @@ class Nearest:
     at_m: tuple[float, float]
 
 
+class Occupied:
+    """The occupied squares of a grid, for many questions."""
+
+    def __init__(self, grid: OccupancyGrid) -> None:
+        self._cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns) != 0
+        free = np.pad(~self._cells, 1, constant_values=True)
+        exposed = self._cells & (free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:])
+        rows, columns = np.nonzero(exposed)
+        self._low = np.array(grid.origin_m)
+        self._resolution_m = grid.resolution_m
+        self._high = self._low + np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
+        self._centres = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution_m + self._low
+        """Of those that border on a free one, (n, 2)."""
+
+    def nearest(self, points_m: Floats) -> Nearest:
+        """Exact least distance of a polyline, (n, 2), to occupied squares, the outside included."""
+        half_m = self._resolution_m / 2
+        borders = np.minimum(points_m - self._low, self._high - points_m).min(axis=1)
+        worst = int(borders.argmin())
+        best = Nearest(distance_m=max(0.0, float(borders[worst])), at_m=xy_of(points_m[worst]))
+        if not len(self._centres) or best.distance_m == 0.0:
+            return best
+        columns, rows = np.floor((points_m - self._low) / self._resolution_m).astype(int).clip(0).T
+        n_rows, n_columns = self._cells.shape
+        inside = self._cells[rows.clip(max=n_rows - 1), columns.clip(max=n_columns - 1)]
+        if inside.any():
+            return Nearest(distance_m=0.0, at_m=xy_of(points_m[int(inside.argmax())]))
+        for a, b in pairwise(points_m if len(points_m) > 1 else np.repeat(points_m, 2, axis=0)):
+            reach_m = best.distance_m + half_m
+            box_low, box_high = np.minimum(a, b) - reach_m, np.maximum(a, b) + reach_m
+            near = self._centres[((self._centres >= box_low) & (self._centres <= box_high)).all(axis=1)]
+            if len(near):
+                distance_m = float(segment_distances_m(a, b, near, half_m).min())
+                if distance_m < best.distance_m:
+                    best = Nearest(distance_m=distance_m, at_m=xy_of((a + b) / 2))
+        return best
+
+
 def clearance(grid: OccupancyGrid, points_m: Floats) -> Nearest:
     """Exact least distance of a polyline, (n, 2), to occupied squares, the outside included."""
-    centres, half_m = _occupied(grid)
-    low = np.array(grid.origin_m)
-    high = low + np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
-    borders = np.minimum(points_m - low, high - points_m).min(axis=1)
-    worst = int(borders.argmin())
-    best = Nearest(distance_m=max(0.0, float(borders[worst])), at_m=xy_of(points_m[worst]))
-    if not len(centres) or best.distance_m == 0.0:
-        return best
-    columns, rows = np.floor((points_m - low) / grid.resolution_m).astype(int).clip(0).T
-    inside = _cells(grid)[rows.clip(max=grid.n_rows - 1), columns.clip(max=grid.n_columns - 1)]
-    if inside.any():
-        return Nearest(distance_m=0.0, at_m=xy_of(points_m[int(inside.argmax())]))
-    for a, b in pairwise(points_m if len(points_m) > 1 else np.repeat(points_m, 2, axis=0)):
-        reach_m = best.distance_m + half_m
-        box_low, box_high = np.minimum(a, b) - reach_m, np.maximum(a, b) + reach_m
-        near = centres[((centres >= box_low) & (centres <= box_high)).all(axis=1)]
-        if len(near):
-            distance_m = float(segment_distances_m(a, b, near, half_m).min())
-            if distance_m < best.distance_m:
-                best = Nearest(distance_m=distance_m, at_m=xy_of((a + b) / 2))
-    return best
+    return Occupied(grid).nearest(points_m)
 
 
 def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) -> Floats:
@@ -69,22 +87,6 @@ def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> NDArray[np.bo
     off = np.abs((centres - a) @ normal)
     meets: NDArray[np.bool_] = boxes & (off <= half_m * np.abs(normal).sum())
     return meets
-
-
-def _occupied(grid: OccupancyGrid) -> tuple[Floats, float]:
-    """Centres of the occupied squares that border on a free one, (n, 2), and half their side."""
-    cells = _cells(grid)
-    free = np.pad(~cells, 1, constant_values=True)
-    exposed = cells & (free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:])
-    rows, columns = np.nonzero(exposed)
-    centres = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution_m + np.array(grid.origin_m)
-    return centres, grid.resolution_m / 2
-
-
-def _cells(grid: OccupancyGrid) -> NDArray[np.bool_]:
-    """Which are occupied, (rows, columns)."""
-    occupied: NDArray[np.bool_] = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns) != 0
-    return occupied
 
 
 def clearance_at(grid: OccupancyGrid, pose: Pose2) -> float:

@@ -1,5 +1,6 @@
 """Search for a path with OMPL."""
 
+import weakref
 from collections import deque
 from collections.abc import Iterator
 from math import hypot
@@ -133,10 +134,12 @@ class _Clearance(ob.MotionValidator):  # type: ignore[misc]
 
     def __init__(self, information: ob.SpaceInformation, steer: Steer) -> None:
         super().__init__(information)
-        self._is_free = steer.is_free
+        # A BIT* that was asked for its tree is never freed, and this with it; the map must not be.
+        self._steer = weakref.ref(steer)
 
     def checkMotion(self, a: ob.State, b: ob.State) -> bool:  # noqa: N802 - OMPL's name
-        return self._is_free(a, b)
+        steer = self._steer()
+        return steer is not None and steer.is_free(a, b)
 
 
 class _GoalRegion(ob.GoalSampleableRegion):  # type: ignore[misc]
@@ -186,6 +189,8 @@ class _Budget:
 def _tree(data: ob.PlannerData, steer: Steer, *, two_trees: bool) -> tuple[list[Point2], list[int]]:
     """Nodes and parents of what was grown, breadth first from the roots: parents come before their children."""
     n_nodes = data.numVertices()
+    if data.numStartVertices() == 0:
+        return [], []
     vertices = [data.getVertex(i) for i in range(n_nodes)]
     # The trees from the start and from the goal are told apart by a tag; the edge that joins them belongs to neither.
     tags = [vertex.getTag() if two_trees else 0 for vertex in vertices]

@@ -24,7 +24,7 @@ from planner_proc import polylines
 from planner_proc.box_path import make_box_plan
 from planner_proc.occupancy import NEAR_M, ROUNDING_M, ClearanceField
 from planner_proc.route import Route
-from planner_proc.search import routes, steering_fault
+from planner_proc.search import routes, search_fault
 from planner_proc.shortcut import shortcut
 from planner_proc.smoothing import smooth
 from planner_proc.tube import Tube
@@ -65,7 +65,7 @@ def _make_trunk_plans(query: TrunkPathQuery, field: ClearanceField, interrupted:
             return
     n_revisions = 1 + (query.anytime.n_improvements if query.anytime is not None else 0)
     there = _distance_m(query.start, (query.goal.x_m, query.goal.y_m)) < _SAME_PLACE_M
-    if there and (query.steering == "straight" or query.start.yaw_rad == query.goal.yaw_rad):
+    if there and (query.steering == "straight" or wrap_angle(query.goal.yaw_rad - query.start.yaw_rad) == 0.0):
         yield from [_turn_on_the_spot(query, field)] * n_revisions
         return
     best: Plan | None = None
@@ -203,7 +203,7 @@ def _search_fault(query: PlanQuery) -> str:
     """Why no tree can be grown, or nothing."""
     if not query.step_m >= _SAME_PLACE_M:
         return f"Expected step_m of at least {_SAME_PLACE_M:g} m, got {query.step_m:g}"
-    return steering_fault(query) if isinstance(query, TrunkPathQuery) else ""
+    return search_fault(query) if isinstance(query, TrunkPathQuery) else ""
 
 
 def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQuery) -> str:

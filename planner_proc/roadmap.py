@@ -24,6 +24,9 @@ Floats = NDArray[np.float64]
 _NEIGHBOURS: Final = e * 1.5
 """Times the logarithm of the number of places: Karaman and Frazzoli's k-PRM* in the plane."""
 _FIRST_PLACES: Final = 50
+_DRAWN_AT_ONCE: Final = 5000
+MOST_SAMPLES: Final = 200_000
+"""With its neighbours each takes some kilobytes."""
 _START, _GOAL = 0, 1
 
 
@@ -64,12 +67,16 @@ class _Roadmap:
 
     def sample(self, n: int) -> None:
         """Draw places anywhere and keep the free ones."""
-        drawn = self._random.uniform(self._low, self._high, size=(n, 2))
-        free = self._field.bounds_m(drawn) >= self._query.clearance_m
-        unsure = np.flatnonzero(~free)
-        free[unsure] = self._field.clearance_m(drawn[unsure]) >= self._query.clearance_m
-        self._places_m = np.concatenate([self._places_m, drawn[free]])
-        self._n_samples += n
+        while n > 0:
+            if self._interrupted():
+                raise PlanningInterruptedError
+            drawn = self._random.uniform(self._low, self._high, size=(min(n, _DRAWN_AT_ONCE), 2))
+            free = self._field.bounds_m(drawn) >= self._query.clearance_m
+            unsure = np.flatnonzero(~free)
+            free[unsure] = self._field.clearance_m(drawn[unsure]) >= self._query.clearance_m
+            self._places_m = np.concatenate([self._places_m, drawn[free]])
+            self._n_samples += len(drawn)
+            n -= len(drawn)
 
     def route(self) -> Route:
         """The shortest way whose lines are all free, or the one to the place nearest to the goal."""

@@ -8,7 +8,7 @@ from legpush.plan_desk import Interrupted
 from legpush.scenario import PlannerName, Steering
 from planner_proc.occupancy import ClearanceField
 from planner_proc.ompl_search import ompl_routes
-from planner_proc.roadmap import roadmap_routes
+from planner_proc.roadmap import MOST_SAMPLES, roadmap_routes
 from planner_proc.route import Route
 
 NOT_STEERED: Final[dict[PlannerName, tuple[Steering, ...]]] = {
@@ -27,8 +27,10 @@ def routes(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupte
     return search(query, field, interrupted)
 
 
-def steering_fault(query: TrunkPathQuery) -> str:
-    """Why the query cannot be steered as it says, or nothing."""
+def search_fault(query: TrunkPathQuery) -> str:
+    """Why the query cannot be searched or steered as it says, or nothing."""
+    if query.planner == "prm_star" and (n_samples := _n_iterations(query)) > MOST_SAMPLES:
+        return f"Expected at most {MOST_SAMPLES} iterations for prm_star, which keeps all samples, got {n_samples}"
     if query.steering != "straight" and query.min_turning_radius_m == 0.0:
         return f"Expected min_turning_radius_m above 0 m for the steering {query.steering}, got 0"
     if query.steering in NOT_STEERED.get(query.planner, ()):
@@ -37,3 +39,11 @@ def steering_fault(query: TrunkPathQuery) -> str:
     if query.steering == "straight" and query.min_turning_radius_m > 0.0 and query.smoothing.method == "none":
         return "Expected the smoothing spline or band for a turning radius between straight lines, got none"
     return ""
+
+
+def _n_iterations(query: TrunkPathQuery) -> int:
+    """With all improvements."""
+    anytime = query.anytime
+    return query.max_iterations + (
+        anytime.n_improvements * anytime.improvement_iterations if anytime is not None else 0
+    )

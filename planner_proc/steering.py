@@ -2,14 +2,14 @@
 
 from abc import ABC, abstractmethod
 from itertools import pairwise
-from math import ceil
+from math import ceil, pi
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from ompl import base as ob
 
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import Point2, TrunkPathQuery
 from planner_proc.occupancy import ClearanceField
 
@@ -93,13 +93,15 @@ class Curved(Steer):
         self.space = kind(query.min_turning_radius_m)
         self.space.setBounds(self._bounds())
         self._at = self.space.allocState()
-        self._sagitta_m = _CHECKED_M**2 / (8.0 * query.min_turning_radius_m)
+        self._sagitta_m = min(_CHECKED_M**2 / (8.0 * query.min_turning_radius_m), _CHECKED_M / 2.0)
         """How far an arc is from its chord: chords of other points are checked than are returned."""
 
     def state(self, pose: Pose2) -> Any:
         state = self.space.allocState()
         state.setXY(pose.x_m, pose.y_m)
-        state.setYaw(pose.yaw_rad)
+        yaw_rad = wrap_angle(pose.yaw_rad)
+        # OMPL's headings end before pi.
+        state.setYaw(-pi if yaw_rad == pi else yaw_rad)
         return state
 
     def place(self, state: Any) -> Point2:

@@ -1,7 +1,7 @@
 """What a path has to keep: its clearance and, where that is limited, its distance from the path of the search."""
 
 from collections.abc import Sequence
-from math import ceil, inf
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -12,8 +12,8 @@ from planner_proc.occupancy import ClearanceField
 
 Floats = NDArray[np.float64]
 
-_SAMPLE_SHARE: Final = 0.1
-"""Of the greatest deviation: how far apart a segment is sampled to measure its own."""
+_MOST_HALVINGS: Final = 24
+_ROUNDING_M: Final = 1e-9
 
 
 class Tube:
@@ -29,8 +29,8 @@ class Tube:
 
     def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float]) -> bool:
         """Whether the whole segment between two points is in the tube."""
-        near = self._max_deviation_m == inf or bool(self._near(np.array([a_m, b_m]))[0])
-        return near and self.field.segment_is_free(a_m, b_m, self.clearance_m)
+        free = self.field.segment_is_free(a_m, b_m, self.clearance_m)
+        return free and (self._max_deviation_m == inf or bool(self._near(np.array([a_m, b_m]))[0]))
 
     def free_segments(self, points_m: Floats) -> NDArray[np.bool_]:
         """Which segments of a polyline, (n, 2), are in it, (n - 1,)."""
@@ -38,15 +38,24 @@ class Tube:
         return free if self._max_deviation_m == inf else free & self._near(points_m)
 
     def _near(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Which segments stay near the path: samples do, with what the distance can rise by in between."""
-        steps_m = np.hypot(*np.diff(points_m, axis=0).T)
-        spacing_m = _SAMPLE_SHARE * self._max_deviation_m
-        near = np.empty(len(steps_m), dtype=np.bool_)
-        for k, step_m in enumerate(steps_m.tolist()):
-            n = max(1, ceil(step_m / spacing_m))
-            samples_m = np.linspace(points_m[k], points_m[k + 1], n + 1)
-            distances_m = polylines.distances(self._path_m, samples_m)
-            slack_m = np.zeros(n + 1)
-            slack_m[1:-1] = 0.5 * step_m / n
-            near[k] = bool((distances_m + slack_m <= self._max_deviation_m + 1e-9).all())
+        """Which segments stay near the path, (n - 1,).
+
+        Away from the middle of a piece, distances rise by at most its half length; pieces that this does not decide are
+        halved, and the smallest count as too far.
+        """
+        low_m, high_m = points_m[:-1], points_m[1:]
+        segment = np.arange(len(low_m))
+        near = np.ones(len(low_m), dtype=np.bool_)
+        for _ in range(_MOST_HALVINGS):
+            middle_m = 0.5 * (low_m + high_m)
+            half_m = 0.5 * np.hypot(*(high_m - low_m).T)
+            distances_m = polylines.distances(self._path_m, middle_m)
+            near[segment[distances_m > self._max_deviation_m]] = False
+            unsure = near[segment] & (distances_m + half_m > self._max_deviation_m + _ROUNDING_M)
+            if not unsure.any():
+                return near
+            low_m, middle_m, high_m, segment = low_m[unsure], middle_m[unsure], high_m[unsure], segment[unsure]
+            low_m, high_m = np.concatenate([low_m, middle_m]), np.concatenate([middle_m, high_m])
+            segment = np.concatenate([segment, segment])
+        near[segment] = False
         return near

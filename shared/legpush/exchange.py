@@ -121,6 +121,10 @@ class Exchange(Generic[M]):
             self._reported_at = self._clock()
             self._on_wait(f"{what}: {self._state()}")
 
+    def waiting(self) -> list[M]:
+        """Answers of the peer that came since the last question, and wait to be taken."""
+        return [answer for answer in self._answers.drain() if answer.header.incarnation == self._peer]
+
     def settle(self) -> None:
         """The peer did what it was asked for: its restarts so far are forgiven."""
         self._n_restarts = 0

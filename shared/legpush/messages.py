@@ -80,7 +80,7 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     min_turning_radius_m: Annotated[float, Meta(ge=0.0)]
     """Of the path where it moves; 0 for any."""
     smoothing: Smoothing
-    """For `straight` alone."""
+    """For `straight`; `max_waypoints` for all."""
     anytime: Anytime | None
     """With it the first path found is answered at once, and so many better ones follow."""
 

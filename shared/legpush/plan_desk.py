@@ -109,11 +109,11 @@ class PlanDesk:
         case = self._next()
         if case is None or case.query is None:
             return None
-        if case is not self._at_hand:
-            self._at_hand, self._search = case, self._make_plans(case.query, interrupted)
-            for _ in case.plans:
-                next(self._search, None)
         try:
+            if case is not self._at_hand:
+                self._at_hand, self._search = case, self._make_plans(case.query, interrupted)
+                for _ in case.plans:
+                    next(self._search)
             plan = next(self._search)
         except PlanningInterruptedError:
             self._at_hand = None

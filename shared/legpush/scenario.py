@@ -35,7 +35,7 @@ class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     x_max_m: float
     y_min_m: float
     y_max_m: float
-    appears_at_s: NonNegative = 0.0
+    appears_at_s: Annotated[float, Meta(ge=0.0, le=1e6)] = 0.0
     """Simulated time from which it stands there, as soon as neither robot nor box is near; 0 is from the start."""
 
     def __post_init__(self) -> None:
@@ -111,9 +111,9 @@ class Smoothing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     back to it where that collides. `band`: a spline along an elastic band, which keeps away from obstacles."""
     shorten: bool = True
     """Whether detours are cut off first, where a straight line is free."""
-    comfort_m: NonNegative = 0.25
+    comfort_m: Annotated[float, Meta(ge=0.0, le=100.0)] = 0.25
     """What a `band` keeps beyond the required clearance, where there is room: turns around a corner get wider."""
-    max_deviation_m: Positive | None = None
+    max_deviation_m: Annotated[float, Meta(ge=0.01)] | None = None
     """Farthest from the path of the search, shortened or not; nothing for any distance."""
     max_waypoints: Annotated[int, Meta(ge=10, le=100_000)] = 20_000
     """Of a smooth path: long ones get waypoints farther apart than 0.05 m."""

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from agent_proc.better_path import BetterPaths, cost_m
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.scripted import ScriptedPolicy
+from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages import Follow, Plan, PlanQuery, TrunkPathQuery
 from legpush.scenario import Anytime, Planning, Rectangle, Room
@@ -97,6 +98,35 @@ def test_a_join_through_a_wall_is_not_taken() -> None:
     beyond = path((5.0, 1.0), (7.0, 1.0))
     assert better_paths().joined(beyond, here, 20.0)
     assert better_paths(walled).joined(beyond, here, 20.0) == ()
+
+
+def test_after_a_plan_only_a_shorter_one_is_looked_at() -> None:
+    better, here = better_paths(), Pose2(x_m=1.6, y_m=1.8, yaw_rad=0.9)
+    plan = path((1.0, 1.0), (7.0, 1.0))
+    assert better.joined(plan, here, 8.0)
+    assert better.joined(replace(plan, length_m=plan.length_m + 0.1), here, 20.0) == ()
+
+
+def test_a_robot_that_is_nearer_to_something_than_planned_may_leave_it() -> None:
+    query = maps.query(maps.room((2.0, 3.0, 0.0, 1.0)), (1.0, 2.0), (7.0, 2.0), anytime=ANYTIME, clearance_m=0.6)
+    better = BetterPaths(query, replace(path((1.0, 2.0), (7.0, 5.0)), length_m=10.0))
+    assert better.joined(path((1.0, 2.0), (7.0, 2.0)), Pose2(x_m=2.5, y_m=1.5, yaw_rad=0.0), 20.0)
+
+
+def test_a_better_plan_that_cannot_be_followed_is_the_planners_fault() -> None:
+    world = FakeWorld(planner=detour)
+    world.better = lambda query, _: Plan(status="exact", reason="", length_m=1.0)
+    with pytest.raises(PeerError, match="revision 1 of the way: expected a plan that can be followed"):
+        run(world)
+
+
+def test_once_something_has_appeared_no_better_path_is_taken_from_the_map_without_it() -> None:
+    aside = Rectangle(x_min_m=4.0, x_max_m=4.2, y_min_m=0.2, y_max_m=0.4, appears_at_s=1.0)
+    world = FakeWorld(planner=detour)
+    world.better = lambda query, _: replace(straight_plan(query), length_m=1.0)
+    result = run(world, room=Room(size_m=(12.0, 6.0), obstacles=(aside,)))
+    assert result.success
+    assert result.n_better_paths < 2
 
 
 @pytest.mark.parametrize("status", ["approximate", "failed"])

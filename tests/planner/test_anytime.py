@@ -42,6 +42,19 @@ def test_the_first_answer_does_not_wait_for_the_whole_budget(planner: PlannerNam
     assert first.n_iterations < whole.n_iterations == 3000
 
 
+@pytest.mark.parametrize("planner", ["rrt", "rrt_connect"])
+def test_planners_that_find_another_path_each_time_find_a_better_one_sooner_or_later(planner: PlannerName) -> None:
+    changes = {"smoothing": maps.NOT_SMOOTHED, "anytime": Anytime(n_improvements=8, improvement_iterations=3000)}
+    revisions = list(make_plans(asked(planner, **changes), lambda: False))
+    assert len({plan.length_m for plan in revisions}) > 1
+
+
+def test_more_samples_than_a_roadmap_can_hold_are_refused() -> None:
+    plan = make_plan(asked("prm_star", anytime=None, max_iterations=10_000_000))
+    assert plan.status == "invalid"
+    assert "at most 200000 iterations for prm_star" in plan.reason
+
+
 def test_improvements_get_shorter_where_there_is_something_to_gain() -> None:
     changes = {"smoothing": maps.NOT_SMOOTHED}
     revisions = list(make_plans(asked("rrt_star", **changes), lambda: False))
@@ -58,7 +71,7 @@ def test_a_search_stops_when_it_is_interrupted(planner: PlannerName) -> None:
         return n_asked > 5
 
     cut = maps.room((3.9, 4.1, 0.0, 6.0))
-    query = maps.query(cut, (1.0, 3.0), (7.0, 3.0), planner=planner, anytime=Anytime(n_improvements=1000))
+    query = maps.query(cut, (1.0, 3.0), (7.0, 3.0), planner=planner, anytime=Anytime(n_improvements=100))
     with pytest.raises(PlanningInterruptedError):
         list(make_plans(query, interrupted))
     assert n_asked < 20

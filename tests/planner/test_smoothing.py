@@ -132,7 +132,7 @@ def test_a_spline_that_collides_is_drawn_back_to_the_polyline() -> None:
     assert polylines.distances(path, CORNER).max() < 0.05
 
 
-@pytest.mark.parametrize("deviation_m", [0.05, 0.15, 0.4])
+@pytest.mark.parametrize("deviation_m", [0.01, 0.05, 0.15, 0.4])
 def test_the_path_stays_as_near_to_that_of_the_search_as_was_asked_for(deviation_m: float) -> None:
     path = np.concatenate(smoothed(maps.room(), CORNER, max_deviation_m=deviation_m))
     dense = maps.samples(path, 0.01)

@@ -1,15 +1,18 @@
 """Paths with a turning radius: forward only, and backward too."""
 
+import gc
+import weakref
 from itertools import pairwise
-from math import cos, hypot, sin
+from math import cos, hypot, pi, sin
 from typing import get_args
 
 import numpy as np
 import pytest
 
 from legpush.geometry import wrap_angle
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
 from legpush.scenario import Anytime, PlannerName, Steering
+from planner_proc import planning
 from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
 from planner_proc.search import NOT_STEERED
@@ -125,3 +128,39 @@ def test_the_poses_of_a_curve_lead_all_the_way_to_each_cusp_and_back() -> None:
         n_cusps += int(((steps[:-1] * steps[1:]).sum(axis=1) < 0.0).sum())
         assert np.hypot(*steps.T).sum() == pytest.approx(steer.space.distance(a, b), abs=4e-3)
     assert n_cusps > 100
+
+
+@pytest.mark.parametrize(
+    ("planner", "steering"), [("rrt", "dubins"), ("rrt_connect", "reeds_shepp"), ("bit_star", "dubins")]
+)
+@pytest.mark.parametrize("yaw_rad", [pi, -pi, 7.0])
+def test_headings_may_be_any_number_at_both_ends(planner: PlannerName, steering: Steering, yaw_rad: float) -> None:
+    changes = {"planner": planner, "steering": steering, "min_turning_radius_m": 0.5, "max_iterations": 2000}
+    query = maps.query(maps.room(), (5.0, 2.0, yaw_rad), (3.0, 4.0, yaw_rad), **changes)
+    plan = make_plan(query)
+    assert plan.status == "exact", plan.reason
+    assert (plan.waypoints[0], plan.waypoints[-1]) == (query.start, query.goal)
+
+
+@pytest.mark.parametrize("radius_m", [0.005, 0.02])
+def test_a_tiny_turning_radius_asks_for_no_more_space_than_a_large_one(radius_m: float) -> None:
+    gate = maps.room((3.9, 4.1, 0.0, 2.5), (3.9, 4.1, 3.5, 6.0))
+    changes = {"planner": "rrt", "steering": "dubins", "min_turning_radius_m": radius_m, "max_iterations": 3000}
+    assert make_plan(maps.query(gate, (2.0, 3.0), (6.0, 3.0), **changes)).status == "exact"
+
+
+@pytest.mark.parametrize("planner", ["bit_star", "rrt_star", "rrt_connect"])
+def test_a_planner_that_serves_for_days_keeps_no_maps(planner: PlannerName, monkeypatch: pytest.MonkeyPatch) -> None:
+    fields: list[weakref.ref[ClearanceField]] = []
+
+    def remembered(grid: OccupancyGrid, near_m: float) -> ClearanceField:
+        field = ClearanceField(grid, near_m)
+        fields.append(weakref.ref(field))
+        return field
+
+    monkeypatch.setattr(planning, "ClearanceField", remembered)
+    for seed in range(3):
+        make_plan(maps.query(MAZE, (1.0, 1.0), (7.0, 5.0), planner=planner, seed=seed, max_iterations=500))
+    gc.collect()
+    assert len(fields) == 3
+    assert [field() for field in fields] == [None] * 3

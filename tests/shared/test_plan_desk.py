@@ -187,3 +187,26 @@ def test_a_cancel_that_overtakes_its_request_holds_and_one_of_an_old_request_doe
     assert desk.cancel(cancel(4)) == []
     assert [answer.request_id for answer in asked(desk, request(6))] == [6]
     assert planner.seeds == [1]
+
+
+def test_a_search_that_is_begun_anew_may_be_interrupted_before_it_comes_to_something_new() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    desk.ask(request(0, client="a", anytime=ANYTIME))
+    first = desk.work(lambda: False)
+    desk.ask(request(0, client="b", seed=2))
+    second = desk.work(lambda: False)
+    assert desk.work(lambda: True) is None
+    rest = worked(desk)
+    assert (first is not None, second is not None) == (True, True)
+    assert [(answer.client, answer.revision) for answer in rest] == [("a", 1), ("a", 2)]
+
+
+def test_the_improvements_at_hand_go_on_before_those_of_others() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    for client in ("a", "b"):
+        desk.ask(request(0, client=client, anytime=ANYTIME))
+    order = [(answer.client, answer.revision) for answer in worked(desk)]
+    assert order == [("a", 0), ("b", 0), ("b", 1), ("b", 2), ("a", 1), ("a", 2)]
+    assert len(planner.seeds) == 3
