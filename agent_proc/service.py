@@ -14,6 +14,7 @@ from typing import Annotated, Final
 import msgspec
 import tyro
 
+from agent_proc.facts import JSON, attach_facts
 from agent_proc.live_world import LiveWorld
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.policies import make_policy
@@ -87,6 +88,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         began_unix_s=time(),
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
+        attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop)
         bus.announce()
@@ -95,6 +97,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         if not world.is_live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
         leave_report(folder, journal, result)
+        bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
 

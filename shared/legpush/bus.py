@@ -11,6 +11,7 @@ import secrets
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from types import TracebackType
 from typing import Any, Final, Generic, Self
 
@@ -23,9 +24,10 @@ from legpush.endpoints import Endpoints, listing
 from legpush.errors import EndpointError, MessageError
 from legpush.faults import BadChannel, Faults, fate_table
 from legpush.intake import Intake
-from legpush.messages import PROTOCOL_VERSION, Header, Name, Role, Status
+from legpush.messages import PROTOCOL_VERSION, Copies, Fact, Header, Name, Origin, Role, Status, Taken
 from legpush.roster import LEASE_S, Roster
 from legpush.tally import Tally
+from legpush.tap import Tap, TapBuffer
 
 log = logging.getLogger(__name__)
 
@@ -40,9 +42,16 @@ OnPeer = Callable[[Role, str, str, bool], None]
 class Publisher(Generic[M]):
     """Sends the messages of one channel, each with the next header."""
 
-    def __init__(self, header: Callable[[int], Header], send: Callable[[bytes], None]) -> None:
+    def __init__(
+        self,
+        header: Callable[[int], Header],
+        send: Callable[[bytes], None],
+        note: Callable[[int, bytes], None] | None = None,
+    ) -> None:
+        """`note` is told sequence and bytes of each message before it is sent."""
         self._header = header
         self._send = send
+        self._note = note
         self._sequence = 0
         self._lock = threading.Lock()
 
@@ -51,6 +60,8 @@ class Publisher(Generic[M]):
         with self._lock:
             message = build(self._header(self._sequence))
             payload = codec.encode(message)
+            if self._note is not None:
+                self._note(self._sequence, payload)
             self._sequence += 1
             self._send(payload)
         return message
@@ -89,10 +100,21 @@ class Subscription(Generic[M]):
 class Bus:
     """One process on the bus; a context manager that connects on entry and always closes.
 
-    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause.
+    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause, `tap` has copies of
+    what is published for recorders.
     """
 
-    def __init__(self, run: str, role: Role, name: str, endpoints: Endpoints, faults: Faults | None = None) -> None:
+    def __init__(
+        self,
+        run: str,
+        role: Role,
+        name: str,
+        endpoints: Endpoints,
+        faults: Faults | None = None,
+        *,
+        recorded: bool = False,
+    ) -> None:
+        """`recorded`: a recorder is about to come, and is to have everything from the start."""
         self.run = run
         self.role = role
         self.name = name
@@ -103,11 +125,15 @@ class Bus:
         self._faults = faults if faults is not None and faults.probability > 0.0 else None
         self._on_peer: list[OnPeer] = []
         self._closing = ExitStack()
+        self._recorded = recorded
+        origin = Origin(role=role, name=name, incarnation=self.incarnation)
+        self.tap = Tap(TapBuffer(origin), self._send_copies)
 
     def __enter__(self) -> Self:
         session = self._open()
         self._closing.callback(session.close)
         self._session = session
+        self._open_tap()
         watcher = session.liveliness().declare_subscriber(
             keys.liveliness(self.run, "*", "*", "*"), _callback(self._take_token), history=True
         )
@@ -129,11 +155,16 @@ class Bus:
             allowed_destination=zenoh.Locality.REMOTE,
         )
         self._closing.callback(publisher.undeclare)
+        note = partial(self.tap.buffer.note, channel.key) if channel.is_copied else None
         if not lockstep or self._faults is None:
-            return Publisher(self._header, publisher.put)
+            return Publisher(self._header, publisher.put, note)
         bad_channel = BadChannel(fate_table(self._faults, channel.key), publisher.put)
         self._closing.callback(bad_channel.close)
-        return Publisher(self._header, bad_channel.send)
+        return Publisher(self._header, bad_channel.send, note)
+
+    def attach(self, name: str, media_type: str, data: bytes) -> None:
+        """Recordings of this run get this file as well."""
+        self.tap.buffer.attach(Fact(name=name, media_type=media_type, data=data))
 
     def put(self, key: str, payload: bytes) -> None:
         """Publish bytes as they are, valid or not."""
@@ -178,6 +209,21 @@ class Bus:
         for peer in self.roster.live():
             on_peer(peer.role, peer.name, peer.incarnation, True)
 
+    def _open_tap(self) -> None:
+        """Declared before anything is published, so that the farewell comes after everything else."""
+        self._copies = self.publisher(channels.copies(self.run, self.role, self.name))
+        self._receive(channels.taken(self.run, self.role, self.name), self._take_taken)
+        self._closing.callback(self.tap.close)
+        if self._recorded:
+            self.tap.start()
+
+    def _send_copies(self, build: Callable[[Header], Copies]) -> Copies:
+        return self._copies.send(build)
+
+    def _take_taken(self, taken: Taken) -> None:
+        if taken.origin_incarnation == self.incarnation:
+            self.tap.take(taken.header.incarnation, taken.batch)
+
     def _header(self, sequence: int) -> Header:
         """The only place where a header is made."""
         return Header(
@@ -201,6 +247,8 @@ class Bus:
             return
         alive = sample.kind == zenoh.SampleKind.PUT
         self.roster.token(token.role, token.name, token.incarnation, alive)
+        if token.role == "recorder" and self.role != "recorder":
+            self.tap.meet({peer.incarnation for peer in self.roster.live("recorder")})
         for on_peer in self._on_peer:
             on_peer(token.role, token.name, token.incarnation, alive)
 

@@ -20,6 +20,7 @@ CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {
     "sim": (),
     "agent": ("planner", "sim"),
     "launcher": ("planner", "sim", "agent"),
+    "recorder": ("planner", "sim", "agent"),
 }
 PROTOCOLS: Final = ("unixsock-stream", "tcp")
 MAX_SOCKET_PATH_BYTES: Final = 107

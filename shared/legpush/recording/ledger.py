@@ -1,0 +1,102 @@
+"""What a recording should have and what it has: sequences per key and incarnation, and who said farewell."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from legpush.messages import Copies, Origin
+
+
+@dataclass(frozen=True, kw_only=True)
+class Completeness:
+    """Whether everything that was published is in a recording, and if not, what is not known to be."""
+
+    complete: bool
+    n_recorded: int
+    n_missing: int
+    """As far as the sequences tell."""
+    notes: tuple[str, ...]
+    """What is missing, or may be, one sentence each."""
+
+
+@dataclass
+class _Account:
+    """One key of one incarnation."""
+
+    first: int | None = None
+    n_recorded: int = 0
+    n_published: int = 0
+
+    def n_missing(self) -> int:
+        """Of those from the first one on that a recorder could have had."""
+        return self.n_published - (self.first or 0) - self.n_recorded if self.first is not None else 0
+
+
+@dataclass
+class _Source:
+    """One incarnation."""
+
+    label: str
+    accounts: dict[str, _Account] = field(default_factory=dict)
+    n_batches: int = 0
+    final: bool = False
+
+
+class Ledger:
+    """Kept by a recorder from the batches that come; a batch counts once, however often it is sent."""
+
+    def __init__(self) -> None:
+        self._sources: dict[str, _Source] = {}
+        self._silent: dict[str, str] = {}
+
+    def seen(self, origin: Origin) -> None:
+        """A process is there, whether it hands over copies or not."""
+        if origin.incarnation not in self._sources:
+            self._silent[origin.incarnation] = _label(origin)
+
+    def is_new(self, batch: Copies) -> bool:
+        """Whether this batch was not taken before."""
+        source = self._sources.get(batch.origin.incarnation)
+        return source is None or batch.batch >= source.n_batches
+
+    def take(self, batch: Copies, recorded: set[str]) -> None:
+        """Note a batch, of which the copies under the keys `recorded` are in the file."""
+        origin = batch.origin
+        self._silent.pop(origin.incarnation, None)
+        source = self._sources.setdefault(origin.incarnation, _Source(_label(origin)))
+        source.n_batches = batch.batch + 1
+        source.final |= batch.final
+        for copy in batch.copies:
+            if copy.key in recorded:
+                account = source.accounts.setdefault(copy.key, _Account())
+                account.first = copy.sequence if account.first is None else account.first
+                account.n_recorded += 1
+        for published in batch.published:
+            if published.key in recorded:
+                source.accounts.setdefault(published.key, _Account()).n_published = published.n
+
+    def completeness(self, live: Collection[str] = ()) -> Completeness:
+        """As it stands; whoever is among the `live` incarnations need not have said farewell."""
+        notes: list[str] = [
+            f"{label} hands over no copies: its messages are missing" for label in self._silent.values()
+        ]
+        n_recorded = n_missing = 0
+        for incarnation, source in self._sources.items():
+            for key, account in source.accounts.items():
+                n_recorded += account.n_recorded
+                n_missing += account.n_missing()
+                if account.n_missing():
+                    notes.append(
+                        f"{key} of {source.label}: {account.n_missing()} of "
+                        f"{account.n_published - (account.first or 0)} messages are missing"
+                    )
+                if account.first is None and account.n_published:
+                    notes.append(f"{key} of {source.label}: {account.n_published} messages before the recording began")
+                elif account.first:
+                    notes.append(f"{key} of {source.label}: {account.first} messages before the recording began")
+            if not source.final and incarnation not in live:
+                notes.append(f"{source.label} did not say farewell: its last messages may be missing")
+        return Completeness(complete=not notes, n_recorded=n_recorded, n_missing=n_missing, notes=tuple(notes))
+
+
+def _label(origin: Origin) -> str:
+    return f"{origin.role} {origin.name} ({origin.incarnation})"
