@@ -41,6 +41,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         messages.Follow,
         messages.Walk,
         messages.Push,
+        messages.Alter,
         messages.Observation,
         messages.Refusal,
         messages.Outcome,

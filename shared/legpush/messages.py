@@ -231,7 +231,16 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     """Which half circle `w` runs along: the swing side, theta in [-pi/2, pi/2], or the paper's, [0, pi]."""
 
 
-Motion = Reset | Follow | Walk | Push
+class Alter(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="alter"):
+    """From here on the box is heavier, lighter or slides otherwise; nothing moves."""
+
+    box_mass_kg: Annotated[float, Meta(ge=0.001)] | None = None
+    """None: as it was."""
+    box_friction: Annotated[float, Meta(gt=0.0)] | None = None
+    """None: as it was."""
+
+
+Motion = Reset | Follow | Walk | Push | Alter
 
 
 class Action(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

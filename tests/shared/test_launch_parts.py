@@ -168,6 +168,7 @@ REPORT = {
     "trunk_max_abs_pitch_deg": 1.5,
     "trunk_max_abs_roll_deg": 2.5,
     "min_support_margin_m": 0.031,
+    "n_better_paths": 1,
     "n_replans": 1,
     "appeared": [{"obstacle": 3, "time_s": 12.0}],
     "n_push_cycles": 17,
@@ -177,6 +178,7 @@ REPORT = {
     "real_time_factor": 13.5,
     "state_crc": 123456789,
     "seed": 3,
+    "recording": {"file": "/tmp/a.mcap", "complete": True, "notes": []},
     "versions": {"legpush": "0.1.0"},
 }
 

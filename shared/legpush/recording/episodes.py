@@ -78,7 +78,7 @@ class _Reader:
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
         self._episodes: dict[tuple[str, int], EpisodeRecord] = {}
-        self._last: dict[tuple[str, str], tuple[int, int]] = {}
+        self._before: dict[tuple[str, str], tuple[int, int]] = {}
         """Of each topic and incarnation: episode and step of the last message that was in order."""
 
     def read(self) -> list[EpisodeRecord]:
@@ -128,7 +128,7 @@ class _Reader:
 
     def _decoded(self, message: Recorded, sim: str, kind: type[T], what: str) -> T | None:
         """The message, or None where it is damaged, which is noted at the step where it has to be."""
-        place = (message.topic, message.origin.incarnation)
+        place: tuple[str, str] = (message.topic, message.origin.incarnation)
         crc = self._recording.crcs.get((*place, message.copy.sequence))
         got = codec.checksum(message.copy.payload)
         decoded: T | None = None
@@ -139,9 +139,9 @@ class _Reader:
             except MessageError as error:
                 why = f"no message: {error}"
         if decoded is not None:
-            self._last[place] = (decoded.episode, decoded.step)
+            self._before[place] = (decoded.episode, decoded.step)
             return decoded
-        before = self._last.get(place)
+        before = self._before.get(place)
         number, step = (before[0], before[1] + 1) if before is not None else (self._first_number(sim), 0)
         expected = f"bytes with CRC {crc:08x}" if crc is not None else "a message"
         self._episode(sim, number).damage.append(Damage(step=step, field=what, expected=expected, got=why))
