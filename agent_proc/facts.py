@@ -6,26 +6,15 @@ from pathlib import Path
 from typing import Final
 
 import msgspec
-from msgspec import Struct
 
 from agent_proc.policies import SB3_SUFFIX, SCRIPTED
 from agent_proc.policy_folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE, policy_path
 from legpush.bus import Bus
-from legpush.messages import Count
+from legpush.recording.facts import MISSION_FILE, PUSH_MAP_FILE, SCENARIO_FILE, VERSIONS_FILE, MissionFacts
 from legpush.scenario import Scenario
 from legpush.scenario_file import dump_scenario
 
 JSON: Final = "application/json"
-
-
-class MissionFacts(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a mission is made of, besides its scenario and push map: `mission.json` of a recording."""
-
-    seed: Count
-    policy: str
-    """By name, as `--policy` takes it."""
-    policy_sha256: str
-    """Of its files; empty for one that has none."""
 
 
 def policy_sha256(name: str) -> str:
@@ -46,8 +35,8 @@ def attach_facts(
 ) -> None:
     """Hand them to whoever records."""
     facts = MissionFacts(seed=seed, policy=policy, policy_sha256=policy_sha256(policy))
-    bus.attach("mission.json", JSON, msgspec.json.encode(facts))
-    bus.attach("versions.json", JSON, msgspec.json.encode(dict(versions)))
-    bus.attach("scenario.toml", "application/toml", dump_scenario(scenario).encode())
+    bus.attach(MISSION_FILE, JSON, msgspec.json.encode(facts))
+    bus.attach(VERSIONS_FILE, JSON, msgspec.json.encode(dict(versions)))
+    bus.attach(SCENARIO_FILE, "application/toml", dump_scenario(scenario).encode())
     if push_map is not None:
-        bus.attach("push_map.json", JSON, push_map.read_bytes())
+        bus.attach(PUSH_MAP_FILE, JSON, push_map.read_bytes())

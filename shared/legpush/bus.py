@@ -128,6 +128,7 @@ class Bus:
         self._recorded = recorded
         origin = Origin(role=role, name=name, incarnation=self.incarnation)
         self.tap = Tap(TapBuffer(origin), self._send_copies)
+        self._taps = {origin.incarnation: self.tap}
 
     def __enter__(self) -> Self:
         session = self._open()
@@ -217,12 +218,23 @@ class Bus:
         if self._recorded:
             self.tap.start()
 
+    def stand_in(self, origin: Origin) -> Tap:
+        """A tap for another process, whose messages are published again; the caller closes it."""
+        tap = Tap(TapBuffer(origin), self._send_copies)
+        self._taps[origin.incarnation] = tap
+        tap.start()
+        tap.meet(self._recorders())
+        return tap
+
+    def _recorders(self) -> set[str]:
+        return {peer.incarnation for peer in self.roster.live("recorder")}
+
     def _send_copies(self, build: Callable[[Header], Copies]) -> Copies:
         return self._copies.send(build)
 
     def _take_taken(self, taken: Taken) -> None:
-        if taken.origin_incarnation == self.incarnation:
-            self.tap.take(taken.header.incarnation, taken.batch)
+        if (tap := self._taps.get(taken.origin_incarnation)) is not None:
+            tap.take(taken.header.incarnation, taken.batch)
 
     def _header(self, sequence: int) -> Header:
         """The only place where a header is made."""
@@ -248,7 +260,8 @@ class Bus:
         alive = sample.kind == zenoh.SampleKind.PUT
         self.roster.token(token.role, token.name, token.incarnation, alive)
         if token.role == "recorder" and self.role != "recorder":
-            self.tap.meet({peer.incarnation for peer in self.roster.live("recorder")})
+            for tap in tuple(self._taps.values()):
+                tap.meet(self._recorders())
         for on_peer in self._on_peer:
             on_peer(token.role, token.name, token.incarnation, alive)
 

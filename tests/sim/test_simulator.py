@@ -254,7 +254,7 @@ def test_a_box_that_slides_out_of_reach_is_not_followed(at_the_box: Scenario) ->
 
 def test_another_box_is_felt_from_the_next_motion_on_and_not_before(at_the_box: Scenario) -> None:
     push = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.08)
-    start = [Reset(scenario=at_the_box, seed=0), push]
+    start: list[Motion] = [Reset(scenario=at_the_box, seed=0), push]
 
     def after(*motions: Motion) -> list[int]:
         return [outcome.state_crc for outcome in perform(Simulator(), [*start, *motions])[len(start) - 1 :]]

@@ -151,8 +151,8 @@ class _Reader:
         return next((number for name, number in self._episodes if name == sim), 0)
 
 
-def same(one: Outcome, other: Outcome) -> bool:
-    """Whether two outcomes are the same, bit for bit."""
+def same(one: msgspec.Struct, other: msgspec.Struct) -> bool:
+    """Whether two records are the same, bit for bit."""
     return msgspec.msgpack.encode(one) == msgspec.msgpack.encode(other)
 
 
