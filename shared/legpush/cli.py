@@ -16,7 +16,7 @@ from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, 
 from legpush.launch.maps import MapOptions
 from legpush.launch.options import RunOptions
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
-from legpush.launch.recordings import InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
+from legpush.launch.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.launch.rooms import RandomScenario
 
 DESCRIPTION: Final = (
@@ -89,6 +89,7 @@ Command = (
     | Annotated[InfoOptions, tyro.conf.subcommand("info")]
     | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
     | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
+    | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
 )
 
 
@@ -114,6 +115,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             | InfoOptions
             | RecoverOptions
             | ReplayOptions
+            | BranchOptions
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -236,3 +238,10 @@ def _replay(command: ReplayOptions) -> int:
     from legpush.recording.replay import replay
 
     return replay(command)
+
+
+@execute.register
+def _branch(command: BranchOptions) -> int:
+    from legpush.recording.branch_run import branch
+
+    return branch(command)

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from legpush.errors import JournalError, MotionError
 from legpush.journal import (
@@ -26,6 +26,22 @@ from legpush.plan_client import PlanLink
 log = logging.getLogger(__name__)
 
 
+class Past(Protocol):
+    """Answers to the first steps of an episode, and to the plan queries among them, from elsewhere."""
+
+    n_steps: int
+    """So many steps are answered."""
+
+    def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
+        """What the motion leads to as this step; `MotionError` if it was refused."""
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """The answer to a query."""
+
+    def revision(self, query: PlanQuery, revision: int) -> Plan:
+        """A better one."""
+
+
 class Episode:
     """The mission's view of the world: `step` moves it and `plan` asks for a path, nothing else does either.
 
@@ -33,8 +49,10 @@ class Episode:
     ask the very same things, which it does if it depends on the answers alone; then it goes on live where it ended.
     """
 
-    def __init__(self, journal: Journal, sim: SimLink, planner: PlanLink) -> None:
+    def __init__(self, journal: Journal, sim: SimLink, planner: PlanLink, past: Past | None = None) -> None:
+        """With a `past` the episode continues another one: the simulator is led through its steps."""
         self._journal = journal
+        self._origin = past
         self._sim = sim
         self._planner = planner
         self._past: list[PastStep] = []
@@ -44,6 +62,11 @@ class Episode:
         self._query: PlanQuery | None = None
         self.live = False
         """Whether the journal has been used up, and answers come from the peers."""
+
+    @property
+    def n_steps(self) -> int:
+        """How many steps were carried out."""
+        return len(self._past)
 
     def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         """What the motion leads to; `MotionError` if it cannot be carried out, then the state is as it was."""
@@ -59,7 +82,7 @@ class Episode:
 
     def plan(self, query: PlanQuery) -> Plan:
         """The planner's answer."""
-        answer = self._answer(Queried(query=query), lambda: Planned(plan=self._planner.plan(query)))
+        answer = self._answer(Queried(query=query), lambda: Planned(plan=self._plan(query)))
         if not isinstance(answer, Planned):
             raise self._mismatch("a plan", answer)
         self._query = query
@@ -67,9 +90,7 @@ class Episode:
 
     def revision(self, revision: int) -> Plan:
         """A better plan for the last query, the one with this number."""
-        answer = self._answer(
-            Awaited(revision=revision), lambda: Planned(plan=self._planner.revision(revision, self._query))
-        )
+        answer = self._answer(Awaited(revision=revision), lambda: Planned(plan=self._revision(revision)))
         if not isinstance(answer, Planned):
             raise self._mismatch("a better plan", answer)
         return answer.plan
@@ -91,9 +112,26 @@ class Episode:
             self._journal.append(answer)
         return answer
 
+    def _plan(self, query: PlanQuery) -> Plan:
+        origin = self._origin_now()
+        return self._planner.plan(query) if origin is None else origin.plan(query)
+
+    def _revision(self, revision: int) -> Plan:
+        origin = self._origin_now()
+        if origin is None or self._query is None:
+            return self._planner.revision(revision, self._query)
+        return origin.revision(self._query, revision)
+
+    def _origin_now(self) -> Past | None:
+        """Who answers instead of the peers, if anybody does yet."""
+        return self._origin if self._origin is not None and self.n_steps < self._origin.n_steps else None
+
     def _act(self, motion: Motion, *, with_trace: bool) -> Observed | Refused:
         answer: Observed | Refused
+        origin = self._origin_now()
         try:
+            if origin is not None:
+                return Observed(outcome=origin.act(self.n_steps, motion, with_trace=with_trace))
             answer = Observed(outcome=self._sim.step(motion, self._past, with_trace=with_trace))
         except MotionError as error:
             answer = Refused(reason=str(error))

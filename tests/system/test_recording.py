@@ -2,6 +2,7 @@
 goes on.
 """
 
+import hashlib
 import json
 import random
 import resource
@@ -21,8 +22,9 @@ import zenoh
 
 from legpush import keys
 from legpush.endpoints import in_directory
-from legpush.messages import Walk
-from legpush.recording.mcap_reader import Recording, read_recording
+from legpush.messages import Alter, Walk
+from legpush.recording.episodes import read_episodes
+from legpush.recording.mcap_reader import Recorded, Recording, read_recording
 from legpush.recording.recover import recover
 from tests.shared.fakes import RUN, Agent, agent, crc_after, eventually, mission, planner, sim
 
@@ -247,3 +249,68 @@ def _records(process: psutil.Process) -> bool:
         return "legpush.recording.service" in process.cmdline()
     except psutil.NoSuchProcess:
         return False
+
+
+def test_the_recording_plays_the_simulator_and_the_mission_ends_as_it_did(
+    mission_run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    out, file = mission_run
+    done = legpush("replay", str(file), "--as", "sim", "--out", str(tmp_path / "run"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert crc_of(tmp_path / "run") == crc_of(out)
+
+
+def crc_of(folder: Path) -> str:
+    crc: str = json.loads((folder / "report.json").read_text())["state_crc"]
+    return crc
+
+
+def test_a_branch_without_a_change_ends_as_its_parent_and_one_with_another_box_does_not(
+    mission_run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    out, file = mission_run
+    before = file.read_bytes()
+    same, heavy = tmp_path / "same", tmp_path / "heavy"
+    flags = ("branch", str(file), "--at", "0:12")
+    done = legpush(*flags, "--out", str(same), "--record", str(tmp_path / "same.mcap"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert crc_of(same) == crc_of(out)
+    changes = ("--box-mass-kg", "0.9", "--policy", "scripted")
+    done = legpush(*flags, *changes, "--out", str(heavy), "--record", str(tmp_path / "heavy.mcap"))
+    assert done.returncode in (0, 1), done.stdout + done.stderr
+    assert crc_of(heavy) != crc_of(out)
+    parent, branch = (read_episodes(read_recording([path]))[-1] for path in (file, tmp_path / "heavy.mcap"))
+    for one, other in zip(parent.carried_out()[:12], branch.carried_out()[:12], strict=True):
+        assert one.outcome is not None
+        assert other.outcome is not None
+        assert (one.motion, one.outcome.state_crc) == (other.motion, other.outcome.state_crc)
+    assert branch.carried_out()[12].motion == Alter(box_mass_kg=0.9)
+    about = read_recording([tmp_path / "heavy.mcap"]).about
+    assert about["parent_sha256"] == hashlib.sha256(before).hexdigest()
+    assert (about["parent_file"], about["parent_episode"], about["parent_step"]) == (file.name, "0", "12")
+    done = legpush("replay", str(tmp_path / "heavy.mcap"), "--verify")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert file.read_bytes() == before
+
+
+def test_what_is_published_again_is_recorded_again_byte_for_byte(
+    mission_run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    _, file = mission_run
+    at = f"unixsock-stream/{tmp_path}/replay.sock"
+    player = subprocess.Popen([sys.executable, *CLI, "replay", str(file), "--rate", "10", "--listen", at])
+    try:
+        flags = ("--run", "replay", "--connect", at, "--duration", "4")
+        done = legpush("record", str(tmp_path / "again.mcap"), *flags)
+        assert player.wait(timeout=30.0) == 0
+    finally:
+        player.kill()
+        player.wait()
+    assert done.returncode == 0, done.stdout + done.stderr
+    first, again = (read_recording([path]).messages for path in (file, tmp_path / "again.mcap"))
+    assert len(first) == len(again)
+    assert contents_of(first) == contents_of(again)
+
+
+def contents_of(messages: list[Recorded]) -> list[tuple[str, int, bytes]]:
+    return sorted((message.topic, message.copy.sequence, message.copy.payload) for message in messages)

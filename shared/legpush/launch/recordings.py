@@ -11,6 +11,7 @@ import tyro
 
 from legpush.endpoints import Endpoints, local
 from legpush.errors import ConfigError
+from legpush.scenario import PlannerName
 
 File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
 Files = Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")]
@@ -119,3 +120,44 @@ class ReplayOptions:
             raise ConfigError(f"Expected 0 or more for --start, got {self.start_s}")
         if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.run) is None:
             raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --run, got {self.run!r}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchOptions:
+    """Continue a recorded mission from a step on with another policy, planner or box, as a run of its own.
+
+    Steps before it are done again, to the same states; then the mission goes on live. Exit codes as of `legpush run`.
+    """
+
+    files: Files
+    """The recording of a mission, or its parts in order."""
+    at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
+    """The first step that is not the recorded one, such as 0:12; `legpush info` lists both."""
+    policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    """Chooses the pushes from there on."""
+    planner: PlannerName | None = None
+    """Which search is asked for from there on."""
+    planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
+    """Another planner process from there on."""
+    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """Mass of the box from there on; the mission is not told."""
+    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Friction of the box from there on; the mission is not told."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished one goes on in its folder."""
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """The new recording, which names this one; FILE-branch-EPISODE-STEP.mcap if not given."""
+    video: bool = False
+    """Render mission.mp4 at the end."""
+
+    def __post_init__(self) -> None:
+        if not self.files:
+            raise ConfigError("Expected the file of a recording, got none")
+        if re.fullmatch(r"\d+:\d+", self.at) is None:
+            got = f"got {self.at!r}; `legpush info` lists both"
+            raise ConfigError(f"Expected EPISODE:STEP for --at, such as 0:12, {got}")
+        least_kg = 0.001
+        if self.box_mass_kg is not None and not (isfinite(self.box_mass_kg) and self.box_mass_kg >= least_kg):
+            raise ConfigError(f"Expected at least {least_kg} kg for --box-mass-kg, got {self.box_mass_kg}")
+        if self.box_friction is not None and not (isfinite(self.box_friction) and self.box_friction > 0.0):
+            raise ConfigError(f"Expected more than 0 for --box-friction, got {self.box_friction}")

@@ -84,6 +84,8 @@ class Programs:
 
     process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
     film: Callable[[Path], tuple[str, ...]] = film_arguments
+    again: Callable[[Path], str] | None = None
+    """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
 
 
 def run_mission(
@@ -103,7 +105,8 @@ def run_mission(
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {verdict.reason}\n")
         elif verdict.exit_code == INTERRUPTED:
-            console.print(Text(f"{verdict.reason}; to go on: {_again(options, folder)}"), soft_wrap=True)
+            again = programs.again(folder) if programs.again is not None else _again(options, folder)
+            console.print(Text(f"{verdict.reason}; to go on: {again}"), soft_wrap=True)
         else:
             if verdict.reason:
                 console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)

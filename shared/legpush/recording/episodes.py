@@ -90,7 +90,10 @@ class _Reader:
         for message, topic in parts:
             if topic[0] == "sim" and topic[-1] == "observation":
                 self._take_answer(message, topic[1])
-        return list(self._episodes.values())
+        begun = [episode for episode in self._episodes.values() if episode.damage or _was_answered(episode)]
+        for index, episode in enumerate(begun):
+            episode.index = index
+        return begun
 
     def _episode(self, sim: str, number: int) -> EpisodeRecord:
         return self._episodes.setdefault(
@@ -149,6 +152,11 @@ class _Reader:
 
     def _first_number(self, sim: str) -> int:
         return next((number for name, number in self._episodes if name == sim), 0)
+
+
+def _was_answered(episode: EpisodeRecord) -> bool:
+    """Whether a simulator did, or refused to do, any of its steps, and not only asked to be led to them first."""
+    return any(one.outcome or one.refusal for asked in episode.steps.values() for one in asked)
 
 
 def same(one: msgspec.Struct, other: msgspec.Struct) -> bool:

@@ -34,18 +34,34 @@ class MissionFiles(NamedTuple):
     push_map: Path | None
 
 
-def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
-    """Write the files of the recorded mission into a folder; `RecordingError` where there was none."""
-    mission, scenario = recording.attachment(MISSION_FILE), recording.attachment(SCENARIO_FILE)
-    if mission is None or scenario is None:
+def read_facts(recording: Recording) -> MissionFacts:
+    """Of the recorded mission; `RecordingError` where there was none."""
+    mission = recording.attachment(MISSION_FILE)
+    if mission is None:
         raise RecordingError(
-            f"Expected the recording of a mission, with {MISSION_FILE} and {SCENARIO_FILE} in it, got one with "
+            f"Expected the recording of a mission, with {MISSION_FILE} in it, got one with "
             f"{', '.join(recording.attachments) or 'no files'}"
         )
     try:
-        facts = msgspec.json.decode(mission.data, type=MissionFacts)
+        return msgspec.json.decode(mission.data, type=MissionFacts)
     except msgspec.MsgspecError as error:
         raise RecordingError(f"{MISSION_FILE} of the recording: {error}") from error
+
+
+def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
+    """Write the files of the recorded mission into a folder.
+
+    `RecordingError` where there was none, or where it is a branch, which began in another recording.
+    """
+    if "parent_sha256" in recording.about:
+        raise RecordingError(
+            f"Expected the recording of a mission from its beginning on, got a branch of "
+            f"{recording.about.get('parent_file')} at {recording.about.get('parent_episode')}:"
+            f"{recording.about.get('parent_step')}; it can be verified, and its parent can be branched and replayed"
+        )
+    facts, scenario = read_facts(recording), recording.attachment(SCENARIO_FILE)
+    if scenario is None:
+        raise RecordingError(f"Expected the recording of a mission, with {SCENARIO_FILE} in it, got one without")
     (folder / SCENARIO_FILE).write_bytes(scenario.data)
     push_map = recording.attachment(PUSH_MAP_FILE)
     if push_map is not None:

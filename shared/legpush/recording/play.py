@@ -55,7 +55,7 @@ class RecordedSim:
             if asked.motion == motion and (asked.outcome or asked.refusal) and asked.with_trace >= with_trace
         ]
         if not fitting:
-            raise RecordingError(f"step {step}: {_instead(among, step, motion, with_trace=with_trace)}")
+            raise RecordingError(f"step {step}: {instead(among, step, motion, with_trace=with_trace)}")
         refused = [asked.refusal for _, asked in fitting if asked.outcome is None]
         if refused and refused[0] is not None:
             raise MotionError(refused[0])
@@ -64,7 +64,7 @@ class RecordedSim:
         return outcome if with_trace else replace(outcome, trace=None)
 
 
-def _instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_trace: bool) -> str:
+def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_trace: bool = False) -> str:
     """What the recording has in the place of a motion."""
     asked = [one for episode in among for one in episode.steps.get(step, []) if one.outcome or one.refusal]
     if not asked:
@@ -89,14 +89,15 @@ class RecordedPlanner:
         """The recorded answers; more than there are is waited for, as from a planner that takes its time."""
         plans = self._plans.get(query_bytes(query))
         if plans is None:
-            raise RecordingError(self._instead(query))
+            raise RecordingError(self.instead(query))
         for revision in sorted(plans):
             yield plans[revision]
         while not interrupted():
             sleep(IDLE_S)
         raise PlanningInterruptedError
 
-    def _instead(self, query: PlanQuery) -> str:
+    def instead(self, query: PlanQuery) -> str:
+        """What the recording has in the place of a query that it does not have."""
         same_kind = [record.query for record in self._records if type(record.query) is type(query)]
         if not same_kind:
             return f"the recording answers no {type(query).__name__}"

@@ -1,0 +1,53 @@
+"""`legpush branch`: a run that continues a recorded mission."""
+
+import shlex
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from rich.console import Console
+
+from legpush.launch.options import RunOptions
+from legpush.launch.recordings import BranchOptions
+from legpush.launch.run import Place, Programs, process_arguments, run_mission
+from legpush.messages import Role
+from legpush.recording.branch import RecordedPast, parse_point, sha256_of
+from legpush.recording.facts import unpack_mission
+from legpush.recording.mcap_reader import read_recording
+
+
+def branch(options: BranchOptions) -> int:
+    """Run it; the exit code of the mission."""
+    at = parse_point(options.at)
+    recording = read_recording(options.files)
+    RecordedPast(recording, at)
+    flags = ["--branch-of", *(str(path.absolute()) for path in options.files), "--branch-at", str(at)]
+    for name in ("planner", "box_mass_kg", "box_friction"):
+        if (value := getattr(options, name)) is not None:
+            flags += [f"--branch-{name.replace('_', '-')}", str(value)]
+
+    def process(role: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
+        return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
+
+    first = options.files[0]
+    about = {
+        "parent_file": " ".join(path.name for path in options.files),
+        "parent_sha256": sha256_of(options.files),
+        "parent_episode": str(at.episode),
+        "parent_step": str(at.step),
+        "branch": shlex.join(sys.argv[1:]),
+    }
+    with TemporaryDirectory(prefix="legpush-branch-") as folder:
+        mission = unpack_mission(recording, Path(folder))
+        run = RunOptions(
+            scenario=str(mission.scenario),
+            seed=mission.facts.seed,
+            policy=options.policy or mission.facts.policy,
+            push_map=mission.push_map,
+            planner_command=options.planner_command,
+            out=options.out,
+            record=options.record or first.with_name(f"{first.stem}-branch-{at.episode}-{at.step}{first.suffix}"),
+            video=options.video,
+        )
+        again = shlex.join(["legpush", *sys.argv[1:]])
+        return run_mission(run, Console(), Programs(process=process, again=lambda _: again), about)
