@@ -58,6 +58,11 @@ def in_directory(directory: Path, role: Role) -> Endpoints:
     )
 
 
+def recorder_of_pool(directory: Path) -> Endpoints:
+    """For a recorder of an agent that listens in this directory, and of simulators that connect to both."""
+    return Endpoints(listen=(_socket(directory, "recorder"),), connect=in_directory(directory, "agent").listen)
+
+
 def listing(locators: Sequence[str]) -> str:
     """For messages to people."""
     return ", ".join(locators) if locators else "nothing"

@@ -73,6 +73,19 @@ def test_a_recording_can_be_read_in_parts_each_of_which_is_a_whole_file(tmp_path
     assert recording.is_complete
     with pytest.raises(RecordingError, match=r"a-002.mcap: expected part 1 of the recording, got part 2"):
         read_recording([parts[0], parts[2]])
+    cut, recovered = tmp_path / "cut.mcap", tmp_path / "recovered.mcap"
+    cut.write_bytes(parts[1].read_bytes()[:-100])
+    recover(cut, recovered)
+    assert read_recording([parts[0], recovered, *parts[2:]]).messages == recording.messages
+
+
+def test_a_bit_that_flips_beside_the_messages_is_told(tmp_path: Path) -> None:
+    path = a_recording(tmp_path / "a.mcap")
+    data, actions = bytearray(path.read_bytes()), traffic(mission())[0]
+    data[data.index(actions[5].payload) - 3] ^= 1  # in the time of publishing
+    path.write_bytes(data)
+    text = "\n".join(lines((path,), read_recording([path])))
+    assert "1 pieces of the file have a bit that flipped" in text
 
 
 def test_a_file_that_is_cut_off_anywhere_is_refused_and_recovered_up_to_the_cut(tmp_path: Path) -> None:
@@ -167,6 +180,10 @@ def test_what_was_flushed_survives_a_disk_that_is_full(tmp_path: Path, monkeypat
     monkeypatch.undo()
     recover(tmp_path / "a.mcap", tmp_path / "b.mcap")
     assert [m.copy for m in read_recording([tmp_path / "b.mcap"]).messages] == actions[:10]
+
+
+def test_a_recording_of_nobody_is_not_complete() -> None:
+    assert Ledger().completeness().notes == ("nobody was there to be recorded",)
 
 
 def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:

@@ -16,6 +16,24 @@ INCOMPLETE = 1
 """Exit code of a recorder whose recording is whole, but lacks something."""
 
 
+def recorder_arguments(
+    file: Path, run: str, endpoints: Endpoints, about: Mapping[str, str] | None = None
+) -> tuple[str, ...]:
+    """The command line of a recorder; `about` becomes metadata of the recording."""
+    argv = [sys.executable, "-P", "-m", "legpush.recording.service", str(file.absolute()), "--run", run]
+    argv += ["--listen", *endpoints.listen, "--connect", *endpoints.connect]
+    for name, value in (about or {}).items():
+        argv += ["--about", f"{name}={value}"]
+    return tuple(argv)
+
+
+def what_is_missing(process: Process) -> list[str]:
+    """What a recorder that came to its end said about its recording."""
+    words = process.last_words(50)
+    start = max((i for i, line in enumerate(words) if line.startswith("wrote ")), default=len(words))
+    return [line.strip() for line in words[start + 1 :]]
+
+
 class MissionRecorder:
     """Starts the recorder process, tells the user when it fails, and puts into the report what became of it."""
 
@@ -29,11 +47,8 @@ class MissionRecorder:
 
     def start(self, crew: Crew, log: Path, environment: Mapping[str, str], about: Mapping[str, str]) -> None:
         """Start it; `about` becomes metadata of the recording."""
-        argv = [sys.executable, "-P", "-m", "legpush.recording.service", str(self._file), "--run", self._run]
-        argv += ["--connect", *self._endpoints.connect]
-        for name, value in about.items():
-            argv += ["--about", f"{name}={value}"]
-        self._process = crew.start(Command(role="recorder", argv=tuple(argv), log=log, environment=environment))
+        argv = recorder_arguments(self._file, self._run, self._endpoints, about)
+        self._process = crew.start(Command(role="recorder", argv=argv, log=log, environment=environment))
 
     def ended(self, process: Process) -> None:
         """The recorder ended although the mission goes on: tell the user at once."""
@@ -50,11 +65,9 @@ class MissionRecorder:
         if self._process is None:
             return
         code = self._process.exit_code
-        words = self._process.last_words(50)
         if self._failure is None and code not in (0, INCOMPLETE):
             self.ended(self._process)
-        start = max((i for i, line in enumerate(words) if line.startswith("wrote ")), default=len(words))
-        notes = [line.strip() for line in words[start + 1 :]]
+        notes = what_is_missing(self._process)
         if self._failure is None and code == INCOMPLETE:
             self._display.notice("\n    ".join(("the recording is not complete:", *notes)))
         report = folder / REPORT_FILE

@@ -2,6 +2,8 @@
 
 import shlex
 import sys
+from collections.abc import Iterator
+from itertools import chain, count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -29,7 +31,6 @@ def branch(options: BranchOptions) -> int:
     def process(role: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
         return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
 
-    first = options.files[0]
     about = {
         "parent_file": " ".join(path.name for path in options.files),
         "parent_sha256": sha256_of(options.files),
@@ -46,8 +47,28 @@ def branch(options: BranchOptions) -> int:
             push_map=mission.push_map,
             planner_command=options.planner_command,
             out=options.out,
-            record=options.record or first.with_name(f"{first.stem}-branch-{at.episode}-{at.step}{first.suffix}"),
+            record=options.record or default_file(options),
             video=options.video,
         )
-        again = shlex.join(["legpush", *sys.argv[1:]])
-        return run_mission(run, Console(), Programs(process=process, again=lambda _: again), about)
+        programs = Programs(process=process, again=lambda folder: again(options, folder))
+        return run_mission(run, Console(), programs, about)
+
+
+def default_file(options: BranchOptions) -> Path:
+    """Where the new recording goes: beside the old one, under a name that is free."""
+    first, at = options.files[0], parse_point(options.at)
+    names = (f"{first.stem}-branch-{at.episode}-{at.step}{number}{first.suffix}" for number in chain([""], _numbers()))
+    return next(path for path in map(first.with_name, names) if not path.exists())
+
+
+def _numbers() -> Iterator[str]:
+    return (f"-{number}" for number in count(2))
+
+
+def again(options: BranchOptions, folder: Path) -> str:
+    """The command that goes on with an interrupted branch; what it records is a file of its own."""
+    words = ["legpush", "branch", *map(str, options.files), "--at", options.at, "--out", str(folder)]
+    for name in ("policy", "planner", "planner_command", "box_mass_kg", "box_friction"):
+        if (value := getattr(options, name)) is not None:
+            words += [f"--{name.replace('_', '-')}", str(value)]
+    return shlex.join([*words, "--video"] if options.video else words)

@@ -52,6 +52,8 @@ def _completeness(recording: Recording) -> Iterator[str]:
         yield f"              {note}"
     if damaged:
         yield f"              {damaged} messages are damaged: their bytes are not those that were recorded"
+    if recording.n_damaged_chunks:
+        yield f"              {recording.n_damaged_chunks} pieces of the file have a bit that flipped"
 
 
 def _result(recording: Recording) -> Iterator[str]:

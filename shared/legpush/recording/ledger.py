@@ -79,6 +79,8 @@ class Ledger:
         notes: list[str] = [
             f"{label} hands over no copies: its messages are missing" for label in self._silent.values()
         ]
+        if not self._sources and not self._silent:
+            notes.append("nobody was there to be recorded")
         n_recorded = n_missing = 0
         for incarnation, source in self._sources.items():
             for key, account in source.accounts.items():

@@ -20,6 +20,8 @@ from legpush.messages import PROTOCOL_VERSION, Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digests
 from legpush.recording.mcap_writer import COMPLETENESS, METADATA, Attachment, topic_of
 
+RECOVERED_FROM: Final = "recovered_from"
+"""In the metadata of what was made of a file that was cut off: its name."""
 MAGIC: Final = b"\x89MCAP0\r\n"
 _DAMAGE: Final = (McapError, struct.error, ValueError, KeyError, MemoryError)
 """What the MCAP library raises where a file is not what it should be."""
@@ -53,6 +55,10 @@ class Recording:
     crcs: dict[tuple[str, str, int], int] = field(default_factory=dict)
     """Digests by topic, incarnation and sequence."""
     n_files: int = 0
+    part: int = 0
+    """Number of the first file among the parts of its recording."""
+    n_damaged_chunks: int = 0
+    """Pieces of the files with a bit that flipped, in a message or beside it."""
 
     @property
     def is_complete(self) -> bool:
@@ -96,6 +102,8 @@ class Scan:
         self.position = 0
         """Bytes that could be read."""
         self.size = 0
+        self.n_damaged_chunks = 0
+        self._is_ours = False
         self._channels: dict[int, Channel] = {}
 
     def read_into(self, recording: Recording) -> None:
@@ -108,10 +116,11 @@ class Scan:
                     self._take(record, recording)
         except OSError as error:
             raise RecordingError(f"{self.path}: expected a recording that can be read ({error.strerror})") from error
-        if not recording.about:
+        if not self._is_ours:
             what = "an MCAP file of something else" if self.ended else "one that is cut off before it says what it is"
             raise RecordingError(f"{self.path}: expected a recording of legpush, got {what}")
         recording.n_files += 1
+        recording.n_damaged_chunks += self.n_damaged_chunks
 
     def _require_magic(self, file: BinaryIO) -> None:
         head = file.read(len(MAGIC))
@@ -126,10 +135,6 @@ class Scan:
             for record in StreamReader(file, emit_chunks=True).records:
                 if isinstance(record, Chunk):
                     yield from self._chunk_records(record)
-                    if len(record.data) < record.uncompressed_size and not record.compression:
-                        return
-                elif isinstance(record, AttachmentRecord) and file.tell() >= self.size:
-                    return
                 else:
                     yield record
                 self.position = file.tell()
@@ -138,9 +143,10 @@ class Scan:
             self.ended = False
 
     def _chunk_records(self, chunk: Chunk) -> Iterator[McapRecord]:
-        """Of a chunk that may be cut off; its CRC is not looked at, since digests tell which message is damaged."""
+        """Of a chunk; where its CRC is wrong it is read all the same, since digests tell which message is damaged."""
         if chunk.compression:
             raise RecordingError(f"{self.path}: expected chunks that are not compressed, got {chunk.compression}")
+        self.n_damaged_chunks += codec.checksum(chunk.data) != chunk.uncompressed_crc
         stream, n_bytes = ReadDataStream(BytesIO(chunk.data)), len(chunk.data)
         while stream.count < n_bytes:
             opcode, length = stream.read1(), stream.read8()
@@ -179,8 +185,12 @@ class Scan:
             raise RecordingError(
                 f"{self.path}: expected a recording of protocol version {PROTOCOL_VERSION}, got one of {version}"
             )
-        part, expected = about.pop("part", "0"), str(recording.n_files)
-        if part != expected and recording.n_files:
+        part, expected = int(about.pop("part", "0")), recording.part + recording.n_files
+        about.pop(RECOVERED_FROM, None)
+        self._is_ours = True
+        if not recording.about:
+            recording.part = part
+        elif part != expected:
             raise RecordingError(f"{self.path}: expected part {expected} of the recording, got part {part}")
         if not recording.about:
             recording.about = about

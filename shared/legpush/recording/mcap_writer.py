@@ -1,6 +1,6 @@
 """Recordings as MCAP files: small chunks, flushed often, so that a kill loses little, and parts by size or time.
 
-Chunks are not compressed: what is left of a file that was cut off can be read message by message.
+Chunks are not compressed, so that a bit that flips damages one message, and its digest tells which.
 """
 
 import json
@@ -58,8 +58,12 @@ class RecordingFile:
     With a `split` it consists of parts `<name>-000.mcap`, `<name>-001.mcap` and so on, each a whole MCAP file.
     """
 
-    def __init__(self, path: Path, about: Mapping[str, str], split: Split = WHOLE) -> None:
-        """`about` becomes the metadata of every part. `RecordingError` where a file is there already."""
+    def __init__(self, path: Path, about: Mapping[str, str], split: Split = WHOLE, part: int = 0) -> None:
+        """`about` becomes the metadata of every part, the first of which has the number `part`.
+
+        `RecordingError` where a file is there already.
+        """
+        self._first_part = part
         self._path = path
         self._about = dict(about)
         self._split = split
@@ -134,7 +138,7 @@ class RecordingFile:
         self._schemas: dict[str, int] = {}
         self._writer = Writer(cast("os.PathLike[bytes]", self._stream), CHUNK_BYTES, CompressionType.NONE)  # type: ignore[arg-type]
         self._writer.start("legpush", f"legpush {version('legpush')}")
-        self._writer.add_metadata(METADATA, {**self._about, "part": str(number)})
+        self._writer.add_metadata(METADATA, {**self._about, "part": str(self._first_part + number)})
         for attachment in self._attachments.values():
             self._add(attachment)
         self._writer.flush()  # type: ignore[no-untyped-call]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from legpush.errors import RecordingError
 from legpush.messages import Origin
-from legpush.recording.mcap_reader import Recorded, Recording, Scan
+from legpush.recording.mcap_reader import RECOVERED_FROM, Recorded, Recording, Scan
 from legpush.recording.mcap_writer import RecordingFile
 
 
@@ -17,7 +17,7 @@ def recover(path: Path, out: Path) -> Recording:
     if scan.ended:
         raise RecordingError(f"{path}: expected a recording that is cut off, got a whole one: nothing to recover")
     recording.completeness = _statement(scan, recording)
-    file = RecordingFile(out, {**recording.about, "recovered_from": path.name})
+    file = RecordingFile(out, {**recording.about, RECOVERED_FROM: path.name}, part=recording.part)
     try:
         for attachment in recording.attachments.values():
             file.attach(attachment)
