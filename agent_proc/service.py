@@ -73,6 +73,8 @@ class AgentConfig(ServiceConfig):
     """From there on in place of the box's mass; the mission is not told."""
     branch_box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
     """From there on in place of the box's friction; the mission is not told."""
+    witness_planner: bool = False
+    """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -111,6 +113,8 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         began_unix_s=time(),
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
+        if config.witness_planner:
+            bus.witness("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop, branch=branch)

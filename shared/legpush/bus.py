@@ -126,6 +126,7 @@ class Bus:
         self._on_peer: list[OnPeer] = []
         self._closing = ExitStack()
         self._recorded = recorded
+        self._witnessed: set[Role] = set()
         origin = Origin(role=role, name=name, incarnation=self.incarnation)
         self.tap = Tap(TapBuffer(origin), self._send_copies)
         self._taps = {origin.incarnation: self.tap}
@@ -185,9 +186,12 @@ class Bus:
         intake = Intake(channel, self.run, self.tally)
 
         def take(sample: zenoh.Sample) -> None:
-            message = intake.take(str(sample.key_expr), sample.payload.to_bytes())
+            key, payload = str(sample.key_expr), sample.payload.to_bytes()
+            message = intake.take(key, payload)
             if message is not None:
                 header = message.header
+                if channel.is_copied and header.role in self._witnessed:
+                    self._note_heard(header, key, payload)
                 doing = message.phase if isinstance(message, Status) else None
                 self.roster.heard(header.role, header.name, header.incarnation, doing)
                 put(message)
@@ -217,6 +221,23 @@ class Bus:
         self._closing.callback(self.tap.close)
         if self._recorded:
             self.tap.start()
+
+    def witness(self, role: Role) -> None:
+        """Hand copies of what peers of this role say here to recorders, for those who do not do it themselves.
+
+        Call it before subscribing to what they say.
+        """
+        self._witnessed.add(role)
+
+    def _note_heard(self, header: Header, key: str, payload: bytes) -> None:
+        """For recorders, if there are any."""
+        if not self.tap.buffer.active:
+            return
+        tap = self._taps.get(header.incarnation)
+        if tap is None:
+            tap = self.stand_in(Origin(role=header.role, name=header.name, incarnation=header.incarnation))
+            self._closing.callback(tap.close)
+        tap.buffer.note(key, header.sequence, payload)
 
     def stand_in(self, origin: Origin) -> Tap:
         """A tap for another process, whose messages are published again; the caller closes it."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from legpush.errors import JournalError, MotionError
+from legpush.errors import JournalError, MotionError, PeerError
 from legpush.journal import (
     Acted,
     Awaited,
@@ -33,7 +33,7 @@ class Past(Protocol):
     """So many steps are answered."""
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
-        """What the motion leads to as this step; `MotionError` if it was refused."""
+        """What the motion leads to as this step, with its trace if that is known; `MotionError` if it was refused."""
 
     def plan(self, query: PlanQuery) -> Plan:
         """The answer to a query."""
@@ -53,6 +53,8 @@ class Episode:
         """With a `past` the episode continues another one: the simulator is led through its steps."""
         self._journal = journal
         self._origin = past
+        self._redoes = False
+        """Whether the simulator has been led into that past, and so has to go through the rest of it."""
         self._sim = sim
         self._planner = planner
         self._past: list[PastStep] = []
@@ -130,9 +132,16 @@ class Episode:
         answer: Observed | Refused
         origin = self._origin_now()
         try:
-            if origin is not None:
-                return Observed(outcome=origin.act(self.n_steps, motion, with_trace=with_trace))
+            known = None if origin is None else origin.act(self.n_steps, motion, with_trace=with_trace)
+            if known is not None and not self._redoes and (known.trace is not None or not with_trace):
+                return Observed(outcome=known)
+            self._redoes = True
             answer = Observed(outcome=self._sim.step(motion, self._past, with_trace=with_trace))
+            if known is not None and known.state_crc != answer.outcome.state_crc:
+                raise PeerError(
+                    f"Expected state {known.state_crc:08x} after step {self.n_steps}, as recorded, got "
+                    f"{answer.outcome.state_crc:08x} from sim/{self._sim.sim}: it computes something else"
+                )
         except MotionError as error:
             answer = Refused(reason=str(error))
         if self._sim.episode != self._number:

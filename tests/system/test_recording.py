@@ -19,6 +19,7 @@ from typing import Any
 import psutil
 import pytest
 import zenoh
+from msgspec.structs import replace
 
 from legpush import keys
 from legpush.endpoints import in_directory
@@ -26,7 +27,8 @@ from legpush.messages import Alter, Walk
 from legpush.recording.episodes import read_episodes
 from legpush.recording.mcap_reader import Recorded, Recording, read_recording
 from legpush.recording.recover import recover
-from tests.shared.fakes import RUN, Agent, agent, crc_after, eventually, mission, planner, sim
+from tests.shared.examples import QUERY
+from tests.shared.fakes import IMPATIENT, RUN, Agent, agent, bus, crc_after, eventually, mission, planner, sim
 
 CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
 
@@ -314,3 +316,22 @@ def test_what_is_published_again_is_recorded_again_byte_for_byte(
 
 def contents_of(messages: list[Recorded]) -> list[tuple[str, int, bytes]]:
     return sorted((message.topic, message.copy.sequence, message.copy.payload) for message in messages)
+
+
+def test_what_an_agent_hears_stands_in_for_a_planner_that_hands_over_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    with recorder(tmp_path, file) as process:
+        with planner(tmp_path) as silent, bus(tmp_path, "agent") as opened:
+            silent.tap.close()
+            opened.witness("planner")
+            asking = Agent(opened, IMPATIENT)
+            assert eventually(lambda: len(opened.roster.live("recorder")) == 1, 20.0)
+            for seed in range(5):
+                asking.planner.plan(replace(QUERY, seed=seed))
+            process.send_signal(signal.SIGINT)
+            assert eventually(opened.tap.buffer.is_empty)
+        out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 0, out + err
+    results = [message for message in read_recording([file]).messages if message.topic == "plan/main/result"]
+    assert [message.copy.sequence for message in results] == list(range(5))
+    assert {message.origin.role for message in results} == {"planner"}

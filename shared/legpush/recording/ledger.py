@@ -37,7 +37,8 @@ class _Source:
 
     label: str
     accounts: dict[str, _Account] = field(default_factory=dict)
-    n_batches: int = 0
+    n_batches: dict[str, int] = field(default_factory=dict)
+    """By who handed them over: the source itself, or a witness."""
     final: bool = False
 
 
@@ -56,14 +57,14 @@ class Ledger:
     def is_new(self, batch: Copies) -> bool:
         """Whether this batch was not taken before."""
         source = self._sources.get(batch.origin.incarnation)
-        return source is None or batch.batch >= source.n_batches
+        return source is None or batch.batch >= source.n_batches.get(batch.header.incarnation, 0)
 
     def take(self, batch: Copies, recorded: set[str]) -> None:
         """Note a batch, of which the copies under the keys `recorded` are in the file."""
         origin = batch.origin
         self._silent.pop(origin.incarnation, None)
         source = self._sources.setdefault(origin.incarnation, _Source(_label(origin)))
-        source.n_batches = batch.batch + 1
+        source.n_batches[batch.header.incarnation] = batch.batch + 1
         source.final |= batch.final
         for copy in batch.copies:
             if copy.key in recorded:

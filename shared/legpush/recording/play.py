@@ -52,15 +52,16 @@ class RecordedSim:
             (episode, asked)
             for episode in among
             for asked in episode.steps.get(step, [])
-            if asked.motion == motion and (asked.outcome or asked.refusal) and asked.with_trace >= with_trace
+            if asked.motion == motion and (asked.outcome or asked.refusal)
         ]
-        if not fitting:
+        outcomes = [asked.outcome for _, asked in fitting if asked.outcome is not None]
+        outcome = next((one for one in outcomes if one.trace is not None or not with_trace), None)
+        refusal = next((asked.refusal for _, asked in fitting if asked.outcome is None), None)
+        if outcome is None:
+            if refusal is not None and not outcomes:
+                raise MotionError(refusal)
             raise RecordingError(f"step {step}: {instead(among, step, motion, with_trace=with_trace)}")
-        refused = [asked.refusal for _, asked in fitting if asked.outcome is None]
-        if refused and refused[0] is not None:
-            raise MotionError(refused[0])
-        self._candidates, self._step = [episode for episode, _ in fitting], step + 1
-        outcome = next(asked.outcome for _, asked in fitting if asked.outcome is not None)
+        self._candidates, self._step = [episode for episode, asked in fitting if asked.outcome], step + 1
         return outcome if with_trace else replace(outcome, trace=None)
 
 
@@ -73,7 +74,7 @@ def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_t
     if type(recorded) is not type(motion):
         return f"expected {type(recorded).__name__.lower()} as recorded, got {type(motion).__name__.lower()}"
     if recorded == motion and with_trace:
-        return "expected a question without trace as recorded, got one with"
+        return "expected to be asked without a trace, which the recording lacks here, got a question with one"
     path, expected, got = difference(recorded, motion)
     return f"expected {type(motion).__name__.lower()} with {path} {expected} as recorded, got {got}"
 
