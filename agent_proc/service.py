@@ -114,7 +114,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
         if config.witness_planner:
-            bus.witness("planner")
+            bus.taps.witness("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop, branch=branch)

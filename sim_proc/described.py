@@ -23,7 +23,7 @@ class DescribedSimulator:
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
         """Carry out one motion."""
         outcome = self._simulator.perform(motion, with_trace=with_trace)
-        if isinstance(motion, Reset) and self._bus.tap.buffer.active:
+        if isinstance(motion, Reset) and self._bus.taps.own.buffer.active:
             self._describe(motion.scenario)
         return outcome
 

@@ -6,14 +6,12 @@ there yet, or comes back, is connected to within half a second, so the order of 
 
 import json
 import logging
-import queue
 import secrets
-import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from types import TracebackType
-from typing import Any, Final, Generic, Self
+from typing import Any, Final, Self
 
 import zenoh
 from msgspec import Struct
@@ -24,84 +22,25 @@ from legpush.endpoints import Endpoints, listing
 from legpush.errors import EndpointError, MessageError
 from legpush.faults import BadChannel, Faults, fate_table
 from legpush.intake import Intake
-from legpush.messages import PROTOCOL_VERSION, Copies, Fact, Header, Name, Origin, Role, Status, Taken
+from legpush.messages import PROTOCOL_VERSION, Copies, Fact, Header, Name, Origin, Role, Status
+from legpush.ports import Publisher, Subscription
 from legpush.roster import LEASE_S, Roster
 from legpush.tally import Tally
-from legpush.tap import Tap, TapBuffer
+from legpush.taps import Taps
 
 log = logging.getLogger(__name__)
 
-INBOX_SIZE: Final = 1024
-"""Messages that wait to be taken; beyond that they are refused, so that a flood cannot fill the memory."""
 RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
 
 OnPeer = Callable[[Role, str, str, bool], None]
 """Role, name, incarnation, alive; called on a thread of the bus."""
 
 
-class Publisher(Generic[M]):
-    """Sends the messages of one channel, each with the next header."""
-
-    def __init__(
-        self,
-        header: Callable[[int], Header],
-        send: Callable[[bytes], None],
-        note: Callable[[int, bytes], None] | None = None,
-    ) -> None:
-        """`note` is told sequence and bytes of each message before it is sent."""
-        self._header = header
-        self._send = send
-        self._note = note
-        self._sequence = 0
-        self._lock = threading.Lock()
-
-    def send(self, build: Callable[[Header], M]) -> M:
-        """Send what `build` makes of the header it is given; a non-finite or oversize message is a `MessageError`."""
-        with self._lock:
-            message = build(self._header(self._sequence))
-            payload = codec.encode(message)
-            if self._note is not None:
-                self._note(self._sequence, payload)
-            self._sequence += 1
-            self._send(payload)
-        return message
-
-
-class Subscription(Generic[M]):
-    """The valid messages of one channel, in the order in which they came."""
-
-    def __init__(self, channel: Channel[M], tally: Tally) -> None:
-        self._key = channel.key
-        self._tally = tally
-        self._inbox: queue.Queue[M] = queue.Queue(INBOX_SIZE)
-
-    def put(self, message: M) -> None:
-        """Called by the bus; never blocks."""
-        try:
-            self._inbox.put_nowait(message)
-        except queue.Full:
-            self._tally.add("overflow", f"{self._key}: expected at most {INBOX_SIZE} waiting messages")
-
-    def next(self, timeout_s: float) -> M | None:
-        """The next message, or None if none comes within `timeout_s`; 0 looks without waiting."""
-        try:
-            return self._inbox.get(block=timeout_s > 0.0, timeout=timeout_s)
-        except queue.Empty:
-            return None
-
-    def drain(self) -> list[M]:
-        """All messages that are waiting, without waiting for more."""
-        messages = []
-        while (message := self.next(0.0)) is not None:
-            messages.append(message)
-        return messages
-
-
 class Bus:
     """One process on the bus; a context manager that connects on entry and always closes.
 
-    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause, `tap` has copies of
-    what is published for recorders.
+    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause, `taps` have copies
+    of what is published for recorders.
     """
 
     def __init__(
@@ -126,16 +65,14 @@ class Bus:
         self._on_peer: list[OnPeer] = []
         self._closing = ExitStack()
         self._recorded = recorded
-        self._witnessed: set[Role] = set()
         origin = Origin(role=role, name=name, incarnation=self.incarnation)
-        self.tap = Tap(TapBuffer(origin), self._send_copies)
-        self._taps = {origin.incarnation: self.tap}
+        self.taps = Taps(origin, self._send_copies)
 
     def __enter__(self) -> Self:
         session = self._open()
         self._closing.callback(session.close)
         self._session = session
-        self._open_tap()
+        self._open_taps()
         watcher = session.liveliness().declare_subscriber(
             keys.liveliness(self.run, "*", "*", "*"), _callback(self._take_token), history=True
         )
@@ -157,7 +94,7 @@ class Bus:
             allowed_destination=zenoh.Locality.REMOTE,
         )
         self._closing.callback(publisher.undeclare)
-        note = partial(self.tap.buffer.note, channel.key) if channel.is_copied else None
+        note = partial(self.taps.own.buffer.note, channel.key) if channel.is_copied else None
         if not lockstep or self._faults is None:
             return Publisher(self._header, publisher.put, note)
         bad_channel = BadChannel(fate_table(self._faults, channel.key), publisher.put)
@@ -166,7 +103,7 @@ class Bus:
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
         """Recordings of this run get this file as well."""
-        self.tap.buffer.attach(Fact(name=name, media_type=media_type, data=data))
+        self.taps.own.buffer.attach(Fact(name=name, media_type=media_type, data=data))
 
     def put(self, key: str, payload: bytes) -> None:
         """Publish bytes as they are, valid or not."""
@@ -190,8 +127,8 @@ class Bus:
             message = intake.take(key, payload)
             if message is not None:
                 header = message.header
-                if channel.is_copied and header.role in self._witnessed:
-                    self._note_heard(header, key, payload)
+                if channel.is_copied:
+                    self.taps.heard(header, key, payload)
                 doing = message.phase if isinstance(message, Status) else None
                 self.roster.heard(header.role, header.name, header.incarnation, doing)
                 put(message)
@@ -214,48 +151,16 @@ class Bus:
         for peer in self.roster.live():
             on_peer(peer.role, peer.name, peer.incarnation, True)
 
-    def _open_tap(self) -> None:
+    def _open_taps(self) -> None:
         """Declared before anything is published, so that the farewell comes after everything else."""
         self._copies = self.publisher(channels.copies(self.run, self.role, self.name))
-        self._receive(channels.taken(self.run, self.role, self.name), self._take_taken)
-        self._closing.callback(self.tap.close)
+        self._receive(channels.taken(self.run, self.role, self.name), self.taps.take)
+        self._closing.callback(self.taps.close)
         if self._recorded:
-            self.tap.start()
-
-    def witness(self, role: Role) -> None:
-        """Hand copies of what peers of this role say here to recorders, for those who do not do it themselves.
-
-        Call it before subscribing to what they say.
-        """
-        self._witnessed.add(role)
-
-    def _note_heard(self, header: Header, key: str, payload: bytes) -> None:
-        """For recorders, if there are any."""
-        if not self.tap.buffer.active:
-            return
-        tap = self._taps.get(header.incarnation)
-        if tap is None:
-            tap = self.stand_in(Origin(role=header.role, name=header.name, incarnation=header.incarnation))
-            self._closing.callback(tap.close)
-        tap.buffer.note(key, header.sequence, payload)
-
-    def stand_in(self, origin: Origin) -> Tap:
-        """A tap for another process, whose messages are published again; the caller closes it."""
-        tap = Tap(TapBuffer(origin), self._send_copies)
-        self._taps[origin.incarnation] = tap
-        tap.start()
-        tap.meet(self._recorders())
-        return tap
-
-    def _recorders(self) -> set[str]:
-        return {peer.incarnation for peer in self.roster.live("recorder")}
+            self.taps.own.start()
 
     def _send_copies(self, build: Callable[[Header], Copies]) -> Copies:
         return self._copies.send(build)
-
-    def _take_taken(self, taken: Taken) -> None:
-        if (tap := self._taps.get(taken.origin_incarnation)) is not None:
-            tap.take(taken.header.incarnation, taken.batch)
 
     def _header(self, sequence: int) -> Header:
         """The only place where a header is made."""
@@ -281,8 +186,7 @@ class Bus:
         alive = sample.kind == zenoh.SampleKind.PUT
         self.roster.token(token.role, token.name, token.incarnation, alive)
         if token.role == "recorder" and self.role != "recorder":
-            for tap in tuple(self._taps.values()):
-                tap.meet(self._recorders())
+            self.taps.meet({peer.incarnation for peer in self.roster.live("recorder")})
         for on_peer in self._on_peer:
             on_peer(token.role, token.name, token.incarnation, alive)
 

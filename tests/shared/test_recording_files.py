@@ -196,9 +196,17 @@ def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:
     assert found.notes == (
         "sim main (sim-1) hands over no copies: its messages are missing",
         f"{ACTIONS} of agent main (agent-1): 1 of 4 messages are missing",
-        f"{ACTIONS} of agent main (agent-1): 2 messages before the recording began",
         "agent main (agent-1) did not say farewell: its last messages may be missing",
+        f"{ACTIONS} of agent main (agent-1): 2 messages before the recording began",
     )
+
+
+def test_what_came_before_the_recorder_is_not_expected_of_it() -> None:
+    ledger = Ledger()
+    ledger.take(batch(AGENT, 0, [copy(ACTIONS, 7, b"a")]), {ACTIONS})
+    found = ledger.completeness(live={"agent-1"})
+    assert found.complete
+    assert found.notes == (f"{ACTIONS} of agent main (agent-1): 7 messages before the recording began",)
 
 
 def test_a_batch_counts_once_and_a_filter_asks_for_less(tmp_path: Path) -> None:

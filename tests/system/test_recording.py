@@ -106,7 +106,7 @@ def test_a_recording_has_every_message_byte_for_byte(tmp_path: Path) -> None:
             assert eventually(lambda: sum("/sim/" in key and "/tap/" not in key for key, _ in seen) >= n_sent)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30.0)
-    assert process.returncode in (0, 1), err
+    assert process.returncode == 0, out + err
     recording = read_recording([file])
     recorded = contents(recording)
     lockstep = {key: n for key, n in seen.items() if "/tap/" not in key[0]}
@@ -116,7 +116,7 @@ def test_a_recording_has_every_message_byte_for_byte(tmp_path: Path) -> None:
     assert len(recorded) == len(recording.messages) == int(recording.completeness["n_recorded"])
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_a_recorder_that_is_killed_loses_at_most_a_second(tmp_path: Path, seed: int) -> None:
     file, out = tmp_path / "a.mcap", tmp_path / "b.mcap"
     life_s = random.Random(seed).uniform(1.2, 3.0)
@@ -322,14 +322,14 @@ def test_what_an_agent_hears_stands_in_for_a_planner_that_hands_over_nothing(tmp
     file = tmp_path / "a.mcap"
     with recorder(tmp_path, file) as process:
         with planner(tmp_path) as silent, bus(tmp_path, "agent") as opened:
-            silent.tap.close()
-            opened.witness("planner")
+            silent.taps.own.close()
+            opened.taps.witness("planner")
             asking = Agent(opened, IMPATIENT)
             assert eventually(lambda: len(opened.roster.live("recorder")) == 1, 20.0)
             for seed in range(5):
                 asking.planner.plan(replace(QUERY, seed=seed))
             process.send_signal(signal.SIGINT)
-            assert eventually(opened.tap.buffer.is_empty)
+            assert eventually(opened.taps.own.buffer.is_empty)
         out, err = process.communicate(timeout=30.0)
     assert process.returncode == 0, out + err
     results = [message for message in read_recording([file]).messages if message.topic == "plan/main/result"]

@@ -21,8 +21,8 @@ Files = Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar=
 class RecordOptions:
     """Record all that the processes of a run publish into an MCAP file, until Ctrl-C; it never slows them.
 
-    Exit codes: 0 the recording is complete, 1 it is not and says what is missing, 2 bad input, or the file cannot be
-    written any more.
+    Exit codes: 0 the recording is complete from its beginning on, 1 it is not and says what is missing, 2 bad input, or
+    the file cannot be written any more.
     """
 
     file: File

@@ -8,14 +8,14 @@ from legpush.messages import Copies, Origin
 
 @dataclass(frozen=True, kw_only=True)
 class Completeness:
-    """Whether everything that was published is in a recording, and if not, what is not known to be."""
+    """Whether everything that was published is in a recording, from its beginning on; if not, what is not."""
 
     complete: bool
     n_recorded: int
     n_missing: int
     """As far as the sequences tell."""
     notes: tuple[str, ...]
-    """What is missing, or may be, one sentence each."""
+    """What is missing, or may be, and what came before the recording began, one sentence each."""
 
 
 @dataclass
@@ -75,30 +75,36 @@ class Ledger:
             if published.key in recorded:
                 source.accounts.setdefault(published.key, _Account()).n_published = published.n
 
+    def unfinished(self) -> set[str]:
+        """The incarnations that have not said farewell."""
+        return {incarnation for incarnation, source in self._sources.items() if not source.final} | self._silent.keys()
+
     def completeness(self, live: Collection[str] = ()) -> Completeness:
-        """As it stands; whoever is among the `live` incarnations need not have said farewell."""
-        notes: list[str] = [
-            f"{label} hands over no copies: its messages are missing" for label in self._silent.values()
-        ]
+        """As it stands; whoever is among the `live` incarnations need not have said farewell.
+
+        What was published before the recorder came is not expected of it, but noted.
+        """
+        losses = [f"{label} hands over no copies: its messages are missing" for label in self._silent.values()]
+        before: list[str] = []
         if not self._sources and not self._silent:
-            notes.append("nobody was there to be recorded")
+            losses.append("nobody was there to be recorded")
         n_recorded = n_missing = 0
         for incarnation, source in self._sources.items():
             for key, account in source.accounts.items():
+                first = account.n_published if account.first is None else account.first
                 n_recorded += account.n_recorded
                 n_missing += account.n_missing()
                 if account.n_missing():
-                    notes.append(
-                        f"{key} of {source.label}: {account.n_missing()} of "
-                        f"{account.n_published - (account.first or 0)} messages are missing"
+                    n_expected = account.n_published - first
+                    losses.append(
+                        f"{key} of {source.label}: {account.n_missing()} of {n_expected} messages are missing"
                     )
-                if account.first is None and account.n_published:
-                    notes.append(f"{key} of {source.label}: {account.n_published} messages before the recording began")
-                elif account.first:
-                    notes.append(f"{key} of {source.label}: {account.first} messages before the recording began")
+                if first:
+                    before.append(f"{key} of {source.label}: {first} messages before the recording began")
             if not source.final and incarnation not in live:
-                notes.append(f"{source.label} did not say farewell: its last messages may be missing")
-        return Completeness(complete=not notes, n_recorded=n_recorded, n_missing=n_missing, notes=tuple(notes))
+                losses.append(f"{source.label} did not say farewell: its last messages may be missing")
+        notes = (*losses, *before)
+        return Completeness(complete=not losses, n_recorded=n_recorded, n_missing=n_missing, notes=notes)
 
 
 def _label(origin: Origin) -> str:

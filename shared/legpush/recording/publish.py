@@ -54,7 +54,7 @@ def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
 def _tap(bus: Bus, recording: Recording, origin: Origin, turn: int) -> Tap:
     """The tap of a process that was recorded, with its files."""
     name = f"{origin.incarnation}-{turn}"[-NAME_LENGTH:] if turn else origin.incarnation
-    tap = bus.stand_in(Origin(role=origin.role, name=origin.name, incarnation=name))
+    tap = bus.taps.stand_in(Origin(role=origin.role, name=origin.name, incarnation=name))
     for attachment in recording.attachments.values():
         if attachment.name.startswith(f"{origin.role}/{origin.name}/"):
             file = attachment.name.rpartition("/")[2]

@@ -9,8 +9,9 @@ from time import monotonic
 from typing import Final
 
 from legpush import channels
-from legpush.bus import Bus, Publisher
+from legpush.bus import Bus
 from legpush.messages import Copies, Header, Origin, Role, Taken
+from legpush.ports import Publisher
 from legpush.recording.ledger import Completeness, Ledger
 from legpush.recording.mcap_writer import Attachment, RecordingFile, topic_of
 from legpush.status import StatusBeacon
@@ -21,7 +22,9 @@ FLUSH_S: Final = 0.5
 """What a kill of the recorder loses at most, besides what is on its way."""
 LOOK_S: Final = 0.05
 GATHER_S: Final = 3.0
-"""Once asked to stop, the recorder waits so long at most for processes that are ending to say farewell."""
+"""Once asked to stop, the recorder waits so long at most for processes to end and say farewell."""
+FAREWELL_S: Final = 2.0
+"""Of one that is gone, this long."""
 COPIED: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 """Who publishes what is recorded."""
 
@@ -70,6 +73,7 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
     recorder = Recorder(file, wanted)
     began = flushed_at = monotonic()
     stopped_at: float | None = None
+    seen_at: dict[str, float] = {}
     with StatusBeacon(bus, "recording") as beacon:
         bus.announce()
         log.info("recording to %s", file.parts[0])
@@ -89,13 +93,19 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
                 flushed_at = now
                 beacon.say("recording", detail=f"{recorder.n_recorded} messages")
             peers = _peers(bus)
+            live = {origin.incarnation for origin in peers}
             for origin in peers:
                 recorder.ledger.seen(origin)
-            if stopped_at is not None and (
-                now - stopped_at > GATHER_S or (batch is None and not _are_ending(bus, stop))
-            ):
+            seen_at |= dict.fromkeys(live, now)
+            if stopped_at is None:
+                continue
+            # A process takes its token down before it says farewell. Those whose tokens are up are waited for after a
+            # signal alone, which a launcher sends to all at once.
+            gone_at = {each: seen_at.get(each, began) for each in recorder.ledger.unfinished()}
+            expected = {each for each, at in gone_at.items() if now - at < FAREWELL_S}
+            if (batch is None and not (expected if stop.is_set() else expected - live)) or now - stopped_at > GATHER_S:
                 break
-    completeness = recorder.ledger.completeness({origin.incarnation for origin in _peers(bus)})
+    completeness = recorder.ledger.completeness(live)
     file.finish(statement(completeness))
     return completeness
 
@@ -118,8 +128,3 @@ def _taken(batch: Copies) -> Callable[[Header], Taken]:
 def _peers(bus: Bus) -> list[Origin]:
     live = bus.roster.live()
     return [Origin(role=p.role, name=p.name, incarnation=p.incarnation) for p in live if p.role in COPIED]
-
-
-def _are_ending(bus: Bus, stop: threading.Event) -> bool:
-    """Whether somebody is there who may be about to say farewell."""
-    return stop.is_set() and bool(_peers(bus))
