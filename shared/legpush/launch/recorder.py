@@ -4,7 +4,7 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from legpush.endpoints import Endpoints
 from legpush.launch.crew import Crew
@@ -12,7 +12,7 @@ from legpush.launch.display import Display
 from legpush.launch.folder import REPORT_FILE
 from legpush.launch.processes import Command, Process, describe_exit
 
-INCOMPLETE = 1
+INCOMPLETE: Final = 1
 """Exit code of a recorder whose recording is whole, but lacks something."""
 
 

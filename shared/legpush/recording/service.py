@@ -4,6 +4,7 @@ import logging
 import sys
 from importlib.metadata import version
 from time import time
+from typing import Final
 
 from legpush.bus import Bus
 from legpush.errors import LegpushError
@@ -15,7 +16,7 @@ from legpush.service import one_line, start_log, stop_on_signals
 
 log = logging.getLogger(__name__)
 
-PACKAGES = ("legpush", "eclipse-zenoh", "mcap", "msgpack", "msgspec")
+PACKAGES: Final = ("legpush", "eclipse-zenoh", "mcap", "msgpack", "msgspec")
 
 
 def run_recorder(options: RecordOptions) -> int:
