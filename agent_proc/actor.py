@@ -1,6 +1,7 @@
 """What a mission does in its world: walk, approach a face of the box, ask the planner, and know where everything is."""
 
 from collections import deque
+from collections.abc import Callable
 from itertools import groupby
 from math import degrees, radians
 from typing import Final, Literal, Protocol
@@ -55,6 +56,14 @@ class World(Protocol):
         """Let people know what goes on."""
 
 
+Revise = Callable[[Scenario], Scenario]
+
+
+def as_it_is(scenario: Scenario) -> Scenario:
+    """A scenario that stays the same."""
+    return scenario
+
+
 class MissionEndedError(Exception):
     """The mission is over, for this reason."""
 
@@ -68,8 +77,10 @@ class Actor:
 
     state: WorldState
 
-    def __init__(self, world: World, scenario: Scenario, seed: int) -> None:
+    def __init__(self, world: World, scenario: Scenario, seed: int, revise: Revise = as_it_is) -> None:
+        """`revise` is asked after each step what the mission goes by from then on."""
         self.world = world
+        self._revise = revise
         self._whole = scenario
         self.scenario = scenario
         """As far as it is known: without the obstacles that have not appeared."""
@@ -209,7 +220,7 @@ class Actor:
     def step(self, motion: Motion) -> None:
         """Move, and look around; a fall, of robot or box, ends the mission."""
         self.state = self.world.step(motion).world
-        self.scenario = known_scenario(self._whole, self.state)
+        self.scenario = known_scenario(self._revise(self._whole), self.state)
         if self.state.fallen:
             raise MissionEndedError(
                 "fell", f"the robot fell during {type(motion).__name__.lower()}, tick {self.state.tick}"

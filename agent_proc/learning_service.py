@@ -32,7 +32,7 @@ def run_program(work: Callable[[], int]) -> int:
 def simulators(options: SimulatorOptions, logs: Path, stop: threading.Event) -> AbstractContextManager[list[BusWorld]]:
     """Worlds of simulators that are started, or joined where the options say so."""
     if options.join is None:
-        return own_simulators(options.n_simulators, logs, stop)
+        return own_simulators(options.n_simulators, logs, stop, record=options.record)
     endpoints = Endpoints(listen=options.listen, connect=options.connect)
     return joined_simulators(options.n_simulators, options.join, endpoints, stop)
 

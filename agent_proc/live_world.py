@@ -3,6 +3,7 @@
 import logging
 import threading
 
+from agent_proc.branching import Branch
 from legpush.bus import Bus
 from legpush.episode import Episode
 from legpush.journal import Journal
@@ -27,14 +28,17 @@ class LiveWorld:
         sim: str,
         patience: Patience,
         stop: threading.Event,
+        branch: Branch | None = None,
     ) -> None:
         """Connect to the simulator named `sim` and to the planner; neither has to be there yet."""
+        self._branch = branch
         self._beacon = beacon
         self._told: tuple[str, float | None, str] = ("starting", None, "")
         self._episode = Episode(
             journal,
             SimLink(bus, sim, stop=stop, patience=patience, on_wait=self._wait),
             PlanLink(bus, stop=stop, patience=patience, on_wait=self._wait),
+            None if branch is None else branch.past,
         )
 
     @property
@@ -42,8 +46,15 @@ class LiveWorld:
         """Whether anything was asked that the journal did not answer."""
         return self._episode.live
 
+    @property
+    def n_steps(self) -> int:
+        """How many steps were carried out."""
+        return self._episode.n_steps
+
     def step(self, motion: Motion) -> Outcome:
         """Carry out one motion; its trace goes to the journal."""
+        if self._branch is not None and self._branch.alter is not None and self._branch.alters(self.n_steps):
+            self._episode.step(self._branch.alter, with_trace=True)
         return self._episode.step(motion, with_trace=True)
 
     def plan(self, query: PlanQuery) -> Plan:

@@ -6,7 +6,7 @@ was interrupted goes on from the journal of what it was answered before.
 
 from dataclasses import dataclass
 
-from agent_proc.actor import Actor, MissionEndedError, Reason, World
+from agent_proc.actor import Actor, MissionEndedError, Reason, Revise, World, as_it_is
 from agent_proc.policy import Policy
 from agent_proc.push_map import PushMap
 from agent_proc.pushing import Pushing
@@ -37,14 +37,19 @@ class MissionResult:
 
 
 def run_mission(
-    world: World, scenario: Scenario, seed: int, policy: Policy, push_map: PushMap | None = None
+    world: World,
+    scenario: Scenario,
+    seed: int,
+    policy: Policy,
+    push_map: PushMap | None = None,
+    revise: Revise = as_it_is,
 ) -> MissionResult:
     """Run a mission from its reset to its end: the step order of Fig. 5.
 
     `push_map` is of the scenario's box; without one, what pushes do to it is guessed from what they do to the default
-    one.
+    one. `revise` is asked after each step what the mission goes by from then on.
     """
-    actor = Actor(world, scenario, seed)
+    actor = Actor(world, scenario, seed, revise)
     pushing = Pushing(actor, policy, push_map)
     handover_distance_m = None
     try:

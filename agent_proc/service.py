@@ -14,6 +14,9 @@ from typing import Annotated, Final
 import msgspec
 import tyro
 
+from agent_proc.actor import as_it_is
+from agent_proc.branching import Branch, BranchPolicy, read_branch
+from agent_proc.facts import JSON, attach_facts
 from agent_proc.live_world import LiveWorld
 from agent_proc.mission import MissionResult, run_mission
 from agent_proc.policies import make_policy
@@ -26,8 +29,10 @@ from legpush.errors import ConfigError
 from legpush.journal import Journal, Opened
 from legpush.launch.folder import PICTURE_FILE, REPORT_FILE
 from legpush.launch.options import DEFAULT_POLICY
-from legpush.messages import PROTOCOL_VERSION
+from legpush.messages import PROTOCOL_VERSION, Alter
 from legpush.patience import Patience
+from legpush.recording.branch import parse_point
+from legpush.scenario import PlannerName
 from legpush.scenario_file import load_scenario
 from legpush.service import DEFAULT_NAME, ServiceConfig
 from legpush.status import StatusBeacon
@@ -58,6 +63,18 @@ class AgentConfig(ServiceConfig):
     module:factory."""
     push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
+    branch_of: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE ...")] = ()
+    """Continue the mission of this recording, whose scenario, seed and push map the others have to be."""
+    branch_at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
+    """The first step that is not the recorded one."""
+    branch_planner: PlannerName | None = None
+    """From there on in place of the scenario's planner."""
+    branch_box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """From there on in place of the box's mass; the mission is not told."""
+    branch_box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """From there on in place of the box's friction; the mission is not told."""
+    witness_planner: bool = False
+    """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -72,12 +89,21 @@ class AgentConfig(ServiceConfig):
         if not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
             raise ConfigError(f"Expected more than 0 seconds for --deadline-s, got {self.deadline_s}")
 
+    def branch(self) -> Branch | None:
+        """What is continued, if something is; `RecordingError` where that is not possible."""
+        if not self.branch_of:
+            return None
+        box = (self.branch_box_mass_kg, self.branch_box_friction)
+        alter = None if box == (None, None) else Alter(box_mass_kg=box[0], box_friction=box[1])
+        return read_branch(self.branch_of, parse_point(self.branch_at), planner=self.branch_planner, alter=alter)
+
 
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     """Run the mission of `config`; 0 for success, 1 without."""
     scenario = load_scenario(config.scenario)
     policy = make_policy(config.policy)
     push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
+    branch = config.branch()
     folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
     opened = Opened(
         protocol=PROTOCOL_VERSION,
@@ -87,14 +113,27 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         began_unix_s=time(),
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
+        if config.witness_planner:
+            bus.taps.witness("planner")
+        attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
-        world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop)
+        world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop, branch=branch)
+        if branch is not None:
+            policy = BranchPolicy(branch.past_policy, policy, lambda: branch.is_past(world.n_steps))
         bus.announce()
-        result = run_mission(world, scenario, config.seed, policy, push_map)
+        result = run_mission(
+            world,
+            scenario,
+            config.seed,
+            policy,
+            push_map,
+            as_it_is if branch is None else lambda whole: branch.scenario(whole, world.n_steps),
+        )
         beacon.say("reporting", None, result.detail)
         if not world.is_live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
         leave_report(folder, journal, result)
+        bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
 

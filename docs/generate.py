@@ -11,13 +11,14 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 from textwrap import dedent
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 from msgspec import inspect
 
 from legpush import geometry, messages, reference, room_shapes, scenario
 from legpush.messages import PROTOCOL_VERSION
+from legpush.schemas import MESSAGES, json_schema
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
@@ -40,6 +41,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         messages.Follow,
         messages.Walk,
         messages.Push,
+        messages.Alter,
         messages.Observation,
         messages.Refusal,
         messages.Outcome,
@@ -51,6 +53,14 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         messages.PushReport,
         messages.Appearance,
         messages.Trace,
+    ),
+    "copies": (
+        messages.Copies,
+        messages.Origin,
+        messages.Copy,
+        messages.Published,
+        messages.Fact,
+        messages.Taken,
     ),
     "common": (messages.Header, messages.Status, geometry.Pose2, room_shapes.Footprint),
     "scenario": (
@@ -74,16 +84,6 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     ),
 }
 """What stands in each generated part, in this order."""
-MESSAGES: Final = (
-    messages.PlanRequest,
-    messages.PlanCancel,
-    messages.PlanResult,
-    messages.Action,
-    messages.Observation,
-    messages.Refusal,
-    messages.Status,
-)
-"""What travels by itself."""
 _BLOCK: Final = re.compile(r"(?<=<!-- generated: )(?P<name>\w+)(?P<open> -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
@@ -108,16 +108,7 @@ def protocol(text: str) -> str:
 
 def schemas() -> dict[str, str]:
     """File names and contents: a JSON Schema (2020-12) per message; binary fields are base64 there."""
-    return {f"{_snake(m.__name__)}.json": json.dumps(_schema(m), indent=1) + "\n" for m in MESSAGES}
-
-
-def _schema(message: type[msgspec.Struct]) -> dict[str, Any]:
-    schema = msgspec.json.schema(message)
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": f"legpush protocol {PROTOCOL_VERSION}: {message.__name__}",
-        **schema,
-    }
+    return {f"{_snake(m.__name__)}.json": json.dumps(json_schema(m), indent=1) + "\n" for m in MESSAGES}
 
 
 def _snake(name: str) -> str:

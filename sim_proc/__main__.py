@@ -10,9 +10,9 @@ from legpush.service import ServiceConfig, run_process
 
 def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
     """Carry out actions until asked to stop."""
-    from sim_proc.simulator import Simulator
+    from sim_proc.described import DescribedSimulator
 
-    serve_actions(bus, Simulator(), stop)
+    serve_actions(bus, DescribedSimulator(bus), stop)
 
 
 if __name__ == "__main__":

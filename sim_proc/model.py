@@ -61,6 +61,19 @@ def standing_joints_rad() -> NDArray[np.float64]:
 
 def build_model(scenario: Scenario) -> mujoco.MjModel:
     """Compile the model of a scenario; the state it starts in is set by whoever simulates it."""
+    return build_spec(scenario).compile()
+
+
+def model_xml(scenario: Scenario) -> str:
+    """The model of a scenario as MJCF, for people and other programs; numbers are rounded there."""
+    spec = build_spec(scenario)
+    spec.compile()
+    xml: str = spec.to_xml()
+    return xml
+
+
+def build_spec(scenario: Scenario) -> mujoco.MjSpec:
+    """What the model of a scenario consists of."""
     spec = mujoco.MjSpec()
     spec.modelname = "legpush"
     _set_options(spec, scenario.room)
@@ -69,7 +82,7 @@ def build_model(scenario: Scenario) -> mujoco.MjModel:
     box_geoms = add_box(spec, scenario.box)
     _add_contact_pairs(spec, scenario, box_geoms)
     _add_sensors(spec)
-    return spec.compile()
+    return spec
 
 
 def _set_options(spec: mujoco.MjSpec, room: Room) -> None:

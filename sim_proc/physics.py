@@ -124,6 +124,10 @@ class Physics:
             ctrl=ctrls[:done],
         )
 
+    def alter(self, scenario: Scenario) -> None:
+        """Go on in the world of a scenario that differs from the present one in mass or friction of the box alone."""
+        self.model = build_model(scenario)
+
     def _let_appear(self, tick: int) -> None:
         """Put in their places what can appear at the end of a tick."""
         for index in self._waiting.take(tick, self.trunk_pose(), self.box_pose()):

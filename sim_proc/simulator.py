@@ -3,11 +3,12 @@
 from math import radians
 
 import numpy as np
+from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
 
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Motion, Outcome, Push, PushReport, Reset, Walk
+from legpush.messages import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
 from legpush.scenario import Scenario
 from sim_proc.gait import PathWalk
 from sim_proc.physics import Physics, Recording
@@ -48,13 +49,14 @@ class Episode:
     def __init__(self, reset: Reset) -> None:
         """Build the world and stand the robot in it."""
         trunk, box = drawn_poses(reset.scenario, reset.seed)
+        self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
         self._steps = Steps(Posture(self.physics))
         self._pusher = Pusher(self._steps, reset.scenario.box)
         self._walk: PathWalk | None = None
         self._push: PushReport | None = None
 
-    def perform(self, motion: Follow | Walk | Push, *, with_trace: bool) -> Outcome:
+    def perform(self, motion: Follow | Walk | Push | Alter, *, with_trace: bool) -> Outcome:
         """Carry out a motion other than a reset."""
         if self.physics.fallen:
             raise MotionError("The robot has fallen: only `reset` is possible")
@@ -66,6 +68,8 @@ class Episode:
             recordings = push.recordings
             self._walk = None
             self._push = PushReport(leg=motion.leg, touched=push.peak_force_n > 0.0, peak_force_n=push.peak_force_n)
+        elif isinstance(motion, Alter):
+            self._alter(motion)
         else:
             recordings = self._walk_cycle()
         return self.outcome(recordings, with_trace=with_trace)
@@ -76,6 +80,13 @@ class Episode:
         if self._walk.progress().done:
             raise MotionError("The path is walked to its end: expected another `follow` before `walk`")
         return self._walk.cycle()
+
+    def _alter(self, motion: Alter) -> None:
+        """Go on with the same state in the world of another box."""
+        changes = {"mass_kg": motion.box_mass_kg, "friction": motion.box_friction}
+        box = replace(self._scenario.box, **{name: value for name, value in changes.items() if value is not None})
+        self._scenario = replace(self._scenario, box=box)
+        self.physics.alter(self._scenario)
 
     def outcome(self, recordings: list[Recording], *, with_trace: bool) -> Outcome:
         """The present state, after what was recorded."""

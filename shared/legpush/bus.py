@@ -6,13 +6,12 @@ there yet, or comes back, is connected to within half a second, so the order of 
 
 import json
 import logging
-import queue
 import secrets
-import threading
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from types import TracebackType
-from typing import Any, Final, Generic, Self
+from typing import Any, Final, Self
 
 import zenoh
 from msgspec import Struct
@@ -23,76 +22,38 @@ from legpush.endpoints import Endpoints, listing
 from legpush.errors import EndpointError, MessageError
 from legpush.faults import BadChannel, Faults, fate_table
 from legpush.intake import Intake
-from legpush.messages import PROTOCOL_VERSION, Header, Name, Role, Status
+from legpush.messages import PROTOCOL_VERSION, Copies, Fact, Header, Name, Origin, Role, Status
+from legpush.ports import Publisher, Subscription
 from legpush.roster import LEASE_S, Roster
 from legpush.tally import Tally
+from legpush.taps import Taps
 
 log = logging.getLogger(__name__)
 
-INBOX_SIZE: Final = 1024
-"""Messages that wait to be taken; beyond that they are refused, so that a flood cannot fill the memory."""
 RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
 
 OnPeer = Callable[[Role, str, str, bool], None]
 """Role, name, incarnation, alive; called on a thread of the bus."""
 
 
-class Publisher(Generic[M]):
-    """Sends the messages of one channel, each with the next header."""
-
-    def __init__(self, header: Callable[[int], Header], send: Callable[[bytes], None]) -> None:
-        self._header = header
-        self._send = send
-        self._sequence = 0
-        self._lock = threading.Lock()
-
-    def send(self, build: Callable[[Header], M]) -> M:
-        """Send what `build` makes of the header it is given; a non-finite or oversize message is a `MessageError`."""
-        with self._lock:
-            message = build(self._header(self._sequence))
-            payload = codec.encode(message)
-            self._sequence += 1
-            self._send(payload)
-        return message
-
-
-class Subscription(Generic[M]):
-    """The valid messages of one channel, in the order in which they came."""
-
-    def __init__(self, channel: Channel[M], tally: Tally) -> None:
-        self._key = channel.key
-        self._tally = tally
-        self._inbox: queue.Queue[M] = queue.Queue(INBOX_SIZE)
-
-    def put(self, message: M) -> None:
-        """Called by the bus; never blocks."""
-        try:
-            self._inbox.put_nowait(message)
-        except queue.Full:
-            self._tally.add("overflow", f"{self._key}: expected at most {INBOX_SIZE} waiting messages")
-
-    def next(self, timeout_s: float) -> M | None:
-        """The next message, or None if none comes within `timeout_s`; 0 looks without waiting."""
-        try:
-            return self._inbox.get(block=timeout_s > 0.0, timeout=timeout_s)
-        except queue.Empty:
-            return None
-
-    def drain(self) -> list[M]:
-        """All messages that are waiting, without waiting for more."""
-        messages = []
-        while (message := self.next(0.0)) is not None:
-            messages.append(message)
-        return messages
-
-
 class Bus:
     """One process on the bus; a context manager that connects on entry and always closes.
 
-    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause.
+    `roster` tells who is there, `tally` counts every message that was refused or dropped, by cause, `taps` have copies
+    of what is published for recorders.
     """
 
-    def __init__(self, run: str, role: Role, name: str, endpoints: Endpoints, faults: Faults | None = None) -> None:
+    def __init__(
+        self,
+        run: str,
+        role: Role,
+        name: str,
+        endpoints: Endpoints,
+        faults: Faults | None = None,
+        *,
+        recorded: bool = False,
+    ) -> None:
+        """`recorded`: a recorder is about to come, and is to have everything from the start."""
         self.run = run
         self.role = role
         self.name = name
@@ -103,11 +64,15 @@ class Bus:
         self._faults = faults if faults is not None and faults.probability > 0.0 else None
         self._on_peer: list[OnPeer] = []
         self._closing = ExitStack()
+        self._recorded = recorded
+        origin = Origin(role=role, name=name, incarnation=self.incarnation)
+        self.taps = Taps(origin, self._send_copies)
 
     def __enter__(self) -> Self:
         session = self._open()
         self._closing.callback(session.close)
         self._session = session
+        self._open_taps()
         watcher = session.liveliness().declare_subscriber(
             keys.liveliness(self.run, "*", "*", "*"), _callback(self._take_token), history=True
         )
@@ -129,11 +94,16 @@ class Bus:
             allowed_destination=zenoh.Locality.REMOTE,
         )
         self._closing.callback(publisher.undeclare)
+        note = partial(self.taps.own.buffer.note, channel.key) if channel.is_copied else None
         if not lockstep or self._faults is None:
-            return Publisher(self._header, publisher.put)
+            return Publisher(self._header, publisher.put, note)
         bad_channel = BadChannel(fate_table(self._faults, channel.key), publisher.put)
         self._closing.callback(bad_channel.close)
-        return Publisher(self._header, bad_channel.send)
+        return Publisher(self._header, bad_channel.send, note)
+
+    def attach(self, name: str, media_type: str, data: bytes) -> None:
+        """Recordings of this run get this file as well."""
+        self.taps.own.buffer.attach(Fact(name=name, media_type=media_type, data=data))
 
     def put(self, key: str, payload: bytes) -> None:
         """Publish bytes as they are, valid or not."""
@@ -153,9 +123,12 @@ class Bus:
         intake = Intake(channel, self.run, self.tally)
 
         def take(sample: zenoh.Sample) -> None:
-            message = intake.take(str(sample.key_expr), sample.payload.to_bytes())
+            key, payload = str(sample.key_expr), sample.payload.to_bytes()
+            message = intake.take(key, payload)
             if message is not None:
                 header = message.header
+                if channel.is_copied:
+                    self.taps.heard(header, key, payload)
                 doing = message.phase if isinstance(message, Status) else None
                 self.roster.heard(header.role, header.name, header.incarnation, doing)
                 put(message)
@@ -177,6 +150,17 @@ class Bus:
         self._on_peer.append(on_peer)
         for peer in self.roster.live():
             on_peer(peer.role, peer.name, peer.incarnation, True)
+
+    def _open_taps(self) -> None:
+        """Declared before anything is published, so that the farewell comes after everything else."""
+        self._copies = self.publisher(channels.copies(self.run, self.role, self.name))
+        self._receive(channels.taken(self.run, self.role, self.name), self.taps.take)
+        self._closing.callback(self.taps.close)
+        if self._recorded:
+            self.taps.own.start()
+
+    def _send_copies(self, build: Callable[[Header], Copies]) -> Copies:
+        return self._copies.send(build)
 
     def _header(self, sequence: int) -> Header:
         """The only place where a header is made."""
@@ -201,6 +185,8 @@ class Bus:
             return
         alive = sample.kind == zenoh.SampleKind.PUT
         self.roster.token(token.role, token.name, token.incarnation, alive)
+        if token.role == "recorder" and self.role != "recorder":
+            self.taps.meet({peer.incarnation for peer in self.roster.live("recorder")})
         for on_peer in self._on_peer:
             on_peer(token.role, token.name, token.incarnation, alive)
 

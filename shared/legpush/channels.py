@@ -5,10 +5,22 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar, cast
 
 from legpush import keys
-from legpush.messages import Action, Header, Observation, PlanCancel, PlanRequest, PlanResult, Refusal, Role, Status
+from legpush.messages import (
+    Action,
+    Copies,
+    Header,
+    Observation,
+    PlanCancel,
+    PlanRequest,
+    PlanResult,
+    Refusal,
+    Role,
+    Status,
+    Taken,
+)
 
 Answer = Observation | Refusal
-Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Status
+Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Status | Copies | Taken
 
 M = TypeVar("M", bound=Message)
 
@@ -25,6 +37,8 @@ class Channel(Generic[M]):
     """The key that the sender named in a header has to use, where the key names the sender."""
     quality: Literal["lockstep", "tap"] = "lockstep"
     """`lockstep` never drops a message on a living link, `tap` drops rather than delay anything."""
+    is_copied: bool = True
+    """Whether recorders get copies of it."""
 
 
 def actions(run: str, sim: str) -> Channel[Action]:
@@ -77,3 +91,20 @@ def statuses(run: str, role: Role | Literal["*"] = "*", name: str = "*") -> Chan
         key_of=lambda header: keys.status(run, header.role, header.name),
         quality="tap",
     )
+
+
+def copies(run: str, role: Role | Literal["*"] = "*", name: str = "*") -> Channel[Copies]:
+    """What a process, or `*` for all of them, hands to recorders."""
+    return Channel(
+        key=keys.copies(run, role, name),
+        kind=Copies,
+        sender=None,
+        key_of=lambda header: keys.copies(run, header.role, header.name),
+        quality="tap",
+        is_copied=False,
+    )
+
+
+def taken(run: str, role: Role, name: str) -> Channel[Taken]:
+    """What recorders tell a process that they have."""
+    return Channel(key=keys.taken(run, role, name), kind=Taken, sender="recorder", quality="tap", is_copied=False)

@@ -16,6 +16,7 @@ from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, 
 from legpush.launch.maps import MapOptions
 from legpush.launch.options import RunOptions
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
+from legpush.launch.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.launch.rooms import RandomScenario
 
 DESCRIPTION: Final = (
@@ -84,6 +85,11 @@ Command = (
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[MapOptions, tyro.conf.subcommand("map")]
     | Annotated[Render, tyro.conf.subcommand("render")]
+    | Annotated[RecordOptions, tyro.conf.subcommand("record")]
+    | Annotated[InfoOptions, tyro.conf.subcommand("info")]
+    | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
+    | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
+    | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
 )
 
 
@@ -105,6 +111,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             | Scenarios
             | MapOptions
             | Render
+            | RecordOptions
+            | InfoOptions
+            | RecoverOptions
+            | ReplayOptions
+            | BranchOptions
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -193,3 +204,44 @@ def _render(command: Render) -> int:
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
     argv = film_arguments(command.run_folder)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
+
+
+@execute.register
+def _record(command: RecordOptions) -> int:
+    from legpush.recording.service import run_recorder
+
+    return run_recorder(command)
+
+
+@execute.register
+def _info(command: InfoOptions) -> int:
+    from legpush.recording.info import lines
+    from legpush.recording.mcap_reader import read_recording
+
+    sys.stdout.write("".join(f"{line}\n" for line in lines(command.files, read_recording(command.files))))
+    return 0
+
+
+@execute.register
+def _recover(command: RecoverOptions) -> int:
+    from legpush.recording.recover import recover
+
+    out = command.out or command.file.with_name(f"{command.file.stem}-recovered{command.file.suffix}")
+    recording = recover(command.file, out)
+    notes = recording.completeness["notes"].splitlines()
+    sys.stdout.write(f"wrote {out}: {len(recording.messages)} messages\n" + "".join(f"    {note}\n" for note in notes))
+    return 0
+
+
+@execute.register
+def _replay(command: ReplayOptions) -> int:
+    from legpush.recording.replay import replay
+
+    return replay(command)
+
+
+@execute.register
+def _branch(command: BranchOptions) -> int:
+    from legpush.recording.branch_run import branch
+
+    return branch(command)

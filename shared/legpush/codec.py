@@ -2,6 +2,7 @@
 
 from math import isfinite
 from typing import Any, Final, TypeVar
+from zlib import crc32
 
 import msgpack
 import msgspec
@@ -25,6 +26,11 @@ def encode(message: msgspec.Struct) -> bytes:
 def decode(payload: bytes, kind: type[T]) -> T:
     """The message of type `kind` in `payload`; `MessageError` names the first field that is wrong."""
     return convert(unpack(payload), kind)
+
+
+def checksum(payload: bytes) -> int:
+    """CRC-32 of a message's bytes."""
+    return crc32(payload)
 
 
 def unpack(payload: bytes) -> Any:

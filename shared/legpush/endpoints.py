@@ -20,6 +20,7 @@ CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {
     "sim": (),
     "agent": ("planner", "sim"),
     "launcher": ("planner", "sim", "agent"),
+    "recorder": ("planner", "sim", "agent"),
 }
 PROTOCOLS: Final = ("unixsock-stream", "tcp")
 MAX_SOCKET_PATH_BYTES: Final = 107
@@ -55,6 +56,11 @@ def in_directory(directory: Path, role: Role) -> Endpoints:
         listen=(_socket(directory, role),) if role in PORTS else (),
         connect=tuple(_socket(directory, peer) for peer in CONNECTS_TO[role]),
     )
+
+
+def recorder_of_pool(directory: Path) -> Endpoints:
+    """For a recorder of an agent that listens in this directory, and of simulators that connect to both."""
+    return Endpoints(listen=(_socket(directory, "recorder"),), connect=in_directory(directory, "agent").listen)
 
 
 def listing(locators: Sequence[str]) -> str:

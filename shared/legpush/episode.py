@@ -3,9 +3,9 @@
 import logging
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from legpush.errors import JournalError, MotionError
+from legpush.errors import JournalError, MotionError, PeerError
 from legpush.journal import (
     Acted,
     Awaited,
@@ -26,6 +26,22 @@ from legpush.plan_client import PlanLink
 log = logging.getLogger(__name__)
 
 
+class Past(Protocol):
+    """Answers to the first steps of an episode, and to the plan queries among them, from elsewhere."""
+
+    n_steps: int
+    """So many steps are answered."""
+
+    def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
+        """What the motion leads to as this step, with its trace if that is known; `MotionError` if it was refused."""
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """The answer to a query."""
+
+    def revision(self, query: PlanQuery, revision: int) -> Plan:
+        """A better one."""
+
+
 class Episode:
     """The mission's view of the world: `step` moves it and `plan` asks for a path, nothing else does either.
 
@@ -33,8 +49,12 @@ class Episode:
     ask the very same things, which it does if it depends on the answers alone; then it goes on live where it ended.
     """
 
-    def __init__(self, journal: Journal, sim: SimLink, planner: PlanLink) -> None:
+    def __init__(self, journal: Journal, sim: SimLink, planner: PlanLink, past: Past | None = None) -> None:
+        """With a `past` the episode continues another one: the simulator is led through its steps."""
         self._journal = journal
+        self._origin = past
+        self._redoes = False
+        """Whether the simulator has been led into that past, and so has to go through the rest of it."""
         self._sim = sim
         self._planner = planner
         self._past: list[PastStep] = []
@@ -44,6 +64,11 @@ class Episode:
         self._query: PlanQuery | None = None
         self.live = False
         """Whether the journal has been used up, and answers come from the peers."""
+
+    @property
+    def n_steps(self) -> int:
+        """How many steps were carried out."""
+        return len(self._past)
 
     def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         """What the motion leads to; `MotionError` if it cannot be carried out, then the state is as it was."""
@@ -59,7 +84,7 @@ class Episode:
 
     def plan(self, query: PlanQuery) -> Plan:
         """The planner's answer."""
-        answer = self._answer(Queried(query=query), lambda: Planned(plan=self._planner.plan(query)))
+        answer = self._answer(Queried(query=query), lambda: Planned(plan=self._plan(query)))
         if not isinstance(answer, Planned):
             raise self._mismatch("a plan", answer)
         self._query = query
@@ -67,9 +92,7 @@ class Episode:
 
     def revision(self, revision: int) -> Plan:
         """A better plan for the last query, the one with this number."""
-        answer = self._answer(
-            Awaited(revision=revision), lambda: Planned(plan=self._planner.revision(revision, self._query))
-        )
+        answer = self._answer(Awaited(revision=revision), lambda: Planned(plan=self._revision(revision)))
         if not isinstance(answer, Planned):
             raise self._mismatch("a better plan", answer)
         return answer.plan
@@ -91,10 +114,34 @@ class Episode:
             self._journal.append(answer)
         return answer
 
+    def _plan(self, query: PlanQuery) -> Plan:
+        origin = self._origin_now()
+        return self._planner.plan(query) if origin is None else origin.plan(query)
+
+    def _revision(self, revision: int) -> Plan:
+        origin = self._origin_now()
+        if origin is None or self._query is None:
+            return self._planner.revision(revision, self._query)
+        return origin.revision(self._query, revision)
+
+    def _origin_now(self) -> Past | None:
+        """Who answers instead of the peers, if anybody does yet."""
+        return self._origin if self._origin is not None and self.n_steps < self._origin.n_steps else None
+
     def _act(self, motion: Motion, *, with_trace: bool) -> Observed | Refused:
         answer: Observed | Refused
+        origin = self._origin_now()
         try:
+            known = None if origin is None else origin.act(self.n_steps, motion, with_trace=with_trace)
+            if known is not None and not self._redoes and (known.trace is not None or not with_trace):
+                return Observed(outcome=known)
+            self._redoes = True
             answer = Observed(outcome=self._sim.step(motion, self._past, with_trace=with_trace))
+            if known is not None and known.state_crc != answer.outcome.state_crc:
+                raise PeerError(
+                    f"Expected state {known.state_crc:08x} after step {self.n_steps}, as recorded, got "
+                    f"{answer.outcome.state_crc:08x} from sim/{self._sim.sim}: it computes something else"
+                )
         except MotionError as error:
             answer = Refused(reason=str(error))
         if self._sim.episode != self._number:

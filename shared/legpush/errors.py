@@ -46,6 +46,12 @@ class JournalError(LegpushError):
     exit_code = 2
 
 
+class RecordingError(LegpushError):
+    """A recording that cannot be read, written or used; names the file and the place in it."""
+
+    exit_code = 2
+
+
 class MotionError(LegpushError):
     """A motion that the simulator cannot carry out in its present state, such as walking before a path was given."""
 

@@ -7,11 +7,12 @@ from math import inf
 from time import monotonic
 from typing import Final, Generic
 
-from legpush.bus import Bus, Subscription
+from legpush.bus import Bus
 from legpush.channels import M
 from legpush.errors import PeerError, StopRequestedError
 from legpush.messages import Role
 from legpush.patience import SLICE_S, Patience, Stopwatch
+from legpush.ports import Subscription
 from legpush.roster import Sighting
 
 log = logging.getLogger(__name__)

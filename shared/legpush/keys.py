@@ -38,6 +38,16 @@ def status(run: str, role: Role | str, name: str) -> str:
     return f"{prefix(run)}/tap/{role}/{name}/status"
 
 
+def copies(run: str, role: Role | str, name: str) -> str:
+    """Where a process hands copies of what it publishes to recorders."""
+    return f"{prefix(run)}/tap/{role}/{name}/copies"
+
+
+def taken(run: str, role: Role | str, name: str) -> str:
+    """Where recorders tell a process which of its copies they have."""
+    return f"{prefix(run)}/tap/{role}/{name}/taken"
+
+
 def liveliness(run: str, role: Role | str, name: str, incarnation: str) -> str:
     """Liveliness token of one incarnation of a process; `*` for any."""
     return f"{prefix(run)}/live/{role}/{name}/{incarnation}"

@@ -15,7 +15,7 @@ from legpush.scenario import Anytime, Face, PlannerName, Scenario, Smoothing, St
 
 PROTOCOL_VERSION: Final = 5
 
-Role = Literal["planner", "sim", "agent", "launcher"]
+Role = Literal["planner", "sim", "agent", "launcher", "recorder"]
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 Count = Annotated[int, Meta(ge=0)]
 Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -231,7 +231,16 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     """Which half circle `w` runs along: the swing side, theta in [-pi/2, pi/2], or the paper's, [0, pi]."""
 
 
-Motion = Reset | Follow | Walk | Push
+class Alter(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="alter"):
+    """From here on the box is heavier, lighter or slides otherwise; nothing moves."""
+
+    box_mass_kg: Annotated[float, Meta(ge=0.001)] | None = None
+    """None: as it was."""
+    box_friction: Annotated[float, Meta(gt=0.0)] | None = None
+    """None: as it was."""
+
+
+Motion = Reset | Follow | Walk | Push | Alter
 
 
 class Action(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -386,3 +395,65 @@ class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     detail: str = ""
     waiting_for: str = ""
     """Whom the process waits for, if it does."""
+
+
+# -- tap/<role>/<name>/copies, tap/<role>/<name>/taken ---------------------------------------------------------------
+
+
+class Copy(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A message that was published, byte for byte."""
+
+    key: str
+    sequence: Count
+    """Of its header."""
+    time_ns: Count
+    """When it was published, since 1970."""
+    payload: bytes
+
+
+class Published(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How much was published under a key."""
+
+    key: str
+    n: Count
+    """The sequence of the next message under this key."""
+
+
+class Fact(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A file that a recording should have: what a process works with, or what came of it."""
+
+    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,64}$(?!\n)")]
+    media_type: str
+    data: bytes
+
+
+class Origin(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Whose messages are copied: those of this incarnation."""
+
+    role: Role
+    name: Name
+    incarnation: Name
+
+
+class Copies(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Copies of what a process published, in that order, for recorders; sent again until it is `Taken`."""
+
+    header: Header
+    origin: Origin
+    """The sender itself, or in a replay whom it stands for."""
+    batch: Count
+    """Counts the origin's batches, from 0; the next one comes when this one is taken."""
+    copies: tuple[Copy, ...]
+    published: tuple[Published, ...]
+    """Of every key that this origin has used: what is not among the copies of any batch is lost to recorders."""
+    facts: tuple[Fact, ...]
+    final: bool
+    """Whether the origin ends: nothing follows."""
+
+
+class Taken(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A recorder has this batch."""
+
+    header: Header
+    origin_incarnation: Name
+    batch: Count

@@ -7,9 +7,10 @@ from time import monotonic
 from typing import Final
 
 from legpush import channels
-from legpush.bus import Bus, Publisher
+from legpush.bus import Bus
 from legpush.messages import Header, PlanResult
 from legpush.plan_desk import Answer, MakePlans, PlanDesk
+from legpush.ports import Publisher
 from legpush.status import StatusBeacon
 
 IDLE_S: Final = 0.1

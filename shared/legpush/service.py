@@ -46,6 +46,8 @@ class ServiceConfig:
     """Drop, duplicate, delay and reorder each message sent, each with this probability (for tests)."""
     fault_seed: int = 0
     """Draws the table of injected faults."""
+    recorded: bool = False
+    """Keep copies of what is sent from the start on, for a recorder that is about to come."""
     log_level: Literal["debug", "info", "warning", "error"] = "info"
 
     def __post_init__(self) -> None:
@@ -90,7 +92,8 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     try:
         config = parse(role, kind)
         start_log(f"{role}/{config.name}", config.log_level)
-        with Bus(config.run, role, config.name, config.endpoints(), config.faults()) as bus:
+        at = config.endpoints()
+        with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded) as bus:
             code = work(config, bus, stop) or 0
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
     except LegpushError as error:

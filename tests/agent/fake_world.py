@@ -17,6 +17,7 @@ from legpush.episode import PlanRecord, StepRecord
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages import (
+    Alter,
     Appearance,
     BoxPathQuery,
     BoxState,
@@ -223,6 +224,8 @@ class FakeWorld:
                 self._trunk = station(box, pose)
                 self._path = None
                 return PUSH_TICKS
+            case Alter():
+                return 0
 
     def _let_appear(self) -> None:
         """Obstacles appear when they are due, whatever is in their place, at the end of a step."""

@@ -2,24 +2,32 @@
 
 from collections.abc import Mapping
 
+from legpush.channels import Message
 from legpush.geometry import Pose2
 from legpush.messages import (
     PROTOCOL_VERSION,
     Action,
+    Alter,
     Appearance,
     BoxPathQuery,
     BoxState,
+    Copies,
+    Copy,
+    Fact,
     Follow,
     Header,
     Imu,
+    Motion,
     Observation,
     OccupancyGrid,
+    Origin,
     Outcome,
     PathProgress,
     Plan,
     PlanCancel,
     PlanRequest,
     PlanResult,
+    Published,
     Push,
     PushReport,
     PushSide,
@@ -27,6 +35,7 @@ from legpush.messages import (
     Reset,
     Role,
     Status,
+    Taken,
     Trace,
     Tree,
     TrunkPathQuery,
@@ -148,11 +157,11 @@ TRACE = Trace(
 )
 
 
-def _action(motion: Reset | Follow | Walk | Push, step: int) -> Action:
+def _action(motion: Motion, step: int) -> Action:
     return Action(header=header("agent"), episode=1700000000000, step=step, motion=motion, with_trace=step > 0)
 
 
-MESSAGES: Mapping[str, PlanRequest | PlanCancel | PlanResult | Action | Observation | Refusal | Status] = {
+MESSAGES: Mapping[str, Message] = {
     "plan_request": PlanRequest(header=header("agent"), request_id=2, query=QUERY),
     "plan_request_box": PlanRequest(header=header("agent"), request_id=3, query=BOX_QUERY),
     "plan_cancel": PlanCancel(header=header("agent"), request_id=3),
@@ -163,6 +172,7 @@ MESSAGES: Mapping[str, PlanRequest | PlanCancel | PlanResult | Action | Observat
     "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
     "action_walk": _action(Walk(), 2),
     "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12, face="left"), 3),
+    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3), 4),
     "observation": Observation(
         header=header("sim"),
         agent_incarnation="agent-0a1b2c",
@@ -183,4 +193,16 @@ MESSAGES: Mapping[str, PlanRequest | PlanCancel | PlanResult | Action | Observat
     "status": Status(
         header=header("agent"), phase="walking", fraction=0.5, detail="cycle 8 of 16", waiting_for="sim main"
     ),
+    "copies": Copies(
+        header=header("sim"),
+        origin=Origin(role="sim", name="main", incarnation="sim-0a1b2c"),
+        batch=4,
+        copies=(
+            Copy(key="legpush/v5/test/sim/main/observation", sequence=9, time_ns=1700000000000000000, payload=b"0"),
+        ),
+        published=(Published(key="legpush/v5/test/sim/main/observation", n=10),),
+        facts=(Fact(name="model.xml", media_type="application/xml", data=b"<mujoco/>"),),
+        final=True,
+    ),
+    "taken": Taken(header=header("recorder"), origin_incarnation="sim-0a1b2c", batch=4),
 }

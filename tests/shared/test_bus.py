@@ -15,8 +15,7 @@ import msgpack
 import pytest
 import zenoh
 
-from legpush import bus as bus_module
-from legpush import channels, codec, keys
+from legpush import channels, codec, keys, ports
 from legpush.bus import Bus
 from legpush.endpoints import Endpoints, in_directory
 from legpush.errors import EndpointError, MessageError
@@ -139,7 +138,7 @@ def test_a_token_that_names_no_process_is_counted(tmp_path: Path) -> None:
 def test_more_messages_than_the_inbox_holds_are_counted_and_do_not_block(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bus_module, "INBOX_SIZE", 4)
+    monkeypatch.setattr(ports, "INBOX_SIZE", 4)
     with bus(tmp_path, "sim") as sim, raw_session(tmp_path) as session:
         inbox = sim.subscribe(channels.actions(RUN, "main"))
         payload = codec.encode(MESSAGES["action_walk"])

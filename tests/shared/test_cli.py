@@ -12,7 +12,7 @@ from legpush import cli
 from legpush.launch.options import RunOptions
 from legpush.scenario_file import load_scenario, scenario_names
 
-HEAVY = ("zenoh", "mujoco", "ompl", "torch", "matplotlib", "PIL", "yaml", "rich.live", "legpush.bus")
+HEAVY = ("zenoh", "mujoco", "ompl", "torch", "matplotlib", "mcap", "PIL", "yaml", "rich.live", "legpush.bus")
 
 
 def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -25,7 +25,7 @@ def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedPro
 def test_help_names_the_subcommands() -> None:
     result = legpush("--help")
     assert result.returncode == 0
-    for name in ("run", "scenarios", "map", "render"):
+    for name in ("run", "scenarios", "map", "render", "record", "info", "recover", "replay", "branch"):
         assert f"• {name}" in result.stdout
 
 
@@ -70,6 +70,21 @@ def test_the_version_is_that_of_the_package() -> None:
             ["run", "--box-mass-kg", "-1"],
             "error: command line: at `box.mass_kg`: expected a number >= 0.001",
         ),
+        (["run", "--record", "no-such-folder/a.mcap"], "error: Expected a new file in an existing folder for --record"),
+        (["record"], "FILE"),
+        (["record", "no-such-folder/a.mcap"], "error: no-such-folder/a.mcap: expected a file that can be written"),
+        (["record", "a.mcap", "--split-mb", "0"], "error: Expected more than 0 for --split-mb, got 0.0"),
+        (["record", "a.mcap", "--about", "x"], "error: Expected NAME=VALUE for --about, got 'x'"),
+        (["info", "no-such.mcap"], "error: no-such.mcap: expected a recording that can be read"),
+        (["recover", "no-such.mcap"], "error: no-such.mcap: expected a recording that can be read"),
+        (["replay"], "error: Expected the file of a recording, got none"),
+        (["replay", "a.mcap", "--verify", "--as", "sim"], "error: Expected either --verify or --as, got both"),
+        (["replay", "a.mcap", "--rate", "0"], "error: Expected more than 0 for --rate, got 0.0"),
+        (["replay", "a.mcap", "--as", "cook"], "cook"),
+        (["branch", "a.mcap"], "error: Expected EPISODE:STEP for --at, such as 0:12, got ''"),
+        (["branch", "a.mcap", "--at", "0:3", "--box-friction", "0"], "error: Expected more than 0 for --box-friction"),
+        (["branch", "no-such.mcap", "--at", "0:3"], "error: no-such.mcap: expected a recording that can be read"),
+        (["train", "--join", "r", "--record", "a.mcap"], "error: Expected either --join or --record, got both"),
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
         (
             ["run", "--planner-command", "no-such-planner"],

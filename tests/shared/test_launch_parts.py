@@ -178,6 +178,7 @@ REPORT = {
     "real_time_factor": 13.5,
     "state_crc": 123456789,
     "seed": 3,
+    "recording": {"file": "mission.mcap", "complete": True, "notes": []},
     "versions": {"legpush": "0.1.0"},
 }
 

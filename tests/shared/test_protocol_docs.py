@@ -58,6 +58,8 @@ def test_the_keys_and_ports_of_the_document_are_those_of_the_code() -> None:
         keys.action("R", "<name>"),
         keys.observation("R", "<name>"),
         keys.status("R", "<role>", "<name>"),
+        keys.copies("R", "<role>", "<name>"),
+        keys.taken("R", "<role>", "<name>"),
         keys.liveliness("R", "<role>", "<name>", "<incarnation>"),
     ]
     for key in made:

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from legpush import codec
 from legpush.errors import MotionError
 from legpush.geometry import Pose2, rpy_from_quaternion
-from legpush.messages import Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.messages import Alter, Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.robot import FRONT_LEGS, FrontLeg, foot_rectangle_b
 from legpush.scenario import Randomization, Rectangle, Room, Scenario
 from sim_proc.physics import JOINT_QPOS
@@ -250,3 +250,29 @@ def test_a_box_that_slides_out_of_reach_is_not_followed(at_the_box: Scenario) ->
     assert box_pose(push).x_m - slippery.box.pose.x_m > 0.4
     assert not push.world.fallen
     assert abs(push.world.trunk.position_m[0] - 2.0) < 0.1
+
+
+def test_another_box_is_felt_from_the_next_motion_on_and_not_before(at_the_box: Scenario) -> None:
+    push = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.08)
+    start: list[Motion] = [Reset(scenario=at_the_box, seed=0), push]
+
+    def after(*motions: Motion) -> list[int]:
+        return [outcome.state_crc for outcome in perform(Simulator(), [*start, *motions])[len(start) - 1 :]]
+
+    heavy = after(Alter(box_mass_kg=0.9), push)
+    assert heavy == after(Alter(box_mass_kg=0.9), push)
+    assert heavy[0] == heavy[1]
+    assert heavy[2] != after(Alter(), push)[2] == after(push)[1]
+    slippery = after(Alter(box_friction=0.2), push)
+    assert len({heavy[2], slippery[2], after(Alter(box_mass_kg=0.9), Alter(box_friction=0.2), push)[3]}) == 3
+
+
+def test_the_box_of_an_alteration_is_the_one_that_a_reset_builds(at_the_box: Scenario) -> None:
+    push = Push(w1=0.5, w2=0.5, leg="FR", depth_m=0.08)
+    heavy = replace(at_the_box, box=replace(at_the_box.box, mass_kg=0.9, friction=0.3))
+    built = perform(Simulator(), [Reset(scenario=heavy, seed=0), push])
+    altered = perform(Simulator(), [Reset(scenario=at_the_box, seed=0), Alter(box_mass_kg=0.9, box_friction=0.3), push])
+    moved_mm = [
+        1000 * (outcomes[-1].world.box.position_m[0] - at_the_box.box.pose.x_m) for outcomes in (built, altered)
+    ]
+    assert abs(moved_mm[0] - moved_mm[1]) < 1.0

@@ -10,6 +10,7 @@ from typing import Annotated, Final, Literal, NoReturn
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.launch.options import require_new_file
 from legpush.messages import MAX_DEPTH_M
 
 MAX_SIMULATORS: Final = 8
@@ -37,12 +38,18 @@ class SimulatorOptions:
     """With --join: where to listen for them."""
     connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
     """With --join: where they listen."""
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Record everything that is said into this new MCAP file; see `legpush replay`."""
 
     def __post_init__(self) -> None:
         if self.simulators is not None and self.simulators < 1:
             raise ConfigError(f"Expected at least 1 for --simulators, got {self.simulators}")
         if self.join is None and (self.listen or self.connect):
             raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
+        if self.join is not None and self.record is not None:
+            raise ConfigError("Expected either --join or --record, got both; `legpush record` records a run that runs")
+        if self.record is not None:
+            require_new_file(self.record, "--record")
 
     @property
     def n_simulators(self) -> int:

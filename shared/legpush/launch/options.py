@@ -47,6 +47,8 @@ class RunOptions:
     """Replaces the scenario's box mass."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
     """Replaces the scenario's box friction."""
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Record everything that the processes publish into this new MCAP file; see `legpush replay`."""
     video: bool = True
     """Render mission.mp4 at the end."""
     deadline_s: Annotated[float | None, tyro.conf.arg(name="deadline", metavar="S")] = None
@@ -59,6 +61,8 @@ class RunOptions:
             raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
         if not 0.0 <= self.inject_faults < 1.0:
             raise ConfigError(f"Expected a probability in [0, 1) for --inject-faults, got {self.inject_faults}")
+        if self.record is not None:
+            require_new_file(self.record, "--record")
         if self.planner_command is not None:
             split_command(self.planner_command)
         if self.deadline_s is not None and not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
@@ -82,3 +86,9 @@ def program_path(name: str) -> str:
     if program is None:
         raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is none")
     return os.path.abspath(program)
+
+
+def require_new_file(path: Path, flag: str) -> None:
+    """`ConfigError` unless the file can be made."""
+    if path.exists() or not path.absolute().parent.is_dir():
+        raise ConfigError(f"Expected a new file in an existing folder for {flag}, got {path}")

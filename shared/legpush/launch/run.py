@@ -25,6 +25,7 @@ from legpush.launch.display import make_display
 from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, run_folder
 from legpush.launch.options import RunOptions, split_command
 from legpush.launch.processes import Command
+from legpush.launch.recorder import MissionRecorder
 from legpush.launch.summary import print_summary, read_report
 from legpush.launch.supervisor import (
     BAD_INPUT,
@@ -74,6 +75,8 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
         arguments += ["--out", str(place.folder), "--policy", options.policy]
         if options.push_map is not None:
             arguments += ["--push-map", str(options.push_map.absolute())]
+        if options.record is not None and options.planner_command is not None:
+            arguments += ["--witness-planner"]
     return tuple(arguments)
 
 
@@ -83,12 +86,16 @@ class Programs:
 
     process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
     film: Callable[[Path], tuple[str, ...]] = film_arguments
+    again: Callable[[Path], str] | None = None
+    """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
 
 
-def run_mission(options: RunOptions, console: Console, programs: Programs | None = None) -> int:
+def run_mission(
+    options: RunOptions, console: Console, programs: Programs | None = None, about: Mapping[str, str] | None = None
+) -> int:
     """Run a mission and return the exit code; `LegpushError` for bad input, before anything is started.
 
-    `programs` takes the place of the processes of this package.
+    `programs` takes the place of the processes of this package, `about` is metadata for its recording.
     """
     scenario = resolve_scenario(options)
     if programs is None:
@@ -96,11 +103,12 @@ def run_mission(options: RunOptions, console: Console, programs: Programs | None
         programs = Programs()
     folder = options.out or default_folder(scenario, options.seed, datetime.now().astimezone())
     with run_folder(folder, scenario):
-        verdict = _run_in(folder, options, programs, console)
+        verdict = _run_in(folder, options, programs, console, about or {})
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {verdict.reason}\n")
         elif verdict.exit_code == INTERRUPTED:
-            console.print(Text(f"{verdict.reason}; to go on: {_again(options, folder)}"), soft_wrap=True)
+            again = programs.again(folder) if programs.again is not None else _again(options, folder)
+            console.print(Text(f"{verdict.reason}; to go on: {again}"), soft_wrap=True)
         else:
             if verdict.reason:
                 console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
@@ -140,10 +148,14 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
     foreign = role == "planner" and options.planner_command is not None
     if options.inject_faults > 0.0 and not foreign:
         flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
+    if options.record is not None and not foreign:
+        flags += ["--recorded"]
     return tuple(flags)
 
 
-def _run_in(shown: Path, options: RunOptions, programs: Programs, console: Console) -> Verdict:
+def _run_in(
+    shown: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
+) -> Verdict:
     """Run the mission and film it; everything that it started has ended afterwards."""
     with ExitStack() as stack:
         sockets = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-")))
@@ -154,6 +166,11 @@ def _run_in(shown: Path, options: RunOptions, programs: Programs, console: Conso
         crew = stack.enter_context(Crew())
 
         environment = child_environment(os.environ)
+        recorder = None
+        if options.record is not None:
+            log = place.folder / LOGS / "recorder.log"
+            recorder = MissionRecorder(options.record, place.run, in_directory(sockets, "recorder"), display)
+            recorder.start(crew, log, environment, about)
         commands = [
             Command(
                 role=role,
@@ -169,8 +186,11 @@ def _run_in(shown: Path, options: RunOptions, programs: Programs, console: Conso
             is_alive=lambda role: any(peer.role == role for peer in bus.roster.live()),
             hear=statuses.drain,
             limits=Limits(mission_s=options.deadline_s),
+            on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
         )
         verdict = supervisor.run(commands)
+        if recorder is not None:
+            recorder.report(place.folder)
         if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
             command = Command(
                 role="video",

@@ -1,5 +1,6 @@
 """A pool of simulators or planners: started together, each started again when it dies, ended together."""
 
+import logging
 import os
 import sys
 import threading
@@ -11,12 +12,15 @@ from time import monotonic
 from types import TracebackType
 from typing import Final, Literal, Self
 
-from legpush.endpoints import Endpoints, in_directory
+from legpush.endpoints import Endpoints, in_directory, recorder_of_pool
 from legpush.errors import ConfigError, PeerError
 from legpush.launch.crew import Crew, Interrupted
 from legpush.launch.processes import Command, Process, describe_exit
+from legpush.launch.recorder import recorder_arguments, what_is_missing
 from legpush.launch.run import child_environment
 from legpush.patience import SLICE_S
+
+log = logging.getLogger(__name__)
 
 MAX_RESTARTS: Final = 3
 """Of each process, in a row."""
@@ -44,10 +48,12 @@ class SimPool:
         run: str = "train",
         role: Literal["sim", "planner"] = "sim",
         program: tuple[str, ...] | None = None,
+        record: Path | None = None,
     ) -> None:
         """`logs` is the folder for what the simulators write; it is made if needed.
 
-        `program` is what Python runs as one, with its flags; the process of this package if not given.
+        `program` is what Python runs as one, with its flags; the process of this package if not given. With `record`,
+        what they and the agent say is recorded into that new file.
         """
         if n < 1:
             raise ConfigError(f"Expected at least 1 {WORDS[role]} to start, got {n}")
@@ -57,6 +63,7 @@ class SimPool:
         self._logs = logs
         self._stop = stop
         self._program = ("-m", f"{role}_proc") if program is None else program
+        self.record = record
         self._over = threading.Event()
         self._closing = ExitStack()
 
@@ -69,6 +76,7 @@ class SimPool:
             ) from error
         directory = Path(self._closing.enter_context(TemporaryDirectory(prefix="legpush-")))
         self.endpoints = Endpoints(listen=in_directory(directory, "agent").listen)
+        self._recorder_at = recorder_of_pool(directory)
         # The kernel ends a child with the thread that started it: this one thread starts them all and stays.
         self._thread = self._closing.enter_context(ThreadPoolExecutor(1, thread_name_prefix="pool"))
         self._watch_over = self._thread.submit(self._watch)
@@ -82,21 +90,39 @@ class SimPool:
     def _watch(self) -> None:
         """Start all, start again who dies, and end all when the pool is over."""
         crew = Crew()
+        recorder = None
         try:
+            if self.record is not None:
+                recorder = crew.start(self._recorder(self.record))
             posts = {name: _Post(crew.start(self._command(name)), self._word) for name in self.names}
             while not self._over.is_set():
                 event = crew.next_event(SLICE_S)
                 if event is None or isinstance(event, Interrupted):
                     continue
-                posts[event.role].refill(event, crew)
+                if event is recorder:
+                    log.warning("the recorder %s: %s", describe_exit(event.exit_code or 0), _last_line(event))
+                else:
+                    posts[event.role].refill(event, crew)
         except BaseException:
             self._stop.set()
             raise
         finally:
             crew.stop()
+        for note in what_is_missing(recorder) if recorder is not None else ():
+            log.warning("the recording is not complete: %s", note)
+
+    def _recorder(self, file: Path) -> Command:
+        return Command(
+            role="recorder",
+            argv=recorder_arguments(file, self.run, self._recorder_at),
+            log=self._logs / "recorder.log",
+            environment=child_environment(os.environ),
+        )
 
     def _command(self, name: str) -> Command:
         flags = ("--run", self.run, "--name", name, "--listen", "--connect", *self.endpoints.listen)
+        if self.record is not None:
+            flags += (*self._recorder_at.listen, "--recorded")
         return Command(
             role=name,
             # -P: what lies in the working directory is no part of the program.
@@ -104,6 +130,10 @@ class SimPool:
             log=self._logs / f"{name}.log",
             environment=child_environment(os.environ),
         )
+
+
+def _last_line(process: Process) -> str:
+    return " ".join(process.last_words(1)) or "it said nothing"
 
 
 class _Post:

@@ -13,6 +13,11 @@ from legpush.errors import LegpushError
 from legpush.launch.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
 
+def _recorded(recording: dict[str, Any]) -> str:
+    """Where the recording is and what it lacks."""
+    return "; ".join((f"{recording['file']}{', complete' if recording['complete'] else ''}", *recording["notes"]))
+
+
 def _when(appeared: dict[str, Any]) -> str:
     return f"room.obstacles[{appeared['obstacle']}] at {appeared['time_s']:.1f} s"
 
@@ -39,6 +44,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
     "state_crc": ("state CRC", str),
     "seed": ("seed", str),
+    "recording": ("recording", _recorded),
 }
 """Fields of the report in the order of the table: what people call them, and how they read them."""
 

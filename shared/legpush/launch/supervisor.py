@@ -59,6 +59,7 @@ class Supervisor:
     """Runs the processes of a mission until the leading one is done.
 
     `is_alive` tells whether a role shows its liveliness token, `hear` returns what the processes said since last asked.
+    `on_bystander` gets a process of the crew that ended and has no part in the mission.
     """
 
     def __init__(
@@ -70,6 +71,7 @@ class Supervisor:
         hear: Callable[[], Iterable[Status]],
         leader: str = "agent",
         limits: Limits | None = None,
+        on_bystander: Callable[[Process], None] = lambda process: None,
         clock: Callable[[], float] = monotonic,
     ) -> None:
         self._crew = crew
@@ -78,6 +80,7 @@ class Supervisor:
         self._hear = hear
         self._leader = leader
         self._limits = limits or Limits()
+        self._on_bystander = on_bystander
         self._clock = clock
         self._posts: dict[str, _Post] = {}
         self._mission = Stopwatch(clock)
@@ -114,6 +117,9 @@ class Supervisor:
         role, exit_code = process.role, process.exit_code
         if exit_code is None:
             raise ValueError(f"Expected a process that ended, got the running {role}")
+        if role not in self._posts:
+            self._on_bystander(process)
+            return None
         if role == self._leader and exit_code in (SUCCESS, NO_SUCCESS):
             self._show()
             return Verdict(exit_code, self._last.detail if exit_code == NO_SUCCESS and self._last is not None else "")

@@ -1,0 +1,182 @@
+"""`python benchmarks/recording.py`: what a recording costs, and whether it has everything.
+
+Side by side: whole missions with and without a recorder, in turn; and a lockstep without physics, as fast as it goes,
+with no recorder, with one, and with one that is frozen. Simulator and recorder are processes of their own.
+"""
+
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from legpush.bus import Bus
+from legpush.endpoints import in_directory
+from legpush.launch.summary import read_report
+from legpush.lockstep_client import PastStep, SimLink
+from legpush.messages import Alter, Motion, Reset
+from legpush.recording.mcap_reader import read_recording
+from legpush.scenario_file import load_scenario
+
+RUN = "benchmark"
+CLI = "import sys; from legpush.cli import main; sys.exit(main())"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """How much to measure."""
+
+    missions: int = 5
+    """With and without recording, each; 0 for none."""
+    scenario: str = "default"
+    messages: int = 100_000
+    """Of the lockstep without physics: half of them actions."""
+
+
+def main(config: Config) -> None:
+    """Measure and print."""
+    if config.missions:
+        measure_missions(config.missions, config.scenario)
+    with tempfile.TemporaryDirectory(prefix="legpush-recording-") as folder:
+        measure_lockstep(config.messages // 2, Path(folder))
+
+
+def measure_missions(n: int, scenario: str) -> None:
+    """Wall time of missions, from the first to the last entry of their journals."""
+    seconds: dict[bool, list[float]] = {False: [], True: []}
+    crcs = set()
+    with tempfile.TemporaryDirectory(prefix="legpush-recording-") as folder:
+        for index in range(n):
+            for recorded in (False, True):
+                out, file = Path(folder) / f"{index}-{recorded}", Path(folder) / f"{index}.mcap"
+                command = [sys.executable, "-c", CLI, "run", "--scenario", scenario, "--out", str(out)]
+                command += ["--no-video", *(("--record", str(file)) if recorded else ())]
+                subprocess.run(command, check=True, capture_output=True)
+                report = read_report(out)
+                seconds[recorded].append(report["wall_time_s"])
+                crcs.add(report["state_crc"])
+                if recorded and not report["recording"]["complete"]:
+                    raise RuntimeError(f"The recording is not complete: {report['recording']['notes']}")
+    without, with_ = (statistics.median(seconds[recorded]) for recorded in (False, True))
+    ratios = [one / other for one, other in zip(seconds[True], seconds[False], strict=True)]
+    print(
+        f"mission {scenario}, n {n}: {without:.2f} s without, {with_:.2f} s with recording; ratio "
+        f"{statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f}); {len(crcs)} end state(s)"
+    )
+
+
+def measure_lockstep(n_steps: int, folder: Path) -> None:
+    """Steps per second, and what is in the file."""
+    folder.chmod(0o700)
+    with ExitStack() as stack:
+        stack.enter_context(process("sim", folder))
+        bus = stack.enter_context(Bus(RUN, "agent", "main", in_directory(folder, "agent")))
+        link = SimLink(bus, "main", stop=threading.Event())
+        bus.announce()
+        lockstep = Lockstep(link)
+        lockstep.run(500)
+        print(f"lockstep, no recorder:     {lockstep.run(n_steps // 10):6.0f} steps/s")
+        file = folder / "recording.mcap"
+        with process("recorder", folder, str(file)) as recorder:
+            while not bus.roster.live("recorder"):
+                time.sleep(0.01)
+            rate, first = lockstep.run(n_steps), lockstep.n_steps - n_steps
+            print(f"lockstep, recorder:        {rate:6.0f} steps/s")
+            recorder.send_signal(signal.SIGSTOP)
+            rate = lockstep.run(n_steps // 5)
+            print(f"lockstep, frozen recorder: {rate:6.0f} steps/s, longest step {1e3 * lockstep.longest_s:.0f} ms")
+            recorder.send_signal(signal.SIGCONT)
+            while not bus.roster.live("recorder"):
+                time.sleep(0.01)
+            lockstep.run(100)
+            time.sleep(1.0)
+            recorder.send_signal(signal.SIGINT)
+            recorder.wait()
+    recording = read_recording([file])
+    n_expected = 2 * (lockstep.n_steps - first)
+    n_found = sum(message.topic in ("sim/main/action", "sim/main/observation") for message in recording.messages)
+    print(
+        f"{n_found} of {n_expected} messages in the file ({file.stat().st_size / 1e6:.0f} MB), "
+        f"{recording.completeness['n_missing']} missing by its own account"
+    )
+
+
+class Lockstep:
+    """Steps that move nothing."""
+
+    def __init__(self, link: SimLink) -> None:
+        self._link = link
+        self._past: list[PastStep] = []
+        link.begin()
+        self._step(Reset(scenario=load_scenario("push"), seed=0))
+        self.longest_s = 0.0
+        """Of the last run."""
+
+    @property
+    def n_steps(self) -> int:
+        """Up to now."""
+        return len(self._past)
+
+    def run(self, n: int) -> float:
+        """Steps per second."""
+        self.longest_s = 0.0
+        began = time.perf_counter()
+        for _ in range(n):
+            step_began = time.perf_counter()
+            self._step(Alter())
+            self.longest_s = max(self.longest_s, time.perf_counter() - step_began)
+        return n / (time.perf_counter() - began)
+
+    def _step(self, motion: Motion) -> None:
+        self._past.append(PastStep(motion, self._link.step(motion, self._past).state_crc))
+
+
+SIM = """
+import sys, threading
+from legpush.bus import Bus
+from legpush.endpoints import in_directory
+from legpush.lockstep_server import serve_actions
+from legpush.messages import Reset
+from legpush.service import stop_on_signals
+from pathlib import Path
+from sim_proc.simulator import Simulator
+
+class Still:
+    def perform(self, motion, *, with_trace):
+        if isinstance(motion, Reset):
+            self.outcome = Simulator().perform(motion, with_trace=with_trace)
+        return self.outcome
+
+stop = stop_on_signals()
+with Bus("benchmark", "sim", "main", in_directory(Path(sys.argv[1]), "sim")) as bus:
+    serve_actions(bus, Still(), stop)
+"""
+
+
+@contextmanager
+def process(role: str, folder: Path, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A simulator that answers at once, or a recorder."""
+    if role == "sim":
+        command = [sys.executable, "-c", SIM, str(folder)]
+    else:
+        connect = in_directory(folder, "recorder").connect
+        command = [sys.executable, "-m", "legpush.recording.service", *arguments, "--run", RUN, "--connect", *connect]
+    started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield started
+    finally:
+        if started.poll() is None:
+            started.send_signal(signal.SIGTERM)
+        started.wait()
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

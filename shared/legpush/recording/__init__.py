@@ -1,0 +1,1 @@
+"""Recordings of runs as MCAP files: made, read, repaired, verified, played and continued."""

@@ -1,0 +1,107 @@
+"""The past of a branch: what a recorded episode was asked and answered before the step at which the branch begins."""
+
+import hashlib
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from msgspec.structs import replace
+
+from legpush.errors import ConfigError, MotionError, RecordingError
+from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
+from legpush.recording.mcap_reader import Recording
+from legpush.recording.plans import query_bytes, read_plans
+from legpush.recording.play import RecordedPlanner, instead
+
+
+class BranchPoint(NamedTuple):
+    """Where a branch begins: steps before `step` are those that were recorded."""
+
+    episode: int
+    step: int
+
+    def __str__(self) -> str:
+        """As `--at` takes it."""
+        return f"{self.episode}:{self.step}"
+
+
+def parse_point(text: str) -> BranchPoint:
+    """`EPISODE:STEP`; `ConfigError` where it is not that."""
+    if re.fullmatch(r"\d+:\d+", text) is None:
+        raise ConfigError(f"Expected EPISODE:STEP for --at, such as 0:12, got {text!r}; `legpush info` lists both")
+    episode, step = map(int, text.split(":"))
+    return BranchPoint(episode, step)
+
+
+class RecordedPast:
+    """Answers from a recording, up to a branch point."""
+
+    def __init__(self, recording: Recording, at: BranchPoint) -> None:
+        """`RecordingError` where there is no such point, or something before it is damaged."""
+        episodes = read_episodes(recording)
+        if at.episode >= len(episodes):
+            raise RecordingError(f"Expected an episode {_range(0, len(episodes) - 1)} for --at, got {at.episode}")
+        self._episode = episodes[at.episode]
+        n_done = len(self._episode.carried_out())
+        for damage in self._episode.damage:
+            if damage.step < at.step:
+                raise RecordingError(f"{self._episode.label}, step {damage.step}: its {damage.field} is damaged")
+        if not 1 <= at.step <= n_done:
+            raise RecordingError(f"Expected a step {_range(1, n_done)} of episode {at.episode} for --at, got {at.step}")
+        self.n_steps = at.step
+        records = read_plans(recording)
+        self._plans = {query_bytes(record.query): record.plans for record in records}
+        self._planner = RecordedPlanner(records)
+        self._others = [episode for episode in episodes if episode is not self._episode]
+
+    def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
+        """What the motion led to as this step; `RecordingError` where another one was recorded."""
+        asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
+        if asked is None:
+            raise RecordingError(
+                f"step {step} of the recording: {instead([self._episode], step, motion)}; what was decided then "
+                "depended on something else than the recording tells, such as another version of legpush"
+            )
+        if asked.outcome is None:
+            raise MotionError(asked.refusal or "not answered")
+        return self._with_trace(step, asked, asked.outcome) if with_trace else replace(asked.outcome, trace=None)
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """The recorded answer; `RecordingError` where there is none."""
+        return self.revision(query, 0)
+
+    def revision(self, query: PlanQuery, revision: int) -> Plan:
+        """The recorded answer with this number, or the last one."""
+        plans = self._plans.get(query_bytes(query))
+        if plans is None:
+            raise RecordingError(self._planner.instead(query))
+        return plans[min(revision, max(plans))]
+
+    def _with_trace(self, step: int, asked: Asked, outcome: Outcome) -> Outcome:
+        """The outcome with its trace, if any episode has it: a simulator that was led again does not send it."""
+        if outcome.trace is not None:
+            return outcome
+        for episode in self._others:
+            if _motions(episode, step) == _motions(self._episode, step):
+                for one in episode.steps[step]:
+                    if one.motion == asked.motion and one.outcome is not None and one.outcome.trace is not None:
+                        return one.outcome
+        return outcome
+
+
+def _motions(episode: EpisodeRecord, last: int) -> Sequence[Motion]:
+    return [asked.motion for asked in episode.carried_out()[: last + 1]]
+
+
+def _range(first: int, last: int) -> str:
+    return f"from {first} to {last}" if last >= first else "(there is none)"
+
+
+def sha256_of(paths: Sequence[Path]) -> str:
+    """Of a recording, all parts together."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()

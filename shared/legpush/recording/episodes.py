@@ -1,0 +1,187 @@
+"""The episodes of a recording, by step instead of by wall clock: what the wire repeated counts once."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TypeVar, cast
+
+import msgspec
+
+from legpush import codec
+from legpush.channels import Answer
+from legpush.errors import MessageError
+from legpush.messages import Action, Motion, Observation, Outcome, Refusal
+from legpush.recording.mcap_reader import Recorded, Recording
+
+T = TypeVar("T", Action, Answer)
+
+
+@dataclass(kw_only=True)
+class Asked:
+    """A motion that was asked for as a step."""
+
+    motion: Motion
+    with_trace: bool
+    outcome: Outcome | None = None
+    """None where it was not answered, or refused."""
+    refusal: str | None = None
+    """Why it could not be carried out, if so."""
+
+
+@dataclass(kw_only=True)
+class Damage:
+    """A message whose bytes are not what was recorded, or no message at all."""
+
+    step: int
+    field: str
+    """`action` or `observation`."""
+    expected: str
+    got: str
+
+
+@dataclass(kw_only=True)
+class EpisodeRecord:
+    """What one simulator was asked, from a reset to the next."""
+
+    index: int
+    """Its place in the recording, from 0."""
+    sim: str
+    number: int
+    """On the wire."""
+    steps: dict[int, list[Asked]] = field(default_factory=dict)
+    """Those asked as the same step one after the other: all but the last were refused."""
+    damage: list[Damage] = field(default_factory=list)
+
+    def carried_out(self) -> list[Asked]:
+        """The steps that were answered, in order, up to the first that was not."""
+        done: list[Asked] = []
+        for number in range(len(self.steps)):
+            asked = self.steps.get(number, [])
+            if not asked or asked[-1].outcome is None:
+                break
+            done.append(asked[-1])
+        return done
+
+    @property
+    def label(self) -> str:
+        """For messages to people."""
+        return f"episode {self.index}"
+
+
+def read_episodes(recording: Recording) -> list[EpisodeRecord]:
+    """All episodes of all simulators, in the order in which they began."""
+    return _Reader(recording).read()
+
+
+class _Reader:
+    """Sorts actions and answers into episodes."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._episodes: dict[tuple[str, int], EpisodeRecord] = {}
+        self._before: dict[tuple[str, str], tuple[int, int]] = {}
+        """Of each topic and incarnation: episode and step of the last message that was in order."""
+
+    def read(self) -> list[EpisodeRecord]:
+        """Actions first, so that every answer finds its question."""
+        parts = [(message, message.topic.split("/")) for message in self._recording.messages]
+        for message, topic in parts:
+            if topic[0] == "sim" and topic[-1] == "action":
+                self._take_action(message, topic[1])
+        for message, topic in parts:
+            if topic[0] == "sim" and topic[-1] == "observation":
+                self._take_answer(message, topic[1])
+        begun = [episode for episode in self._episodes.values() if episode.damage or _was_answered(episode)]
+        for index, episode in enumerate(begun):
+            episode.index = index
+        return begun
+
+    def _episode(self, sim: str, number: int) -> EpisodeRecord:
+        return self._episodes.setdefault(
+            (sim, number), EpisodeRecord(index=len(self._episodes), sim=sim, number=number)
+        )
+
+    def _take_action(self, message: Recorded, sim: str) -> None:
+        action = self._decoded(message, sim, Action, "action")
+        if action is None:
+            return
+        asked = self._episode(sim, action.episode).steps.setdefault(action.step, [])
+        if all((one.motion, one.with_trace) != (action.motion, action.with_trace) for one in asked):
+            asked.append(Asked(motion=action.motion, with_trace=action.with_trace))
+
+    def _take_answer(self, message: Recorded, sim: str) -> None:
+        answer = self._decoded(message, sim, cast(type[Answer], Observation | Refusal), "observation")
+        episode = self._episodes.get((sim, answer.episode)) if answer is not None else None
+        if answer is None or episode is None:
+            return
+        asked = episode.steps.get(answer.step, [])
+        if isinstance(answer, Refusal):
+            if answer.cause == "invalid":
+                for one in asked:
+                    if one.refusal in (None, answer.reason):
+                        one.refusal = answer.reason
+                        break
+        elif asked:
+            last = asked[-1]
+            if last.outcome is None:
+                last.outcome = answer.outcome
+            elif not same(last.outcome, answer.outcome):
+                path, expected, got = difference(last.outcome, answer.outcome)
+                damage = Damage(step=answer.step, field=path, expected=expected, got=f"{got}, answered again")
+                episode.damage.append(damage)
+
+    def _decoded(self, message: Recorded, sim: str, kind: type[T], what: str) -> T | None:
+        """The message, or None where it is damaged, which is noted at the step where it has to be."""
+        place: tuple[str, str] = (message.topic, message.origin.incarnation)
+        crc = self._recording.crcs.get((*place, message.copy.sequence))
+        got = codec.checksum(message.copy.payload)
+        decoded: T | None = None
+        why = f"bytes with CRC {got:08x}"
+        if crc is None or crc == got:
+            try:
+                decoded = codec.decode(message.copy.payload, kind)
+            except MessageError as error:
+                why = f"no message: {error}"
+        if decoded is not None:
+            self._before[place] = (decoded.episode, decoded.step)
+            return decoded
+        before = self._before.get(place)
+        number, step = (before[0], before[1] + 1) if before is not None else (self._first_number(sim), 0)
+        expected = f"bytes with CRC {crc:08x}" if crc is not None else "a message"
+        self._episode(sim, number).damage.append(Damage(step=step, field=what, expected=expected, got=why))
+        return None
+
+    def _first_number(self, sim: str) -> int:
+        return next((number for name, number in self._episodes if name == sim), 0)
+
+
+def _was_answered(episode: EpisodeRecord) -> bool:
+    """Whether a simulator did, or refused to do, any of its steps, and not only asked to be led to them first."""
+    return any(one.outcome or one.refusal for asked in episode.steps.values() for one in asked)
+
+
+def same(one: msgspec.Struct, other: msgspec.Struct) -> bool:
+    """Whether two records are the same, bit for bit."""
+    return msgspec.msgpack.encode(one) == msgspec.msgpack.encode(other)
+
+
+def difference(expected: msgspec.Struct, got: msgspec.Struct) -> tuple[str, str, str]:
+    """The first field in which two records differ, as a path, and both values."""
+    for path, one, other in _differences("", msgspec.to_builtins(expected), msgspec.to_builtins(got)):
+        return path.lstrip("."), _short(one), _short(other)
+    return "(none)", "", ""
+
+
+def _differences(path: str, one: object, other: object) -> Iterable[tuple[str, object, object]]:
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        for name in one:
+            yield from _differences(f"{path}.{name}", one[name], other[name])
+    elif isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)) and len(one) == len(other):
+        for index, (first, second) in enumerate(zip(one, other, strict=True)):
+            yield from _differences(f"{path}[{index}]", first, second)
+    elif repr(one) != repr(other):
+        yield path, one, other
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,69 @@
+"""What a recording knows of its mission besides the messages: enough to run it again."""
+
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import msgspec
+from msgspec import Struct
+
+from legpush.errors import RecordingError
+from legpush.messages import Count
+from legpush.recording.mcap_reader import Recording
+
+MISSION_FILE: Final = "mission.json"
+SCENARIO_FILE: Final = "scenario.toml"
+VERSIONS_FILE: Final = "versions.json"
+PUSH_MAP_FILE: Final = "push_map.json"
+
+
+class MissionFacts(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a mission is made of, besides its scenario and push map: `mission.json` of a recording."""
+
+    seed: Count
+    policy: str
+    """By name, as `--policy` takes it."""
+    policy_sha256: str
+    """Of its files; empty for one that has none."""
+
+
+class MissionFiles(NamedTuple):
+    """A mission that can be run again."""
+
+    facts: MissionFacts
+    scenario: Path
+    push_map: Path | None
+
+
+def read_facts(recording: Recording) -> MissionFacts:
+    """Of the recorded mission; `RecordingError` where there was none."""
+    mission = recording.attachment(MISSION_FILE)
+    if mission is None:
+        raise RecordingError(
+            f"Expected the recording of a mission, with {MISSION_FILE} in it, got one with "
+            f"{', '.join(recording.attachments) or 'no files'}"
+        )
+    try:
+        return msgspec.json.decode(mission.data, type=MissionFacts)
+    except msgspec.MsgspecError as error:
+        raise RecordingError(f"{MISSION_FILE} of the recording: {error}") from error
+
+
+def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
+    """Write the files of the recorded mission into a folder.
+
+    `RecordingError` where there was none, or where it is a branch, which began in another recording.
+    """
+    if "parent_sha256" in recording.about:
+        raise RecordingError(
+            f"Expected the recording of a mission from its beginning on, got a branch of "
+            f"{recording.about.get('parent_file')} at {recording.about.get('parent_episode')}:"
+            f"{recording.about.get('parent_step')}; it can be verified, and its parent can be branched and replayed"
+        )
+    facts, scenario = read_facts(recording), recording.attachment(SCENARIO_FILE)
+    if scenario is None:
+        raise RecordingError(f"Expected the recording of a mission, with {SCENARIO_FILE} in it, got one without")
+    (folder / SCENARIO_FILE).write_bytes(scenario.data)
+    push_map = recording.attachment(PUSH_MAP_FILE)
+    if push_map is not None:
+        (folder / PUSH_MAP_FILE).write_bytes(push_map.data)
+    return MissionFiles(facts, folder / SCENARIO_FILE, folder / PUSH_MAP_FILE if push_map is not None else None)

@@ -1,0 +1,84 @@
+"""`legpush info`: what is in a recording, for people."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+from legpush.recording.episodes import read_episodes
+from legpush.recording.mcap_reader import Recording
+from legpush.robot import CONTROL_PERIOD_S
+
+
+def lines(paths: tuple[Path, ...], recording: Recording) -> Iterator[str]:
+    """Line by line."""
+    times = [message.copy.time_ns for message in recording.messages]
+    duration_s = (max(times) - min(times)) / 1e9 if times else 0.0
+    size = sum(path.stat().st_size for path in paths)
+    about = recording.about
+    yield f"{', '.join(map(str, paths))}: run {about.get('run', '?')}, protocol {about.get('protocol', '?')}"
+    yield f"duration      {duration_s:.1f} s"
+    yield (
+        f"size          {size / 1e6:.1f} MB in {recording.n_files} files"
+        if len(paths) > 1
+        else (f"size          {size / 1e6:.1f} MB")
+    )
+    yield f"messages      {len(recording.messages)}"
+    yield from _completeness(recording)
+    if about.get("topics"):
+        yield f"filter        {about['topics']}"
+    if "parent_sha256" in about:
+        yield (
+            f"parent        {about.get('parent_file', '?')} (SHA-256 {about['parent_sha256'][:16]}...), branched at "
+            f"episode {about.get('parent_episode')}, step {about.get('parent_step')}"
+        )
+    yield from _result(recording)
+    yield "channels"
+    yield from _channels(recording, duration_s)
+    yield "episodes"
+    yield from _episodes(recording)
+    if recording.attachments:
+        yield "files"
+        for attachment in recording.attachments.values():
+            yield f"  {attachment.name:<28}{len(attachment.data):>9} bytes  {attachment.media_type}"
+
+
+def _completeness(recording: Recording) -> Iterator[str]:
+    stated = recording.completeness
+    damaged = sum(not recording.is_as_recorded(message) for message in recording.messages)
+    word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not come to an end")
+    missing = stated.get("n_missing", "0")
+    yield f"complete      {word}" + (f", {missing} messages missing" if missing != "0" else "")
+    for note in filter(None, stated.get("notes", "").splitlines()):
+        yield f"              {note}"
+    if damaged:
+        yield f"              {damaged} messages are damaged: their bytes are not those that were recorded"
+    if recording.n_damaged_chunks:
+        yield f"              {recording.n_damaged_chunks} pieces of the file have a bit that flipped"
+
+
+def _result(recording: Recording) -> Iterator[str]:
+    report = recording.attachment("report.json")
+    if report is None:
+        yield "result        none recorded"
+        return
+    numbers = json.loads(report.data)
+    yield f"result        {numbers.get('reason')}: {numbers.get('detail')}"
+
+
+def _channels(recording: Recording, duration_s: float) -> Iterator[str]:
+    counts: dict[tuple[str, str, str], int] = {}
+    for message in recording.messages:
+        key = (message.topic, message.origin.role, message.origin.incarnation)
+        counts[key] = counts.get(key, 0) + 1
+    for (topic, role, incarnation), n in counts.items():
+        rate = f"{n / duration_s:8.1f} /s" if duration_s > 0.0 else ""
+        yield f"  {topic:<28}{n:>9} messages {rate}  {role} {incarnation}"
+
+
+def _episodes(recording: Recording) -> Iterator[str]:
+    for episode in read_episodes(recording):
+        done = episode.carried_out()
+        last = done[-1].outcome if done else None
+        seconds = f", {last.world.tick * CONTROL_PERIOD_S:.1f} s simulated, state {last.state_crc:08x}" if last else ""
+        steps = f"steps 0 to {len(done) - 1}" if done else "no step that was answered"
+        yield f"  {episode.index:<4}simulator {episode.sim}: {steps}{seconds} (number {episode.number})"

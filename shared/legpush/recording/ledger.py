@@ -1,0 +1,111 @@
+"""What a recording should have and what it has: sequences per key and incarnation, and who said farewell."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from legpush.messages import Copies, Origin
+
+
+@dataclass(frozen=True, kw_only=True)
+class Completeness:
+    """Whether everything that was published is in a recording, from its beginning on; if not, what is not."""
+
+    complete: bool
+    n_recorded: int
+    n_missing: int
+    """As far as the sequences tell."""
+    notes: tuple[str, ...]
+    """What is missing, or may be, and what came before the recording began, one sentence each."""
+
+
+@dataclass
+class _Account:
+    """One key of one incarnation."""
+
+    first: int | None = None
+    n_recorded: int = 0
+    n_published: int = 0
+
+    def n_missing(self) -> int:
+        """Of those from the first one on that a recorder could have had."""
+        return self.n_published - (self.first or 0) - self.n_recorded if self.first is not None else 0
+
+
+@dataclass
+class _Source:
+    """One incarnation."""
+
+    label: str
+    accounts: dict[str, _Account] = field(default_factory=dict)
+    n_batches: dict[str, int] = field(default_factory=dict)
+    """By who handed them over: the source itself, or a witness."""
+    final: bool = False
+
+
+class Ledger:
+    """Kept by a recorder from the batches that come; a batch counts once, however often it is sent."""
+
+    def __init__(self) -> None:
+        self._sources: dict[str, _Source] = {}
+        self._silent: dict[str, str] = {}
+
+    def seen(self, origin: Origin) -> None:
+        """A process is there, whether it hands over copies or not."""
+        if origin.incarnation not in self._sources:
+            self._silent[origin.incarnation] = _label(origin)
+
+    def is_new(self, batch: Copies) -> bool:
+        """Whether this batch was not taken before."""
+        source = self._sources.get(batch.origin.incarnation)
+        return source is None or batch.batch >= source.n_batches.get(batch.header.incarnation, 0)
+
+    def take(self, batch: Copies, recorded: set[str]) -> None:
+        """Note a batch, of which the copies under the keys `recorded` are in the file."""
+        origin = batch.origin
+        self._silent.pop(origin.incarnation, None)
+        source = self._sources.setdefault(origin.incarnation, _Source(_label(origin)))
+        source.n_batches[batch.header.incarnation] = batch.batch + 1
+        source.final |= batch.final
+        for copy in batch.copies:
+            if copy.key in recorded:
+                account = source.accounts.setdefault(copy.key, _Account())
+                account.first = copy.sequence if account.first is None else account.first
+                account.n_recorded += 1
+        for published in batch.published:
+            if published.key in recorded:
+                source.accounts.setdefault(published.key, _Account()).n_published = published.n
+
+    def unfinished(self) -> set[str]:
+        """The incarnations that have not said farewell."""
+        return {incarnation for incarnation, source in self._sources.items() if not source.final} | self._silent.keys()
+
+    def completeness(self, live: Collection[str] = ()) -> Completeness:
+        """As it stands; whoever is among the `live` incarnations need not have said farewell.
+
+        What was published before the recorder came is not expected of it, but noted.
+        """
+        losses = [f"{label} hands over no copies: its messages are missing" for label in self._silent.values()]
+        before: list[str] = []
+        if not self._sources and not self._silent:
+            losses.append("nobody was there to be recorded")
+        n_recorded = n_missing = 0
+        for incarnation, source in self._sources.items():
+            for key, account in source.accounts.items():
+                first = account.n_published if account.first is None else account.first
+                n_recorded += account.n_recorded
+                n_missing += account.n_missing()
+                if account.n_missing():
+                    n_expected = account.n_published - first
+                    losses.append(
+                        f"{key} of {source.label}: {account.n_missing()} of {n_expected} messages are missing"
+                    )
+                if first:
+                    before.append(f"{key} of {source.label}: {first} messages before the recording began")
+            if not source.final and incarnation not in live:
+                losses.append(f"{source.label} did not say farewell: its last messages may be missing")
+        notes = (*losses, *before)
+        return Completeness(complete=not losses, n_recorded=n_recorded, n_missing=n_missing, notes=notes)
+
+
+def _label(origin: Origin) -> str:
+    return f"{origin.role} {origin.name} ({origin.incarnation})"

@@ -1,0 +1,123 @@
+"""A recording in the place of a simulator or a planner: `python -m legpush.recording.play ROLE FILE... [FLAGS]`.
+
+It answers what was answered then, and ends with an error where it is asked something else.
+"""
+
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import sleep
+from typing import Final, Literal
+
+import tyro
+from msgspec.structs import replace
+
+from legpush.bus import Bus
+from legpush.errors import MotionError, RecordingError
+from legpush.lockstep_server import serve_actions
+from legpush.messages import Motion, Outcome, Plan, PlanQuery, Reset
+from legpush.plan_desk import Interrupted, PlanningInterruptedError
+from legpush.plan_server import serve_plans
+from legpush.recording.episodes import EpisodeRecord, difference, read_episodes
+from legpush.recording.mcap_reader import read_recording
+from legpush.recording.plans import PlanRecord, query_bytes, read_plans
+from legpush.service import ServiceConfig, run_process
+
+IDLE_S: Final = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayConfig(ServiceConfig):
+    """As any process, and the recording that it plays."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """The recording, or its parts in order."""
+
+
+class RecordedSim:
+    """A simulator that knows the recorded episodes only."""
+
+    def __init__(self, episodes: Sequence[EpisodeRecord]) -> None:
+        self._episodes = episodes
+        self._candidates: list[EpisodeRecord] = []
+        self._step = 0
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """The recorded answer; `RecordingError` where nothing of the kind was recorded."""
+        step = 0 if isinstance(motion, Reset) else self._step
+        among = self._episodes if step == 0 else self._candidates
+        fitting = [
+            (episode, asked)
+            for episode in among
+            for asked in episode.steps.get(step, [])
+            if asked.motion == motion and (asked.outcome or asked.refusal)
+        ]
+        outcomes = [asked.outcome for _, asked in fitting if asked.outcome is not None]
+        outcome = next((one for one in outcomes if one.trace is not None or not with_trace), None)
+        refusal = next((asked.refusal for _, asked in fitting if asked.outcome is None), None)
+        if outcome is None:
+            if refusal is not None and not outcomes:
+                raise MotionError(refusal)
+            raise RecordingError(f"step {step}: {instead(among, step, motion, with_trace=with_trace)}")
+        self._candidates, self._step = [episode for episode, asked in fitting if asked.outcome], step + 1
+        return outcome if with_trace else replace(outcome, trace=None)
+
+
+def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_trace: bool = False) -> str:
+    """What the recording has in the place of a motion."""
+    asked = [one for episode in among for one in episode.steps.get(step, []) if one.outcome or one.refusal]
+    if not asked:
+        return f"the recording ends before it, got {type(motion).__name__.lower()}"
+    recorded = asked[-1].motion
+    if type(recorded) is not type(motion):
+        return f"expected {type(recorded).__name__.lower()} as recorded, got {type(motion).__name__.lower()}"
+    if recorded == motion and with_trace:
+        return "expected to be asked without a trace, which the recording lacks here, got a question with one"
+    path, expected, got = difference(recorded, motion)
+    return f"expected {type(motion).__name__.lower()} with {path} {expected} as recorded, got {got}"
+
+
+class RecordedPlanner:
+    """A planner that knows the recorded queries only."""
+
+    def __init__(self, records: Sequence[PlanRecord]) -> None:
+        self._records = records
+        self._plans = {query_bytes(record.query): record.plans for record in records}
+
+    def make_plans(self, query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
+        """The recorded answers; more than there are is waited for, as from a planner that takes its time."""
+        plans = self._plans.get(query_bytes(query))
+        if plans is None:
+            raise RecordingError(self.instead(query))
+        for revision in sorted(plans):
+            yield plans[revision]
+        while not interrupted():
+            sleep(IDLE_S)
+        raise PlanningInterruptedError
+
+    def instead(self, query: PlanQuery) -> str:
+        """What the recording has in the place of a query that it does not have."""
+        same_kind = [record.query for record in self._records if type(record.query) is type(query)]
+        if not same_kind:
+            return f"the recording answers no {type(query).__name__}"
+        path, expected, got = difference(same_kind[-1], query)
+        return f"the recording has no such query; it differs from the last one of its kind in {path}: {expected}, {got}"
+
+
+def main(role: Literal["sim", "planner"]) -> int:
+    """Take the part of this process."""
+
+    def serve(config: PlayConfig, bus: Bus, stop: threading.Event) -> None:
+        recording = read_recording(config.files)
+        if role == "sim":
+            serve_actions(bus, RecordedSim(read_episodes(recording)), stop)
+        else:
+            serve_plans(bus, RecordedPlanner(read_plans(recording)).make_plans, stop)
+
+    return run_process(role, PlayConfig, serve)
+
+
+if __name__ == "__main__":
+    sys.exit(main("sim" if sys.argv.pop(1) == "sim" else "planner"))

@@ -1,0 +1,62 @@
+"""A recording published again, for recorders and viewers, as fast as it was or otherwise."""
+
+import threading
+from collections.abc import Sequence
+from time import monotonic
+from typing import Final
+
+from legpush.bus import Bus
+from legpush.errors import RecordingError
+from legpush.messages import Fact, Origin
+from legpush.recording.mcap_reader import Recorded, Recording
+from legpush.tap import Tap
+
+NAME_LENGTH: Final = 64
+
+
+def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: threading.Event, turn: int = 0) -> int:
+    """Hand everything from `start_s` on to whoever records, in its time divided by `rate`; how many messages.
+
+    `turn` counts the times that this is done: in each the processes are other incarnations.
+    """
+    messages = from_start(recording, start_s)
+    taps: dict[str, Tap] = {}
+    try:
+        began, first_ns = monotonic(), messages[0].copy.time_ns
+        for n, message in enumerate(messages):
+            wait_s = began + (message.copy.time_ns - first_ns) / 1e9 / rate - monotonic()
+            if wait_s > 0.0 and stop.wait(wait_s):
+                return n
+            origin = message.origin
+            if origin.incarnation not in taps:
+                taps[origin.incarnation] = _tap(bus, recording, origin, turn)
+            taps[origin.incarnation].buffer.note(message.copy.key, message.copy.sequence, message.copy.payload)
+    finally:
+        for tap in taps.values():
+            tap.close()
+    return len(messages)
+
+
+def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
+    """All messages from a time after the first one on, in order of time; `RecordingError` where there are none."""
+    messages = sorted(recording.messages, key=lambda message: message.copy.time_ns)
+    if not messages:
+        raise RecordingError("Expected a recording with messages, got one without")
+    begin_ns = messages[0].copy.time_ns
+    duration_s = (messages[-1].copy.time_ns - begin_ns) / 1e9
+    if start_s > duration_s:
+        raise RecordingError(
+            f"Expected a --start of at most {duration_s:.1f} s, where the recording ends, got {start_s}"
+        )
+    return [message for message in messages if message.copy.time_ns - begin_ns >= start_s * 1e9]
+
+
+def _tap(bus: Bus, recording: Recording, origin: Origin, turn: int) -> Tap:
+    """The tap of a process that was recorded, with its files."""
+    name = f"{origin.incarnation}-{turn}"[-NAME_LENGTH:] if turn else origin.incarnation
+    tap = bus.taps.stand_in(Origin(role=origin.role, name=origin.name, incarnation=name))
+    for attachment in recording.attachments.values():
+        if attachment.name.startswith(f"{origin.role}/{origin.name}/"):
+            file = attachment.name.rpartition("/")[2]
+            tap.buffer.attach(Fact(name=file, media_type=attachment.media_type, data=attachment.data))
+    return tap

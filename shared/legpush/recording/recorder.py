@@ -1,0 +1,130 @@
+"""The recorder: takes the copies that processes hand over, writes them to a file, and says what it has."""
+
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from time import monotonic
+from typing import Final
+
+from legpush import channels
+from legpush.bus import Bus
+from legpush.messages import Copies, Header, Origin, Role, Taken
+from legpush.ports import Publisher
+from legpush.recording.ledger import Completeness, Ledger
+from legpush.recording.mcap_writer import Attachment, RecordingFile, topic_of
+from legpush.status import StatusBeacon
+
+log = logging.getLogger(__name__)
+
+FLUSH_S: Final = 0.5
+"""What a kill of the recorder loses at most, besides what is on its way."""
+LOOK_S: Final = 0.05
+GATHER_S: Final = 3.0
+"""Once asked to stop, the recorder waits so long at most for processes to end and say farewell."""
+FAREWELL_S: Final = 2.0
+"""Of one that is gone, this long."""
+COPIED: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
+"""Who publishes what is recorded."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What is recorded."""
+
+    topics: tuple[str, ...] = ()
+    """Patterns such as `sim/*` of topics, all if there are none."""
+    duration_s: float | None = None
+
+    def takes(self, key: str) -> bool:
+        """Whether messages under this key are recorded."""
+        topic = topic_of(key)
+        return not self.topics or any(fnmatchcase(topic, pattern) for pattern in self.topics)
+
+
+class Recorder:
+    """Turns batches into a file; the bus is the caller's."""
+
+    def __init__(self, file: RecordingFile, wanted: Wanted) -> None:
+        self._file = file
+        self._wanted = wanted
+        self.ledger = Ledger()
+        self.n_recorded = 0
+
+    def take(self, batch: Copies) -> None:
+        """Write what is new in a batch."""
+        if not self.ledger.is_new(batch):
+            return
+        copies = tuple(copy for copy in batch.copies if self._wanted.takes(copy.key))
+        keys = {each.key for each in batch.published} | {copy.key for copy in batch.copies}
+        self.ledger.take(batch, {key for key in keys if self._wanted.takes(key)})
+        origin = batch.origin
+        for fact in batch.facts:
+            self._file.attach(Attachment(f"{origin.role}/{origin.name}/{fact.name}", fact.media_type, fact.data))
+        self._file.write(origin, copies)
+        self.n_recorded += len(copies)
+
+
+def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event) -> Completeness:
+    """Record until `stop`, or until the time that is wanted is over; `RecordingError` where the file cannot go on."""
+    batches = bus.subscribe(channels.copies(bus.run))
+    answers: dict[tuple[Role, str], Publisher[Taken]] = {}
+    recorder = Recorder(file, wanted)
+    began = flushed_at = monotonic()
+    stopped_at: float | None = None
+    seen_at: dict[str, float] = {}
+    with StatusBeacon(bus, "recording") as beacon:
+        bus.announce()
+        log.info("recording to %s", file.parts[0])
+        while True:
+            now = monotonic()
+            if stopped_at is None and (stop.is_set() or now - began > (wanted.duration_s or float("inf"))):
+                stopped_at = now
+            batch = batches.next(LOOK_S)
+            if batch is not None:
+                recorder.take(batch)
+                sender = (batch.header.role, batch.header.name)
+                if sender not in answers:
+                    answers[sender] = bus.publisher(channels.taken(bus.run, *sender))
+                answers[sender].send(_taken(batch))
+            if now - flushed_at >= FLUSH_S:
+                file.flush()
+                flushed_at = now
+                beacon.say("recording", detail=f"{recorder.n_recorded} messages")
+            peers = _peers(bus)
+            live = {origin.incarnation for origin in peers}
+            for origin in peers:
+                recorder.ledger.seen(origin)
+            seen_at |= dict.fromkeys(live, now)
+            if stopped_at is None:
+                continue
+            # A process takes its token down before it says farewell. Those whose tokens are up are waited for after a
+            # signal alone, which a launcher sends to all at once.
+            gone_at = {each: seen_at.get(each, began) for each in recorder.ledger.unfinished()}
+            expected = {each for each, at in gone_at.items() if now - at < FAREWELL_S}
+            if (batch is None and not (expected if stop.is_set() else expected - live)) or now - stopped_at > GATHER_S:
+                break
+    completeness = recorder.ledger.completeness(live)
+    file.finish(statement(completeness))
+    return completeness
+
+
+def statement(completeness: Completeness) -> dict[str, str]:
+    """The metadata that says what a recording has."""
+    return {
+        "complete": "yes" if completeness.complete else "no",
+        "n_recorded": str(completeness.n_recorded),
+        "n_missing": str(completeness.n_missing),
+        "notes": "\n".join(completeness.notes),
+    }
+
+
+def _taken(batch: Copies) -> Callable[[Header], Taken]:
+    origin, number = batch.origin.incarnation, batch.batch
+    return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)
+
+
+def _peers(bus: Bus) -> list[Origin]:
+    live = bus.roster.live()
+    return [Origin(role=p.role, name=p.name, incarnation=p.incarnation) for p in live if p.role in COPIED]

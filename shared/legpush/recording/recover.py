@@ -1,0 +1,57 @@
+"""`legpush recover`: a whole recording of what is left of one that was cut off."""
+
+from itertools import groupby
+from pathlib import Path
+
+from legpush.errors import RecordingError
+from legpush.messages import Origin
+from legpush.recording.mcap_reader import RECOVERED_FROM, Recorded, Recording, Scan
+from legpush.recording.mcap_writer import RecordingFile
+
+
+def recover(path: Path, out: Path) -> Recording:
+    """Write to the new file `out` what `path` has, which stays as it is; `RecordingError` if nothing can be read."""
+    recording = Recording()
+    scan = Scan(path)
+    scan.read_into(recording)
+    if scan.ended:
+        raise RecordingError(f"{path}: expected a recording that is cut off, got a whole one: nothing to recover")
+    recording.completeness = _statement(scan, recording)
+    file = RecordingFile(out, {**recording.about, RECOVERED_FROM: path.name}, part=recording.part)
+    try:
+        for attachment in recording.attachments.values():
+            file.attach(attachment)
+        for origin, messages in groupby(recording.messages, key=lambda message: message.origin):
+            file.write(origin, tuple(message.copy for message in messages))
+        file.finish(recording.completeness)
+    except BaseException:
+        file.abandon()
+        raise
+    return recording
+
+
+def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
+    """How complete the rest is: what comes after the cut is not known."""
+    n_missing, notes = gaps(recording.messages)
+    notes.insert(0, f"the recording was cut off at byte {scan.position} of {scan.size}: what came after it is missing")
+    return {
+        "complete": "no",
+        "n_recorded": str(len(recording.messages)),
+        "n_missing": str(n_missing),
+        "notes": "\n".join(notes),
+    }
+
+
+def gaps(messages: list[Recorded]) -> tuple[int, list[str]]:
+    """How many messages are missing between the first and the last of each sender, and which."""
+    sequences: dict[tuple[str, Origin], list[int]] = {}
+    for message in messages:
+        sequences.setdefault((message.topic, message.origin), []).append(message.copy.sequence)
+    n_missing, notes = 0, []
+    for (topic, origin), numbers in sequences.items():
+        n = max(numbers) + 1 - len(set(numbers))
+        n_missing += n
+        if n:
+            label = f"{topic} of {origin.role} {origin.name} ({origin.incarnation})"
+            notes.append(f"{label}: {n} of {max(numbers) + 1} messages are missing")
+    return n_missing, notes

@@ -1,0 +1,101 @@
+"""`legpush replay --verify`: a fresh simulator is asked what was recorded, and has to answer what was recorded."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from legpush.errors import MotionError, RecordingError
+from legpush.messages import Motion, Outcome, Reset
+from legpush.recording.episodes import Asked, Damage, EpisodeRecord, difference, same
+
+
+class Perform(Protocol):
+    """A simulator; a `Reset` begins a new episode."""
+
+    def __call__(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """Carry out one motion, or raise `MotionError`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Divergence:
+    """Where recording and simulator part."""
+
+    episode: int
+    step: int
+    field: str
+    expected: str
+    got: str
+
+    def __str__(self) -> str:
+        """For people."""
+        where = f"episode {self.episode}, step {self.step}, field {self.field}"
+        return f"first divergence at {where}: expected {self.expected}, got {self.got}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verified:
+    """How far the two agree."""
+
+    n_steps: int
+    n_ticks: int
+    """Simulated, in all these steps."""
+    divergence: Divergence | None
+
+
+def verify(
+    episodes: Iterable[EpisodeRecord], perform: Perform, progress: Callable[[str], None] = lambda text: None
+) -> Verified:
+    """Do every step of every episode again, up to the first divergence; `RecordingError` where steps are missing."""
+    n_steps = n_ticks = 0
+    for episode in episodes:
+        require_steps(episode)
+        for number in range(max([*episode.steps, *(d.step for d in episode.damage)], default=-1) + 1):
+            progress(f"{episode.label}, step {number}")
+            damage = next((d for d in episode.damage if d.step == number), None)
+            found = _damaged(episode, damage) if damage is not None else None
+            for asked in episode.steps.get(number, []):
+                found = found or _compare(episode, number, asked, perform)
+                n_steps += asked.outcome is not None and found is None
+            if found is not None:
+                return Verified(n_steps=n_steps, n_ticks=n_ticks, divergence=found)
+        n_ticks += max((one.outcome.world.tick for one in episode.carried_out() if one.outcome), default=0)
+    return Verified(n_steps=n_steps, n_ticks=n_ticks, divergence=None)
+
+
+def require_steps(episode: EpisodeRecord) -> None:
+    """`RecordingError` unless there is every step from the reset on."""
+    damaged = {damage.step for damage in episode.damage}
+    for number in range(max(episode.steps, default=-1) + 1):
+        if number not in episode.steps and number not in damaged:
+            raise RecordingError(
+                f"{episode.label} (simulator {episode.sim}): expected steps 0 to {max(episode.steps)}, but step "
+                f"{number} is not in the recording; `legpush info` says what is missing"
+            )
+    first = episode.steps.get(0)
+    if first and not isinstance(first[0].motion, Reset):
+        raise RecordingError(f"{episode.label}: expected a reset as step 0, got {type(first[0].motion).__name__}")
+
+
+def _damaged(episode: EpisodeRecord, damage: Damage) -> Divergence:
+    return Divergence(
+        episode=episode.index, step=damage.step, field=damage.field, expected=damage.expected, got=damage.got
+    )
+
+
+def _compare(episode: EpisodeRecord, step: int, asked: Asked, perform: Perform) -> Divergence | None:
+    """Do one step again, if it was answered."""
+
+    def parted(field: str, expected: str, got: str) -> Divergence:
+        return Divergence(episode=episode.index, step=step, field=field, expected=expected, got=got)
+
+    if asked.outcome is None and asked.refusal is None:
+        return None
+    try:
+        outcome = perform(asked.motion, with_trace=asked.with_trace)
+    except MotionError as error:
+        if asked.outcome is None and str(error).endswith(asked.refusal or ""):
+            return None
+        return parted("kind", "observation" if asked.outcome else f"refusal: {asked.refusal}", f"refusal: {error}")
+    if asked.outcome is None:
+        return parted("kind", f"refusal: {asked.refusal}", "observation")
+    return None if same(asked.outcome, outcome) else parted(*difference(asked.outcome, outcome))

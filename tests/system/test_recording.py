@@ -1,0 +1,337 @@
+"""Recording with real processes: everything is there, byte for byte, and whatever happens to the recorder, the lockstep
+goes on.
+"""
+
+import hashlib
+import json
+import random
+import resource
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, time_ns
+from typing import Any
+
+import psutil
+import pytest
+import zenoh
+from msgspec.structs import replace
+
+from legpush import keys
+from legpush.endpoints import in_directory
+from legpush.messages import Alter, Walk
+from legpush.recording.episodes import read_episodes
+from legpush.recording.mcap_reader import Recorded, Recording, read_recording
+from legpush.recording.recover import recover
+from tests.shared.examples import QUERY
+from tests.shared.fakes import IMPATIENT, RUN, Agent, agent, bus, crc_after, eventually, mission, planner, sim
+
+CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
+
+
+def legpush(*arguments: str, timeout_s: float = 120.0) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *CLI, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=timeout_s)
+
+
+@contextmanager
+def recorder(directory: Path, file: Path, *flags: str) -> Iterator[subprocess.Popen[str]]:
+    """A recorder process of the fake run, which is there."""
+    command = [sys.executable, *CLI, "record", str(file), "--run", RUN, "--connect"]
+    command += [*in_directory(directory, "recorder").connect, *flags]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGCONT)
+            process.kill()
+        process.communicate()
+
+
+@contextmanager
+def witness(directory: Path) -> Iterator[tuple[zenoh.Session, dict[tuple[str, bytes], int]]]:
+    """Counts everything that the fake run puts on its lockstep and status keys, as Zenoh itself delivers it."""
+    seen: dict[tuple[str, bytes], int] = {}
+    config = zenoh.Config()
+    settings: dict[str, Any] = {
+        "mode": "peer",
+        "listen/endpoints": [],
+        "connect/endpoints": list(in_directory(directory, "launcher").connect),
+        "connect/timeout_ms": -1,
+        "connect/exit_on_failure": False,
+        "connect/retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "open/return_conditions/connect_scouted": False,
+    }
+    for path, value in settings.items():
+        config.insert_json5(path, json.dumps(value))
+
+    def take(sample: zenoh.Sample) -> None:
+        key, payload = str(sample.key_expr), sample.payload.to_bytes()
+        if not key.endswith(("/copies", "/taken")):
+            seen[key, payload] = seen.get((key, payload), 0) + 1
+
+    with zenoh.open(config) as session:
+        session.declare_subscriber(f"{keys.prefix(RUN)}/**", zenoh.handlers.Callback(take, indirect=True))
+        yield session, seen
+
+
+def walk(asking: Agent, n: int) -> float:
+    """Steps per second."""
+    began = monotonic()
+    asking.do([Walk()] * n)
+    return n / (monotonic() - began)
+
+
+def contents(recording: Recording) -> dict[tuple[str, bytes], int]:
+    return {(message.copy.key, message.copy.payload): 1 for message in recording.messages}
+
+
+def test_a_recording_has_every_message_byte_for_byte(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    with recorder(tmp_path, file) as process:
+        with witness(tmp_path) as (session, seen), sim(tmp_path), planner(tmp_path), agent(tmp_path) as asking:
+            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+            assert eventually(lambda: len(asking.bus.roster.live("planner")) == 1)
+            assert eventually(lambda: len(list(session.info.peers_zid())) == 3)
+            asking.do(mission())
+            walk(asking, 500)
+            n_sent = 2 * (len(mission()) + 500)
+            assert eventually(lambda: sum("/sim/" in key and "/tap/" not in key for key, _ in seen) >= n_sent)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 0, out + err
+    recording = read_recording([file])
+    recorded = contents(recording)
+    lockstep = {key: n for key, n in seen.items() if "/tap/" not in key[0]}
+    assert len(lockstep) == n_sent
+    assert lockstep.items() <= recorded.items()
+    assert recording.completeness["n_missing"] == "0", out
+    assert len(recorded) == len(recording.messages) == int(recording.completeness["n_recorded"])
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_recorder_that_is_killed_loses_at_most_a_second(tmp_path: Path, seed: int) -> None:
+    file, out = tmp_path / "a.mcap", tmp_path / "b.mcap"
+    life_s = random.Random(seed).uniform(1.2, 3.0)
+    with sim(tmp_path), agent(tmp_path) as asking, recorder(tmp_path, file) as process:
+        assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+        asking.do(mission())
+        until = monotonic() + life_s
+        while monotonic() < until:
+            walk(asking, 20)
+        killed_ns = time_ns()
+        process.kill()
+        process.wait()
+        walk(asking, 20)
+    before = file.read_bytes()
+    recover(file, out)
+    assert file.read_bytes() == before
+    recording = read_recording([out])
+    actions = [message.copy for message in recording.messages if message.topic == "sim/main/action"]
+    sequences = [copy.sequence for copy in actions]
+    assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
+    assert killed_ns - actions[-1].time_ns < 1e9
+    assert legpush("info", str(file)).returncode == 2
+    assert legpush("info", str(out)).returncode == 0
+
+
+def test_a_recorder_that_is_frozen_stalls_nobody_and_says_what_it_lacks(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    with recorder(tmp_path, file) as process:
+        with sim(tmp_path), agent(tmp_path) as asking:
+            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+            asking.do(mission())
+            usual = walk(asking, 1500)
+            process.send_signal(signal.SIGSTOP)
+            slowest_s, n_frozen, until = 0.0, 0, monotonic() + 6.0
+            while monotonic() < until:
+                began = monotonic()
+                walk(asking, 1)
+                slowest_s, n_frozen = max(slowest_s, monotonic() - began), n_frozen + 1
+            process.send_signal(signal.SIGCONT)
+            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+            walk(asking, 100)
+            n_steps = len(asking.past)
+            assert asking.past[-1].state_crc == crc_after([*mission(), *[Walk()] * (n_steps - len(mission()))])
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30.0)
+    assert n_frozen / 6.0 > 0.3 * usual
+    assert slowest_s < 1.0
+    recording = read_recording([file])
+    n_actions = sum(message.topic == "sim/main/action" for message in recording.messages)
+    assert recording.completeness["n_missing"] == "0", out + err
+    assert n_actions >= n_steps
+
+
+@pytest.fixture(scope="module")
+def mission_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The folder and the recording of a whole mission."""
+    folder = tmp_path_factory.mktemp("recorded")
+    out, file = folder / "run", folder / "mission.mcap"
+    done = legpush("run", "--scenario", "push", "--out", str(out), "--no-video", "--record", str(file))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return out, file
+
+
+def test_a_mission_is_recorded_completely_with_what_it_was_made_of(mission_run: tuple[Path, Path]) -> None:
+    out, file = mission_run
+    recording = read_recording([file])
+    assert recording.is_complete, recording.completeness
+    assert {message.origin.role for message in recording.messages} == {"planner", "sim", "agent"}
+    assert min(message.copy.sequence for message in recording.messages) == 0
+    for name in ("scenario.toml", "model.xml", "versions.json", "mission.json", "report.json"):
+        assert recording.attachment(name) is not None, name
+    report = json.loads((out / "report.json").read_text())
+    assert report["recording"] == {"file": str(file), "complete": True, "notes": []}
+    text = legpush("info", str(file)).stdout
+    assert "complete      yes" in text
+    assert f"state {report['state_crc']}" in text
+    assert "result        success" in text
+
+
+def test_a_mission_is_verified_and_a_flipped_bit_found(mission_run: tuple[Path, Path], tmp_path: Path) -> None:
+    _, file = mission_run
+    done = legpush("replay", str(file), "--verify")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "identical: " in done.stdout
+    data = bytearray(file.read_bytes())
+    data[data.index(b"depth_m", len(data) // 2) + 12] ^= 1
+    (tmp_path / "flipped.mcap").write_bytes(data)
+    done = legpush("replay", str(tmp_path / "flipped.mcap"), "--verify")
+    assert done.returncode == 1
+    assert "first divergence at episode 0, step " in done.stdout
+    assert "field action" in done.stdout
+
+
+def test_a_mission_goes_on_without_its_recorder_and_says_so(tmp_path: Path) -> None:
+    """The limit of a file's size stands for a disk that is full."""
+    out, file = tmp_path / "run", tmp_path / "mission.mcap"
+    command = [
+        sys.executable,
+        *CLI,
+        "run",
+        "--scenario",
+        "push",
+        "--out",
+        str(out),
+        "--no-video",
+        "--record",
+        str(file),
+    ]
+    launcher = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    limit, pause = 200_000, threading.Event()
+    try:
+        while not (victims := [p for p in psutil.Process(launcher.pid).children(True) if _records(p)]):
+            pause.wait(0.01)
+        resource.prlimit(victims[0].pid, resource.RLIMIT_FSIZE, (limit, limit))
+        text, _ = launcher.communicate(timeout=120.0)
+    finally:
+        launcher.kill()
+        launcher.wait()
+    assert launcher.returncode == 0, text
+    assert "the recorder exited with 2" in text
+    assert "the recording cannot go on (File too large)" in text
+    assert text.index("the recorder exited") < text.index("stopping")
+    report = json.loads((out / "report.json").read_text())
+    assert report["success"]
+    assert not report["recording"]["complete"]
+    recover(file, tmp_path / "recovered.mcap")
+    assert len(read_recording([tmp_path / "recovered.mcap"]).messages) > 5
+
+
+def _records(process: psutil.Process) -> bool:
+    try:
+        return "legpush.recording.service" in process.cmdline()
+    except psutil.NoSuchProcess:
+        return False
+
+
+def test_the_recording_plays_the_simulator_and_the_mission_ends_as_it_did(
+    mission_run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    out, file = mission_run
+    done = legpush("replay", str(file), "--as", "sim", "--out", str(tmp_path / "run"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert crc_of(tmp_path / "run") == crc_of(out)
+
+
+def crc_of(folder: Path) -> str:
+    crc: str = json.loads((folder / "report.json").read_text())["state_crc"]
+    return crc
+
+
+def test_a_branch_without_a_change_ends_as_its_parent_and_one_with_another_box_does_not(
+    mission_run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    out, file = mission_run
+    before = file.read_bytes()
+    same, heavy = tmp_path / "same", tmp_path / "heavy"
+    flags = ("branch", str(file), "--at", "0:12")
+    done = legpush(*flags, "--out", str(same), "--record", str(tmp_path / "same.mcap"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert crc_of(same) == crc_of(out)
+    changes = ("--box-mass-kg", "0.9", "--policy", "scripted")
+    done = legpush(*flags, *changes, "--out", str(heavy), "--record", str(tmp_path / "heavy.mcap"))
+    assert done.returncode in (0, 1), done.stdout + done.stderr
+    assert crc_of(heavy) != crc_of(out)
+    parent, branch = (read_episodes(read_recording([path]))[-1] for path in (file, tmp_path / "heavy.mcap"))
+    for one, other in zip(parent.carried_out()[:12], branch.carried_out()[:12], strict=True):
+        assert one.outcome is not None
+        assert other.outcome is not None
+        assert (one.motion, one.outcome.state_crc) == (other.motion, other.outcome.state_crc)
+    assert branch.carried_out()[12].motion == Alter(box_mass_kg=0.9)
+    about = read_recording([tmp_path / "heavy.mcap"]).about
+    assert about["parent_sha256"] == hashlib.sha256(before).hexdigest()
+    assert (about["parent_file"], about["parent_episode"], about["parent_step"]) == (file.name, "0", "12")
+    done = legpush("replay", str(tmp_path / "heavy.mcap"), "--verify")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert file.read_bytes() == before
+
+
+def test_what_is_published_again_is_recorded_again_byte_for_byte(
+    mission_run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    _, file = mission_run
+    at = f"unixsock-stream/{tmp_path}/replay.sock"
+    player = subprocess.Popen([sys.executable, *CLI, "replay", str(file), "--rate", "10", "--listen", at])
+    try:
+        flags = ("--run", "replay", "--connect", at, "--duration", "4")
+        done = legpush("record", str(tmp_path / "again.mcap"), *flags)
+        assert player.wait(timeout=30.0) == 0
+    finally:
+        player.kill()
+        player.wait()
+    assert done.returncode == 0, done.stdout + done.stderr
+    first, again = (read_recording([path]).messages for path in (file, tmp_path / "again.mcap"))
+    assert len(first) == len(again)
+    assert contents_of(first) == contents_of(again)
+
+
+def contents_of(messages: list[Recorded]) -> list[tuple[str, int, bytes]]:
+    return sorted((message.topic, message.copy.sequence, message.copy.payload) for message in messages)
+
+
+def test_what_an_agent_hears_stands_in_for_a_planner_that_hands_over_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    with recorder(tmp_path, file) as process:
+        with planner(tmp_path) as silent, bus(tmp_path, "agent") as opened:
+            silent.taps.own.close()
+            opened.taps.witness("planner")
+            asking = Agent(opened, IMPATIENT)
+            assert eventually(lambda: len(opened.roster.live("recorder")) == 1, 20.0)
+            for seed in range(5):
+                asking.planner.plan(replace(QUERY, seed=seed))
+            process.send_signal(signal.SIGINT)
+            assert eventually(opened.taps.own.buffer.is_empty)
+        out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 0, out + err
+    results = [message for message in read_recording([file]).messages if message.topic == "plan/main/result"]
+    assert [message.copy.sequence for message in results] == list(range(5))
+    assert {message.origin.role for message in results} == {"planner"}
