@@ -5,7 +5,19 @@ from pathlib import Path
 import pytest
 
 from legpush.errors import JournalError
-from legpush.journal import Acted, Entry, Journal, Numbered, Observed, Opened, Planned, Queried, Refused, read_entries
+from legpush.journal import (
+    Acted,
+    Awaited,
+    Entry,
+    Journal,
+    Numbered,
+    Observed,
+    Opened,
+    Planned,
+    Queried,
+    Refused,
+    read_entries,
+)
 from legpush.messages import PROTOCOL_VERSION, Outcome, Walk
 from tests.shared.examples import PLAN, QUERY, RESET, TRACE, WORLD
 
@@ -18,6 +30,7 @@ ENTRIES: list[Entry] = [
     Observed(outcome=Outcome(world=WORLD, state_crc=7, trace=TRACE)),
     Acted(motion=Walk(), with_trace=False),
     Refused(reason="no path"),
+    Awaited(revision=2),
 ]
 
 

@@ -4,14 +4,19 @@ from collections.abc import Iterator
 from pathlib import Path
 from threading import Event
 
+import pytest
 from msgspec.structs import replace
 
+from legpush import channels
+from legpush.episode import Episode, PlanRecord, read_episode
+from legpush.errors import JournalError
 from legpush.faults import Faults
+from legpush.journal import Journal
 from legpush.messages import Plan, PlanQuery
 from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from legpush.scenario import Anytime
 from tests.shared.examples import QUERY
-from tests.shared.fakes import agent, eventually, fake_plan, planner
+from tests.shared.fakes import agent, eventually, fake_plan, opened, planner, sim
 
 N = 5
 ASKED = replace(QUERY, anytime=Anytime(n_improvements=N, improvement_iterations=10))
@@ -90,3 +95,41 @@ def test_a_newer_request_of_the_client_takes_the_place_of_improvements(tmp_path:
         assert endless.began.wait(10.0)
         asking.planner.plan(replace(QUERY, seed=1))
         assert eventually(endless.stopped.is_set)
+
+
+def revisions_of(directory: Path, journal_path: Path, revisions: tuple[int, ...]) -> list[Plan]:
+    """A plan and better ones, as a mission asks for them."""
+    with agent(directory) as asking, Journal(journal_path, opened()) as journal:
+        episode = Episode(journal, asking.sim, asking.planner)
+        return [episode.plan(ASKED), *(episode.revision(revision) for revision in revisions)]
+
+
+def test_better_plans_are_answered_by_the_journal_as_far_as_that_goes(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    expected = [better(ASKED, revision) for revision in (0, 1, 3, 4)]
+    with sim(tmp_path), planner(tmp_path, make_plans=improving):
+        assert revisions_of(tmp_path, path, (1, 3)) == expected[:3]
+        assert revisions_of(tmp_path, path, (1, 3, 4)) == expected
+    assert revisions_of(tmp_path, path, (1, 3, 4)) == expected
+    assert [record.plan for record in read_episode(path) if isinstance(record, PlanRecord)] == expected
+
+
+def test_a_mission_that_asks_for_another_revision_than_its_journal_has_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "episode-0000.journal"
+    with sim(tmp_path), planner(tmp_path, make_plans=improving):
+        revisions_of(tmp_path, path, (1,))
+        with pytest.raises(JournalError, match="the journal is of another mission"):
+            revisions_of(tmp_path, path, (2,))
+
+
+def test_what_is_there_already_is_not_asked_for_again(tmp_path: Path) -> None:
+    with planner(tmp_path, make_plans=improving) as serving, agent(tmp_path) as asking:
+        requests = serving.subscribe(channels.plan_requests(serving.run, "*"))
+        asking.planner.plan(ASKED)
+        final = asking.planner.revision(N, ASKED)
+        n_requests = len(requests.drain())
+        for revision in range(1, N + 1):
+            asking.planner.revision(revision, ASKED)
+        assert final == better(ASKED, N)
+        assert requests.drain() == []
+        assert n_requests >= 1
