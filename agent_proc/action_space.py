@@ -10,7 +10,7 @@ from agent_proc.goal_frame import box_in_goal_frame, mirror_sign
 from agent_proc.push_model import PushModel
 from agent_proc.task import TaskConfig
 from legpush.errors import ConfigError
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from legpush.robot import FrontLeg
 from legpush.scenario import Scenario
 

@@ -14,7 +14,8 @@ from agent_proc.station import at_station, can_turn, last_stretch, way_back
 from legpush.errors import PeerError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Motion, Outcome, Plan, PlanQuery, TrunkPathQuery, Walk, WorldState
+from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.stepping import Follow, Motion, Outcome, Walk, WorldState
 from legpush.scenario import Face, Rectangle, Scenario
 
 STILL_CYCLES: Final = 5

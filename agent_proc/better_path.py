@@ -9,7 +9,7 @@ import numpy as np
 from agent_proc.clearance import Occupied
 from agent_proc.poses import distance_m, moved_m
 from legpush.geometry import Pose2
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 
 LEAST_GAIN_M: Final = 0.1

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from legpush.faces import pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import Plan
+from legpush.messages.planning import Plan
 from legpush.scenario import Face
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ from agent_proc.facts import policy_sha256
 from agent_proc.policies import make_policy
 from agent_proc.policy import Policy
 from legpush.errors import RecordingError
-from legpush.messages import Alter, Push, WorldState
+from legpush.messages.stepping import Alter, Push, WorldState
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.facts import read_facts
 from legpush.recording.mcap_reader import read_recording

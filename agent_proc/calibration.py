@@ -18,7 +18,7 @@ from agent_proc.station import station
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import Outcome, Push, Reset
+from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.robot import FRONT_LEGS
 from legpush.scenario import Box, Face, Goal, PoseDeg, Randomization, Room, Scenario
 

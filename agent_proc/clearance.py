@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 
 Floats = NDArray[np.float64]
 

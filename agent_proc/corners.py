@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import rectangle_corners, rotation_from_rpy, rpy_from_quaternion
-from legpush.messages import BoxState
+from legpush.messages.stepping import BoxState
 from legpush.scenario import Box, Scenario
 
 FRONT = [0, 3]

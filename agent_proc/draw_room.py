@@ -17,7 +17,7 @@ from legpush.errors import StopRequestedError
 from legpush.faces import PUSHABLE, pushed_box
 from legpush.launch.rooms import RandomScenario
 from legpush.launch.sims import SimPool
-from legpush.messages import Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
 from legpush.patience import Patience
 from legpush.plan_client import PlanLink
 from legpush.random_scenario import random_scenario

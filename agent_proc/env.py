@@ -21,7 +21,7 @@ from agent_proc.station import at_station
 from agent_proc.task import TaskConfig
 from agent_proc.worlds import SteppingWorld
 from legpush.errors import ConfigError, PeerError
-from legpush.messages import Outcome, Push, Reset, WorldState
+from legpush.messages.stepping import Outcome, Push, Reset, WorldState
 from legpush.scenario import PoseDeg, Scenario
 
 TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}

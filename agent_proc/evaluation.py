@@ -15,7 +15,7 @@ from agent_proc.policy import Policy
 from agent_proc.poses import box_error
 from agent_proc.statistics import Estimate, mean_interval, wilson
 from legpush.errors import StopRequestedError
-from legpush.messages import Motion, Outcome, Reset
+from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.scenario import Scenario
 
 Ending = Literal["done", "fell", "max_cycles"]

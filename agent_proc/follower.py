@@ -20,7 +20,7 @@ from agent_proc.push_estimate import PushEstimate
 from agent_proc.pushed_view import pushed_scenario, pushed_world
 from agent_proc.scripted import MIRROR
 from legpush.geometry import Pose2
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from legpush.robot import FRONT_LEGS
 from legpush.scenario import Scenario
 

@@ -5,7 +5,7 @@ from typing import Final
 
 from agent_proc.poses import planar_pose
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.scenario import Scenario
 
 LOOK_AHEAD_M: Final = 0.25

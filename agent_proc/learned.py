@@ -29,7 +29,7 @@ from agent_proc.policy_folder import (
     read_policy,
 )
 from agent_proc.task import TaskConfig
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from legpush.scenario import Scenario
 
 NETWORKS: Final[dict[str, type[BasePolicy]]] = {"ppo": PpoPolicy, "sac": SacPolicy, "td3": Td3Policy}

@@ -8,7 +8,8 @@ from legpush.bus import Bus
 from legpush.episode import Episode
 from legpush.journal import Journal
 from legpush.lockstep_client import SimLink
-from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
 from legpush.patience import Patience
 from legpush.plan_client import PlanLink
 from legpush.status import StatusBeacon

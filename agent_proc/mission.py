@@ -11,7 +11,8 @@ from agent_proc.policy import Policy
 from agent_proc.push_map import PushMap
 from agent_proc.pushing import Pushing
 from agent_proc.routes import query_to_nominal_box
-from legpush.messages import PlanQuery, Reset
+from legpush.messages.planning import PlanQuery
+from legpush.messages.stepping import Reset
 from legpush.scenario import Face, Scenario
 
 

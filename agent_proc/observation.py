@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agent_proc.corners import goal_corners_m, tracked_corners_m
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.robot import LEGS
 from legpush.scenario import Scenario
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from agent_proc.goal_frame import LOOK_AHEAD_M, box_in_goal_frame, mirror_sign, steering_error_rad
 from agent_proc.observation import BEYOND_M, Entry, Floats, Table
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.scenario import Scenario
 
 NEAR_M: Final = 0.05

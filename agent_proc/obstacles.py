@@ -17,7 +17,7 @@ from agent_proc.station import station
 from legpush.errors import PeerError
 from legpush.faces import pushed_box
 from legpush.geometry import Pose2
-from legpush.messages import Appearance, WorldState
+from legpush.messages.stepping import Appearance, WorldState
 from legpush.robot import BODY_LENGTH_M, BODY_WIDTH_M, CONTROL_PERIOD_S
 from legpush.room import clearance_m, room_by_now
 from legpush.room_shapes import Footprint, box_footprint, distance_m, obstacle_footprint

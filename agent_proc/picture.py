@@ -21,7 +21,8 @@ from agent_proc.picture_parts import MAX_POINTS, appeared, box_at, extent, follo
 from agent_proc.poses import planar_pose
 from agent_proc.record import Floats, MissionRecord
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, Motion, Plan, Push, TrunkPathQuery, Walk
+from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
+from legpush.messages.stepping import Motion, Push, Walk
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
 from legpush.room import room_by_now
 from legpush.room_shapes import Footprint, box_footprint, obstacle_footprint

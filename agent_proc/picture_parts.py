@@ -9,7 +9,7 @@ from agent_proc.obstacles import is_in_walk
 from agent_proc.poses import distance_m, planar_pose
 from agent_proc.record import Floats, MissionRecord, Step
 from legpush.geometry import Pose2
-from legpush.messages import Appearance, Follow, WorldState
+from legpush.messages.stepping import Appearance, Follow, WorldState
 from legpush.room_shapes import Footprint, box_footprint
 
 MAX_POINTS: Final = 4000

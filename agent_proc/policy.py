@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from legpush.scenario import Scenario
 
 

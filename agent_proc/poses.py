@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import acos, degrees, hypot
 
 from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
-from legpush.messages import BoxState, TrunkState, WorldState
+from legpush.messages.stepping import BoxState, TrunkState, WorldState
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scenario import Goal, Scenario
 

@@ -7,7 +7,7 @@ import numpy as np
 from agent_proc.push_model import Floats, PushModel, nearest_model
 from agent_proc.scripted import MIRROR
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import Push
+from legpush.messages.stepping import Push
 from legpush.scenario import Box
 
 PRIOR_M: Final = 0.03

@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from legpush.faces import TURN_RAD, pushed_box
 from legpush.geometry import Pose2
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.scenario import Face, PoseDeg, Scenario
 
 

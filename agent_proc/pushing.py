@@ -20,7 +20,8 @@ from agent_proc.reference_path import reference_path
 from agent_proc.routes import calibration_query, query_for_box
 from legpush.faces import pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import Plan, PlanQuery, Push
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Push
 from legpush.reference import Reference, least_radius_m
 from legpush.robot import FRONT_LEGS
 from legpush.scenario import Face, Goal

@@ -11,7 +11,8 @@ from agent_proc.poses import BoxError, box_error
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import Pose2, rpy_from_quaternion
-from legpush.messages import BoxPathQuery, Follow, Motion, Push, Reset, Trace, WorldState
+from legpush.messages.planning import BoxPathQuery
+from legpush.messages.stepping import Follow, Motion, Push, Reset, Trace, WorldState
 from legpush.reference import reference_curve
 from legpush.robot import CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario

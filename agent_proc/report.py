@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from agent_proc.mission import MissionResult
 from agent_proc.poses import planar_pose
 from agent_proc.record import MissionRecord, Step
-from legpush.messages import PROTOCOL_VERSION, Push, Walk
+from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.stepping import Push, Walk
 from legpush.robot import CONTROL_PERIOD_S
 
 Floats = NDArray[np.float64]

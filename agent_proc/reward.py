@@ -6,7 +6,7 @@ from typing import Final
 
 from agent_proc.corners import goal_corners_m, tracked_corners_m
 from agent_proc.poses import box_error
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.scenario import Scenario
 
 POSITION_WEIGHT: Final = 10.0

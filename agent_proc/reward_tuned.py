@@ -9,7 +9,7 @@ from typing import Final
 
 from agent_proc.goal_frame import box_in_goal_frame, steering_error_rad
 from agent_proc.poses import box_error
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.scenario import Scenario
 
 POSITION_WEIGHT: Final = 0.1

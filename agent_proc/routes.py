@@ -11,7 +11,7 @@ from agent_proc.push_estimate import PushEstimate
 from agent_proc.station import nominal_obstacle, stand_off, station
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, PushSide, TrunkPathQuery
+from legpush.messages.planning import BoxPathQuery, PushSide, TrunkPathQuery
 from legpush.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, occupancy_grid
 from legpush.room_shapes import Footprint, box_footprint

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from agent_proc.poses import planar_pose
 from agent_proc.push_model import Floats, PushModel
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from legpush.robot import FRONT_LEGS, FrontLeg
 from legpush.scenario import Goal, Scenario
 

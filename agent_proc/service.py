@@ -29,7 +29,8 @@ from legpush.errors import ConfigError
 from legpush.journal import Journal, Opened
 from legpush.launch.folder import PICTURE_FILE, REPORT_FILE
 from legpush.launch.options import DEFAULT_POLICY
-from legpush.messages import PROTOCOL_VERSION, Alter
+from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.stepping import Alter
 from legpush.patience import Patience
 from legpush.recording.branch import parse_point
 from legpush.scenario import PlannerName

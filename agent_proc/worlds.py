@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from legpush.lockstep_client import PastStep, SimLink
-from legpush.messages import Motion, Outcome, Reset
+from legpush.messages.stepping import Motion, Outcome, Reset
 
 
 class SteppingWorld(Protocol):

@@ -19,7 +19,7 @@ from agent_proc.draw_room import solvable_by
 from agent_proc.push_estimate import PushEstimate
 from agent_proc.routes import query_for_box
 from legpush.faces import FACES, pushed_box
-from legpush.messages import BoxPathQuery, Plan
+from legpush.messages.planning import BoxPathQuery, Plan
 from legpush.random_room import RandomRoom
 from legpush.random_scenario import random_scenario
 from legpush.room_shapes import distance_m, distance_to_border_m, obstacle_footprint

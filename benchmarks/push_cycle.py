@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import tyro
 
-from legpush.messages import Push, Reset
+from legpush.messages.stepping import Push, Reset
 from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scenario_file import load_scenario
 from sim_proc import physics

@@ -22,7 +22,7 @@ from legpush.bus import Bus
 from legpush.endpoints import in_directory
 from legpush.launch.summary import read_report
 from legpush.lockstep_client import PastStep, SimLink
-from legpush.messages import Alter, Motion, Reset
+from legpush.messages.stepping import Alter, Motion, Reset
 from legpush.recording.mcap_reader import read_recording
 from legpush.scenario_file import load_scenario
 
@@ -144,7 +144,7 @@ import sys, threading
 from legpush.bus import Bus
 from legpush.endpoints import in_directory
 from legpush.lockstep_server import serve_actions
-from legpush.messages import Reset
+from legpush.messages.stepping import Reset
 from legpush.service import stop_on_signals
 from pathlib import Path
 from sim_proc.simulator import Simulator

@@ -16,8 +16,9 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from legpush import geometry, messages, reference, room_shapes, scenario
-from legpush.messages import PROTOCOL_VERSION
+from legpush import geometry, reference, room_shapes, scenario
+from legpush.messages import common, planning, stepping, tap
+from legpush.messages.common import PROTOCOL_VERSION
 from legpush.schemas import MESSAGES, json_schema
 
 DOCS: Final = Path(__file__).parent
@@ -25,44 +26,44 @@ PROTOCOL: Final = DOCS / "protocol.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     "planning": (
-        messages.PlanRequest,
-        messages.TrunkPathQuery,
-        messages.BoxPathQuery,
-        messages.PushSide,
-        messages.OccupancyGrid,
-        messages.PlanCancel,
-        messages.PlanResult,
-        messages.Plan,
-        messages.Tree,
+        planning.PlanRequest,
+        planning.TrunkPathQuery,
+        planning.BoxPathQuery,
+        planning.PushSide,
+        planning.OccupancyGrid,
+        planning.PlanCancel,
+        planning.PlanResult,
+        planning.Plan,
+        planning.Tree,
     ),
     "stepping": (
-        messages.Action,
-        messages.Reset,
-        messages.Follow,
-        messages.Walk,
-        messages.Push,
-        messages.Alter,
-        messages.Observation,
-        messages.Refusal,
-        messages.Outcome,
-        messages.WorldState,
-        messages.TrunkState,
-        messages.Imu,
-        messages.BoxState,
-        messages.PathProgress,
-        messages.PushReport,
-        messages.Appearance,
-        messages.Trace,
+        stepping.Action,
+        stepping.Reset,
+        stepping.Follow,
+        stepping.Walk,
+        stepping.Push,
+        stepping.Alter,
+        stepping.Observation,
+        stepping.Refusal,
+        stepping.Outcome,
+        stepping.WorldState,
+        stepping.TrunkState,
+        stepping.Imu,
+        stepping.BoxState,
+        stepping.PathProgress,
+        stepping.PushReport,
+        stepping.Appearance,
+        stepping.Trace,
     ),
     "copies": (
-        messages.Copies,
-        messages.Origin,
-        messages.Copy,
-        messages.Published,
-        messages.Fact,
-        messages.Taken,
+        tap.Copies,
+        tap.Origin,
+        tap.Copy,
+        tap.Published,
+        tap.Fact,
+        tap.Taken,
     ),
-    "common": (messages.Header, messages.Status, geometry.Pose2, room_shapes.Footprint),
+    "common": (common.Header, tap.Status, geometry.Pose2, room_shapes.Footprint),
     "scenario": (
         scenario.Scenario,
         scenario.Room,

@@ -23,7 +23,7 @@ from agent_proc.poses import planar_pose
 from agent_proc.statistics import mean_interval
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.mission_runs import run_scenario
-from legpush.messages import Push
+from legpush.messages.stepping import Push
 from legpush.reference import reference_curve
 from legpush.scenario_file import load_scenario
 

@@ -12,7 +12,8 @@ from msgspec.structs import replace
 from agent_proc.draw_room import solvable_by
 from agent_proc.record import MissionRecord
 from experiments.mission_runs import run_scenario
-from legpush.messages import BoxPathQuery, Push
+from legpush.messages.planning import BoxPathQuery
+from legpush.messages.stepping import Push
 from legpush.random_room import RandomRoom
 from legpush.random_scenario import random_scenario
 from legpush.scenario import Scenario

@@ -19,7 +19,7 @@ from agent_proc.policies import make_policy
 from agent_proc.poses import box_error
 from experiments.evaluations import RESULTS
 from legpush.geometry import Pose2, rectangle_corners, rpy_from_quaternion
-from legpush.messages import Reset
+from legpush.messages.stepping import Reset
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Scenario
 from legpush.scenario_file import load_scenario

@@ -23,7 +23,7 @@ from agent_proc.pushing import CALIBRATION_LEGS
 from agent_proc.worlds import LocalWorld
 from experiments.evaluations import RESULTS, write_table
 from legpush.faces import pushed_box, pushed_pose
-from legpush.messages import Push, Reset
+from legpush.messages.stepping import Push, Reset
 from legpush.robot import FRONT_LEGS
 from legpush.scenario import Box, Face
 from sim_proc.simulator import Simulator

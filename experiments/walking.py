@@ -16,7 +16,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
-from legpush.messages import Follow, PathProgress, Reset, Trace, Walk
+from legpush.messages.stepping import Follow, PathProgress, Reset, Trace, Walk
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Room, Scenario
 from legpush.scenario_file import load_scenario

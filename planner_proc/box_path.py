@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import BoxPathQuery, Plan, Tree
+from legpush.messages.planning import BoxPathQuery, Plan, Tree
 from legpush.plan_desk import Interrupted
 from planner_proc.occupancy import ClearanceField
 from planner_proc.push_tree import Found, search

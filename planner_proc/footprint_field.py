@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from legpush.room_shapes import Footprint
 from planner_proc.occupancy import ROUNDING_M, ClearanceField
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from planner_proc.nearest import NearestCells
 from planner_proc.squares import point_square_offsets, segment_distances
 

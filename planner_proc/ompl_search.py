@@ -11,7 +11,8 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
-from legpush.messages import MAX_WAYPOINTS, Point2, TrunkPathQuery
+from legpush.messages.common import MAX_WAYPOINTS, Point2
+from legpush.messages.planning import TrunkPathQuery
 from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField

@@ -8,17 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import (
-    MAX_CELLS,
-    MAX_WAYPOINTS,
-    BoxPathQuery,
-    OccupancyGrid,
-    Plan,
-    PlanQuery,
-    Point2,
-    Tree,
-    TrunkPathQuery,
-)
+from legpush.messages.common import MAX_CELLS, MAX_WAYPOINTS, Point2
+from legpush.messages.planning import BoxPathQuery, OccupancyGrid, Plan, PlanQuery, Tree, TrunkPathQuery
 from legpush.plan_desk import Interrupted
 from planner_proc import polylines
 from planner_proc.box_path import make_box_plan

@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 
 from legpush.geometry import Pose2
-from legpush.messages import MAX_WAYPOINTS, BoxPathQuery, Point2
+from legpush.messages.common import MAX_WAYPOINTS, Point2
+from legpush.messages.planning import BoxPathQuery
 from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from planner_proc.pushes import Pushes, Stage, Way
 from planner_proc.search_tree import thin

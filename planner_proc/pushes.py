@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import BoxPathQuery, PushSide
+from legpush.messages.planning import BoxPathQuery, PushSide
 from planner_proc.dubins import SAMPLE_M, Dubins
 from planner_proc.footprint_field import FootprintField, Squares, placed
 from planner_proc.occupancy import ClearanceField

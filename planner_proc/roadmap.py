@@ -14,7 +14,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from legpush.messages import Point2, TrunkPathQuery
+from legpush.messages.common import Point2
+from legpush.messages.planning import TrunkPathQuery
 from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from planner_proc.occupancy import ClearanceField
 from planner_proc.route import Route

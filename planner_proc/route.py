@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.messages import Point2
+from legpush.messages.common import Point2
 
 
 @dataclass(frozen=True, kw_only=True)

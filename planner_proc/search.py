@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final, get_args
 
-from legpush.messages import TrunkPathQuery
+from legpush.messages.planning import TrunkPathQuery
 from legpush.plan_desk import Interrupted
 from legpush.scenario import PlannerName, Steering
 from planner_proc.occupancy import ClearanceField

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ompl import base as ob
 
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import Point2, TrunkPathQuery
+from legpush.messages.common import Point2
+from legpush.messages.planning import TrunkPathQuery
 from planner_proc.occupancy import ClearanceField
 
 Floats = NDArray[np.float64]

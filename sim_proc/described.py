@@ -3,7 +3,7 @@
 from typing import Final
 
 from legpush.bus import Bus
-from legpush.messages import Motion, Outcome, Reset
+from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.scenario import Scenario
 from sim_proc.model import model_xml
 from sim_proc.simulator import Simulator

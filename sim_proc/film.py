@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import rpy_from_quaternion
-from legpush.messages import Appearance, Follow, Reset
+from legpush.messages.stepping import Appearance, Follow, Reset
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Scenario
 from sim_proc.world_state import LOADED_N

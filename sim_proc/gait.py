@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
-from legpush.messages import PathProgress
+from legpush.messages.stepping import PathProgress
 from legpush.robot import CONTROL_PERIOD_S, FOOT_RADIUS_M, LEGS
 from sim_proc.footsteps import GAIT_ORDER, CycleTargets, PosePath, next_cycle
 from sim_proc.physics import Recording

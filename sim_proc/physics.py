@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
-from legpush.messages import Appearance
+from legpush.messages.stepping import Appearance
 from legpush.robot import CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario
 from sim_proc.appearing import Waiting

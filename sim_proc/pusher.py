@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from legpush.errors import MotionError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import Push
+from legpush.messages.stepping import Push
 from legpush.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
 from legpush.room_shapes import behind_box
 from legpush.scenario import STATION_M, Box, Face

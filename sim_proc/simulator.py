@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
-from legpush.messages import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
+from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
 from legpush.scenario import Scenario
 from sim_proc.gait import PathWalk
 from sim_proc.physics import Physics, Recording

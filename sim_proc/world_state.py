@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import rpy_from_quaternion
-from legpush.messages import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
+from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
 from sim_proc.balance import support_margin
 from sim_proc.physics import BOX_QPOS, JOINT_QPOS, JOINT_QVEL, TRUNK_QPOS, Physics, Recording
 

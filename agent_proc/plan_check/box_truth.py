@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from agent_proc.clearance import Nearest, clearance
 from agent_proc.plan_check.truth import LONGEST_STEP_M, RADIUS_SHARE, SAME_M, SAME_RAD
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import BoxPathQuery, Plan, PushSide
+from legpush.messages.planning import BoxPathQuery, Plan, PushSide
 
 NO_TURN_M: Final = 1e-3
 """A step so short, or by so much to the side, says nothing about how the box moves."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, OccupancyGrid, PlanStatus, PushSide, TrunkPathQuery
+from legpush.messages.planning import BoxPathQuery, OccupancyGrid, PlanStatus, PushSide, TrunkPathQuery
 from legpush.room_shapes import Footprint
 from legpush.scenario import Smoothing
 

@@ -18,7 +18,7 @@ from legpush.errors import StopRequestedError
 from legpush.launch.crew import Crew
 from legpush.launch.processes import Command, Process, describe_exit
 from legpush.launch.run import child_environment
-from legpush.messages import PlanCancel, PlanQuery, PlanRequest, PlanResult
+from legpush.messages.planning import PlanCancel, PlanQuery, PlanRequest, PlanResult
 
 RUN: Final = "plan-check"
 SLICE_S: Final = 0.05

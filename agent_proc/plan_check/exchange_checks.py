@@ -13,7 +13,7 @@ from agent_proc.plan_check.client import RUN, Client
 from agent_proc.plan_check.path_checks import judged
 from agent_proc.plan_check.truth import differences
 from legpush.bus import Bus
-from legpush.messages import PlanResult
+from legpush.messages.planning import PlanResult
 from legpush.scenario import Anytime
 
 SETTLE_S: Final = 0.6

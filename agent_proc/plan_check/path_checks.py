@@ -9,7 +9,7 @@ from agent_proc.plan_check.box_truth import box_faults
 from agent_proc.plan_check.cases import Case, box_query
 from agent_proc.plan_check.truth import faults
 from legpush.geometry import Pose2
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scenario import Steering
 
 RADIUS_M: Final = 0.5

@@ -8,7 +8,7 @@ import numpy as np
 
 from agent_proc.clearance import clearance, xy_of
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 
 SAME_M: Final = 1e-6
 SAME_RAD: Final = 1e-6

@@ -15,7 +15,7 @@ from benchmarks.planners.measures import measured, points_of
 from benchmarks.planners.random_requests import PLANNERS
 from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
 from experiments.evaluations import write_table
-from legpush.messages import Plan
+from legpush.messages.planning import Plan
 from legpush.scenario import Anytime
 from planner_proc.planning import make_plans
 

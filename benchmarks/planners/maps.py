@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from agent_proc.clearance import clearance
 from agent_proc.plan_check import cases
 from agent_proc.routes import query_to_nominal_box
-from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
 from legpush.scenario_file import load_scenario
 from planner_proc.planning import make_plan
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from agent_proc.clearance import clearance
 from agent_proc.plan_check.truth import SAME_M
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 
 Floats = NDArray[np.float64]
 

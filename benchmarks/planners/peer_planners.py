@@ -19,7 +19,7 @@ from pathplanning.spaces.grid2d import Grid2DSamplingSpace
 from python_motion_planning.common import TYPES, Grid
 from python_motion_planning.path_planner import RRT, RRTStar
 
-from legpush.messages import TrunkPathQuery
+from legpush.messages.planning import TrunkPathQuery
 from legpush.scenario_file_grid import merged_cells
 
 Floats = NDArray[np.float64]

@@ -20,7 +20,7 @@ from benchmarks.planners.measures import measured, points_of
 from benchmarks.planners.peers_plot import draw
 from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
 from experiments.evaluations import read_table, write_table
-from legpush.messages import TrunkPathQuery
+from legpush.messages.planning import TrunkPathQuery
 from legpush.scenario import Anytime, PlannerName, Smoothing
 from planner_proc import polylines
 from planner_proc.planning import make_plans

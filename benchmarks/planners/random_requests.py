@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from agent_proc.clearance import clearance
 from agent_proc.plan_check import cases
-from legpush.messages import OccupancyGrid, TrunkPathQuery
+from legpush.messages.planning import OccupancyGrid, TrunkPathQuery
 from legpush.scenario import Anytime, PlannerName, Smoothing, Steering
 from planner_proc.search import NOT_STEERED
 

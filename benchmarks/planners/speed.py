@@ -21,7 +21,7 @@ from benchmarks.planners.maps import HUGE, LARGE, question
 from benchmarks.planners.tables import RESULTS, Row, median_interval
 from legpush import codec
 from legpush.bus import Bus
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.plan_client import PlanLink
 from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan

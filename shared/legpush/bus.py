@@ -22,7 +22,8 @@ from legpush.endpoints import Endpoints, listing
 from legpush.errors import EndpointError, MessageError
 from legpush.faults import BadChannel, Faults, fate_table
 from legpush.intake import Intake
-from legpush.messages import PROTOCOL_VERSION, Copies, Fact, Header, Name, Origin, Role, Status
+from legpush.messages.common import PROTOCOL_VERSION, Header, Name, Role
+from legpush.messages.tap import Copies, Fact, Origin, Status
 from legpush.ports import Publisher, Subscription
 from legpush.roster import LEASE_S, Roster
 from legpush.tally import Tally

@@ -5,19 +5,10 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar, cast
 
 from legpush import keys
-from legpush.messages import (
-    Action,
-    Copies,
-    Header,
-    Observation,
-    PlanCancel,
-    PlanRequest,
-    PlanResult,
-    Refusal,
-    Role,
-    Status,
-    Taken,
-)
+from legpush.messages.common import Header, Role
+from legpush.messages.planning import PlanCancel, PlanRequest, PlanResult
+from legpush.messages.stepping import Action, Observation, Refusal
+from legpush.messages.tap import Copies, Status, Taken
 
 Answer = Observation | Refusal
 Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Status | Copies | Taken

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import EndpointError
-from legpush.messages import Role
+from legpush.messages.common import Role
 
 PORTS: Final[dict[Role, int]] = {"planner": 17471, "sim": 17472, "agent": 17473}
 CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {

@@ -20,7 +20,8 @@ from legpush.journal import (
     read_entries,
 )
 from legpush.lockstep_client import PastStep, SimLink
-from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
 from legpush.plan_client import PlanLink
 
 log = logging.getLogger(__name__)

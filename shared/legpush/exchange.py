@@ -10,7 +10,7 @@ from typing import Final, Generic
 from legpush.bus import Bus
 from legpush.channels import M
 from legpush.errors import PeerError, StopRequestedError
-from legpush.messages import Role
+from legpush.messages.common import Role
 from legpush.patience import SLICE_S, Patience, Stopwatch
 from legpush.ports import Subscription
 from legpush.roster import Sighting

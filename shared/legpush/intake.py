@@ -5,7 +5,7 @@ from typing import Any, Generic
 from legpush import codec
 from legpush.channels import Channel, M
 from legpush.errors import MessageError
-from legpush.messages import PROTOCOL_VERSION, Header
+from legpush.messages.common import PROTOCOL_VERSION, Header
 from legpush.tally import Tally
 
 

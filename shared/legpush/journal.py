@@ -19,7 +19,9 @@ from msgspec import Struct
 
 from legpush import codec
 from legpush.errors import JournalError, MessageError
-from legpush.messages import Count, Motion, Name, Outcome, Plan, PlanQuery
+from legpush.messages.common import Count, Name
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
 
 log = logging.getLogger(__name__)
 

@@ -1,6 +1,6 @@
 """The key space: `legpush/v<protocol version>/<run>/...`, one key per message type and peer."""
 
-from legpush.messages import PROTOCOL_VERSION, Role
+from legpush.messages.common import PROTOCOL_VERSION, Role
 
 
 def prefix(run: str) -> str:

@@ -11,7 +11,8 @@ from legpush.bus import Bus
 from legpush.channels import Answer
 from legpush.errors import MotionError, PeerError
 from legpush.exchange import Exchange, OnWait, no_report
-from legpush.messages import Action, Header, Motion, Outcome, Refusal
+from legpush.messages.common import Header
+from legpush.messages.stepping import Action, Motion, Outcome, Refusal
 from legpush.patience import Patience
 
 log = logging.getLogger(__name__)

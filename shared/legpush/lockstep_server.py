@@ -12,7 +12,8 @@ from typing import Literal, NamedTuple, Protocol
 from legpush import channels
 from legpush.bus import Bus
 from legpush.errors import MotionError, ScenarioError
-from legpush.messages import Action, Header, Motion, Observation, Outcome, Refusal, Reset
+from legpush.messages.common import Header
+from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal, Reset
 from legpush.status import StatusBeacon
 
 log = logging.getLogger(__name__)

@@ -7,7 +7,7 @@ from typing import Final
 from legpush import channels
 from legpush.bus import Bus
 from legpush.exchange import Exchange, OnWait, no_report
-from legpush.messages import Plan, PlanCancel, PlanQuery, PlanRequest, PlanResult
+from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest, PlanResult
 from legpush.patience import Patience
 
 RESEND_AT_MOST_S: Final = 2.0

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from legpush.messages import Plan, PlanCancel, PlanQuery, PlanRequest, TrunkPathQuery
+from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest, TrunkPathQuery
 
 MAX_CLIENTS: Final = 64
 """Answers are kept for this many clients, the least recently served is forgotten first."""

@@ -8,7 +8,8 @@ from typing import Final
 
 from legpush import channels
 from legpush.bus import Bus
-from legpush.messages import Header, PlanResult
+from legpush.messages.common import Header
+from legpush.messages.planning import PlanResult
 from legpush.plan_desk import Answer, MakePlans, PlanDesk
 from legpush.ports import Publisher
 from legpush.status import StatusBeacon

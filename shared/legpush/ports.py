@@ -7,7 +7,7 @@ from typing import Final, Generic
 
 from legpush import codec
 from legpush.channels import Channel, M
-from legpush.messages import Header
+from legpush.messages.common import Header
 from legpush.tally import Tally
 
 INBOX_SIZE: Final = 1024

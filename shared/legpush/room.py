@@ -9,7 +9,7 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.room_shapes import Footprint, obstacle_footprint
 from legpush.scenario import Planning, Room

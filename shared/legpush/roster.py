@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from time import monotonic
 from typing import Final
 
-from legpush.messages import Role
+from legpush.messages.common import Role
 
 LEASE_S: Final = 2.0
 """A link on which nothing came for this long is given up."""

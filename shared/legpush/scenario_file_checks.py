@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from legpush.errors import ScenarioError
 from legpush.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import MAX_CELLS
+from legpush.messages.common import MAX_CELLS
 from legpush.reference import Reference, first_straight_m, reference_curve
 from legpush.robot import (
     BODY_LENGTH_M,

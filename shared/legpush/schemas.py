@@ -5,19 +5,19 @@ from typing import Any, Final
 import msgspec
 from msgspec import Struct
 
-from legpush import messages
-from legpush.messages import PROTOCOL_VERSION
+from legpush.messages import planning, stepping, tap
+from legpush.messages.common import PROTOCOL_VERSION
 
 MESSAGES: Final[tuple[type[Struct], ...]] = (
-    messages.PlanRequest,
-    messages.PlanCancel,
-    messages.PlanResult,
-    messages.Action,
-    messages.Observation,
-    messages.Refusal,
-    messages.Status,
-    messages.Copies,
-    messages.Taken,
+    planning.PlanRequest,
+    planning.PlanCancel,
+    planning.PlanResult,
+    stepping.Action,
+    stepping.Observation,
+    stepping.Refusal,
+    tap.Status,
+    tap.Copies,
+    tap.Taken,
 )
 """What travels by itself."""
 

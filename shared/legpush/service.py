@@ -22,7 +22,7 @@ from legpush.bus import Bus
 from legpush.endpoints import Endpoints
 from legpush.errors import ConfigError, LegpushError
 from legpush.faults import Faults
-from legpush.messages import Role
+from legpush.messages.common import Role
 
 log = logging.getLogger(__name__)
 

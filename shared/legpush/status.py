@@ -8,7 +8,8 @@ from typing import Final, Self
 
 from legpush import channels
 from legpush.bus import Bus
-from legpush.messages import Header, Status
+from legpush.messages.common import Header
+from legpush.messages.tap import Status
 
 PERIOD_S: Final = 1.0
 SHORTEST_PERIOD_S: Final = 0.1

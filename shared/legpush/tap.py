@@ -12,7 +12,8 @@ from time import monotonic, time_ns
 from typing import Final
 
 from legpush import codec
-from legpush.messages import Copies, Copy, Fact, Header, Origin, Published
+from legpush.messages.common import Header
+from legpush.messages.tap import Copies, Copy, Fact, Origin, Published
 
 LIMIT_BYTES: Final = 64 * 1024 * 1024
 """Notes of a recorder that is away; what comes beyond that is lost to it."""

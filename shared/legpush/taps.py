@@ -3,7 +3,8 @@
 import threading
 from typing import Final
 
-from legpush.messages import Header, Origin, Role, Taken
+from legpush.messages.common import Header, Role
+from legpush.messages.tap import Origin, Taken
 from legpush.tap import Send, Tap, TapBuffer
 
 MAX_HEARD: Final = 16

@@ -16,22 +16,19 @@ from legpush import codec
 from legpush.episode import PlanRecord, StepRecord
 from legpush.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import Pose2
-from legpush.messages import (
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.stepping import (
     Alter,
     Appearance,
-    BoxPathQuery,
     BoxState,
     Follow,
     Imu,
     Motion,
     Outcome,
     PathProgress,
-    Plan,
-    PlanQuery,
     Push,
     Reset,
     Trace,
-    TrunkPathQuery,
     TrunkState,
     Walk,
     WorldState,

@@ -11,7 +11,7 @@ from agent_proc.push_model import PushModel
 from agent_proc.task import TaskConfig
 from legpush.errors import ConfigError
 from legpush.geometry import Pose2
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

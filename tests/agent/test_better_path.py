@@ -12,7 +12,8 @@ from agent_proc.mission import MissionResult, run_mission
 from agent_proc.scripted import ScriptedPolicy
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.stepping import Follow
 from legpush.scenario import Anytime, Planning, Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.planner import maps

@@ -18,7 +18,8 @@ from agent_proc.station import at_station
 from agent_proc.worlds import LocalWorld
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.faces import FACES, pushed_box, pushed_pose
-from legpush.messages import BoxPathQuery, Push
+from legpush.messages.planning import BoxPathQuery
+from legpush.messages.stepping import Push
 from legpush.reference import Arcs, Left, Straight, reference_curve
 from legpush.scenario import Box, Face, Goal, PoseDeg, Pushing, Room
 from planner_proc.planning import make_plan

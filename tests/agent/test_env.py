@@ -17,7 +17,7 @@ from agent_proc.reward_tuned import CYCLE_COST, FALL_PENALTY
 from agent_proc.task import Domain, TaskConfig
 from agent_proc.worlds import LocalWorld
 from legpush.errors import ConfigError, PeerError
-from legpush.messages import Motion, Outcome, Push, Reset
+from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 

@@ -14,7 +14,7 @@ from agent_proc.scripted import ScriptedPolicy
 from agent_proc.statistics import mean_interval, wilson
 from agent_proc.sweep import make_sweep
 from agent_proc.worlds import LocalWorld
-from legpush.messages import Push, WorldState
+from legpush.messages.stepping import Push, WorldState
 from legpush.scenario import Scenario
 from legpush.scenario_file import override
 from tests.agent.fake_world import FakeWorld, scenario_at_station

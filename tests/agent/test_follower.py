@@ -19,7 +19,7 @@ from agent_proc.report import box_path_rms_m
 from agent_proc.scripted import ScriptedPolicy
 from legpush.faces import FACES, pushed_box, pushed_pose
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import Push, Reset
+from legpush.messages.stepping import Push, Reset
 from legpush.reference import Arcs, Left, Reference, Right, Sine, Straight, reference_curve
 from legpush.scenario import Face, Goal, PoseDeg, Pushing, Room, Scenario
 from planner_proc.planning import make_plan

@@ -14,7 +14,8 @@ from agent_proc.scripted import ScriptedPolicy
 from agent_proc.station import stand_off, station
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.messages import BoxPathQuery, Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Walk, WorldState
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
+from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.room import clearance_m
 from legpush.scenario import Box, Goal, Mission, PoseDeg, Randomization, Rectangle, Room, Scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan

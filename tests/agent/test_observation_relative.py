@@ -12,7 +12,7 @@ from agent_proc.observation import as_markdown, bounds, element_names, observe
 from agent_proc.observation_relative import NEAR_RAD, RELATIVE
 from agent_proc.station import station
 from legpush.geometry import Pose2
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from legpush.scenario import Goal, PoseDeg
 from tests.agent.fake_world import make_scenario, make_state
 

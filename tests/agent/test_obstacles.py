@@ -8,7 +8,7 @@ from agent_proc.box_path import BoxPath
 from agent_proc.obstacles import in_words, is_in_push, is_in_walk, known_scenario
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.messages import Appearance
+from legpush.messages.stepping import Appearance
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m
 from legpush.scenario import Rectangle, Room

@@ -11,7 +11,7 @@ from agent_proc.clearance import clearance
 from agent_proc.plan_check.box_truth import box_faults
 from agent_proc.plan_check.cases import ASIDE, box_query
 from legpush.geometry import Pose2
-from legpush.messages import Plan
+from legpush.messages.planning import Plan
 from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
 from tests.planner.maps import grid, random_room

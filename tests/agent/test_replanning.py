@@ -13,7 +13,8 @@ from agent_proc.scripted import ScriptedPolicy
 from legpush.episode import StepRecord
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.messages import Appearance, BoxPathQuery, Follow, Motion, Outcome, Plan, PlanQuery, Push, Walk
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
+from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Walk
 from legpush.reference import Arcs, Straight
 from legpush.scenario import Goal, PoseDeg, Pushing, Rectangle, Room, Scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan

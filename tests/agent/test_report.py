@@ -20,7 +20,8 @@ from agent_proc.scripted import ScriptedPolicy
 from legpush.episode import PlanRecord, StepRecord
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Outcome, Plan, PlanQuery, Push, Reset, Trace, Tree, Walk
+from legpush.messages.planning import Plan, PlanQuery, Tree
+from legpush.messages.stepping import Follow, Outcome, Push, Reset, Trace, Walk
 from legpush.reference import Arcs, Straight
 from legpush.scenario import Rectangle
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan

@@ -19,7 +19,7 @@ from agent_proc.reward_tuned import (
 )
 from agent_proc.task import TaskConfig
 from legpush.geometry import Pose2
-from legpush.messages import WorldState
+from legpush.messages.stepping import WorldState
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

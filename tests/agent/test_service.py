@@ -11,7 +11,8 @@ import pytest
 
 from agent_proc.service import AgentConfig, work, writable_folder
 from legpush.errors import ConfigError, JournalError, StopRequestedError
-from legpush.messages import Motion, Outcome, Plan
+from legpush.messages.planning import Plan
+from legpush.messages.stepping import Motion, Outcome
 from legpush.scenario_file import dump_scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.shared.fakes import bus, planner, sim

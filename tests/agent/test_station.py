@@ -11,7 +11,7 @@ from agent_proc.clearance import clearance_at
 from agent_proc.routes import query_to_measured_box
 from agent_proc.station import at_station, last_stretch, nominal_obstacle, stand_off, station
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from legpush.robot import FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_RADIUS_M, PUSH_GAP_M, foot_rectangle_b
 from legpush.room_shapes import box_footprint, distance_to_point_m
 from legpush.scenario import Randomization, Rectangle, Room

@@ -12,7 +12,7 @@ from agent_proc.task import TaskConfig
 from agent_proc.vec_env import PushVecEnv
 from agent_proc.worlds import LocalWorld, SteppingWorld
 from legpush.errors import ConfigError, PeerError
-from legpush.messages import Motion, Outcome, Push, Reset
+from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 

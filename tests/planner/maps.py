@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
 from legpush.scenario import Smoothing
 
 CLEARANCE_M = 0.44

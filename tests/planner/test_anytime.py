@@ -5,7 +5,7 @@ from typing import Any, get_args
 import pytest
 from msgspec.structs import replace
 
-from legpush.messages import PlanQuery
+from legpush.messages.planning import PlanQuery
 from legpush.plan_desk import PlanningInterruptedError
 from legpush.scenario import Anytime, PlannerName, Rectangle
 from planner_proc.planning import make_plan, make_plans

@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages import BoxPathQuery, Plan, PushSide
+from legpush.messages.planning import BoxPathQuery, Plan, PushSide
 from legpush.room import occupancy_grid
 from legpush.room_shapes import Footprint, distance_m, distance_to_border_m, obstacle_footprint
 from legpush.scenario import Rectangle, Room

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from legpush import codec
 from legpush.geometry import Pose2
-from legpush.messages import Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.room import occupancy_grid
 from legpush.scenario import Rectangle, Room, Smoothing
 from planner_proc.occupancy import ClearanceField

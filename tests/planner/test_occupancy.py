@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from planner_proc.occupancy import ClearanceField
 from tests.planner import maps
 
@@ -121,7 +121,7 @@ def test_a_map_of_4000_by_4000_cells_takes_less_than_600_megabytes(pattern: str)
 import re
 from pathlib import Path
 import numpy as np
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 import planner_proc.planning
 from planner_proc.occupancy import ClearanceField
 cells = np.zeros((4000, 4000), dtype=np.uint8)

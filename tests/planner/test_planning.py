@@ -12,7 +12,7 @@ import pytest
 
 from legpush.codec import decode, encode
 from legpush.geometry import wrap_angle
-from legpush.messages import Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
 from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
 from planner_proc.planning import make_plan
@@ -98,7 +98,7 @@ def test_equal_queries_get_equal_plans_here_and_in_another_process(planner: Plan
 import sys
 from pathlib import Path
 from legpush.codec import decode, encode
-from legpush.messages import PlanQuery
+from legpush.messages.planning import PlanQuery
 from planner_proc.planning import make_plan
 folder = Path(sys.argv[1])
 (folder / "plan").write_bytes(encode(make_plan(decode((folder / "query").read_bytes(), PlanQuery))))

@@ -5,7 +5,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from legpush.messages import TrunkPathQuery
+from legpush.messages.planning import TrunkPathQuery
 from legpush.scenario import PlannerName
 from planner_proc.occupancy import ClearanceField
 from planner_proc.route import Route

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from legpush.scenario import Smoothing
 from planner_proc import polylines
 from planner_proc.fillets import fillet

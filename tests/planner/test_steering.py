@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from legpush.geometry import wrap_angle
-from legpush.messages import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
 from legpush.scenario import Anytime, PlannerName, Steering
 from planner_proc import planning
 from planner_proc.occupancy import ClearanceField

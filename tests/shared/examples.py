@@ -4,45 +4,39 @@ from collections.abc import Mapping
 
 from legpush.channels import Message
 from legpush.geometry import Pose2
-from legpush.messages import (
-    PROTOCOL_VERSION,
-    Action,
-    Alter,
-    Appearance,
+from legpush.messages.common import PROTOCOL_VERSION, Header, Role
+from legpush.messages.planning import (
     BoxPathQuery,
-    BoxState,
-    Copies,
-    Copy,
-    Fact,
-    Follow,
-    Header,
-    Imu,
-    Motion,
-    Observation,
     OccupancyGrid,
-    Origin,
-    Outcome,
-    PathProgress,
     Plan,
     PlanCancel,
     PlanRequest,
     PlanResult,
-    Published,
-    Push,
-    PushReport,
     PushSide,
-    Refusal,
-    Reset,
-    Role,
-    Status,
-    Taken,
-    Trace,
     Tree,
     TrunkPathQuery,
+)
+from legpush.messages.stepping import (
+    Action,
+    Alter,
+    Appearance,
+    BoxState,
+    Follow,
+    Imu,
+    Motion,
+    Observation,
+    Outcome,
+    PathProgress,
+    Push,
+    PushReport,
+    Refusal,
+    Reset,
+    Trace,
     TrunkState,
     Walk,
     WorldState,
 )
+from legpush.messages.tap import Copies, Copy, Fact, Origin, Published, Status, Taken
 from legpush.room_shapes import Footprint
 from legpush.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
 

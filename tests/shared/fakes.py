@@ -17,7 +17,9 @@ from legpush.geometry import Pose2
 from legpush.journal import Opened
 from legpush.lockstep_client import PastStep, SimLink
 from legpush.lockstep_server import Stepper, serve_actions
-from legpush.messages import PROTOCOL_VERSION, Follow, Motion, Outcome, Plan, PlanQuery, Push, Reset, Role, Walk
+from legpush.messages.common import PROTOCOL_VERSION, Role
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.patience import Patience
 from legpush.plan_client import PlanLink
 from legpush.plan_desk import Interrupted, MakePlans

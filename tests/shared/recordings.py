@@ -7,20 +7,9 @@ from typing import Any
 from legpush import codec, keys
 from legpush.errors import MotionError
 from legpush.lockstep_server import Stepper
-from legpush.messages import (
-    PROTOCOL_VERSION,
-    Action,
-    Copies,
-    Copy,
-    Fact,
-    Header,
-    Motion,
-    Observation,
-    Origin,
-    Published,
-    Refusal,
-    Role,
-)
+from legpush.messages.common import PROTOCOL_VERSION, Header, Role
+from legpush.messages.stepping import Action, Motion, Observation, Refusal
+from legpush.messages.tap import Copies, Copy, Fact, Origin, Published
 from legpush.recording.mcap_writer import WHOLE, RecordingFile, Split
 from legpush.recording.recorder import Recorder, Wanted, statement
 from tests.shared.fakes import RUN, FakeStepper, mission

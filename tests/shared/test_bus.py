@@ -19,7 +19,8 @@ from legpush import channels, codec, keys, ports
 from legpush.bus import Bus
 from legpush.endpoints import Endpoints, in_directory
 from legpush.errors import EndpointError, MessageError
-from legpush.messages import PROTOCOL_VERSION, Header, Status
+from legpush.messages.common import PROTOCOL_VERSION, Header
+from legpush.messages.tap import Status
 from tests.shared.examples import MESSAGES
 from tests.shared.fakes import RUN, bus, eventually
 

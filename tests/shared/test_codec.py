@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from legpush import codec
 from legpush.channels import Answer, Message
 from legpush.errors import MessageError
-from legpush.messages import Action, Observation, PlanRequest, PlanResult, Refusal, Status
+from legpush.messages.planning import PlanRequest, PlanResult
+from legpush.messages.stepping import Action, Observation, Refusal
+from legpush.messages.tap import Status
 from tests.shared.examples import MESSAGES, header
 from tests.shared.strategies import records
 

@@ -11,7 +11,8 @@ from msgspec.structs import replace
 from legpush.channels import Answer
 from legpush.errors import PeerError, StopRequestedError
 from legpush.exchange import Exchange
-from legpush.messages import Refusal, Role
+from legpush.messages.common import Role
+from legpush.messages.stepping import Refusal
 from legpush.patience import Patience
 from legpush.roster import Roster
 from legpush.tally import Tally

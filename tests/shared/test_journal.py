@@ -18,7 +18,8 @@ from legpush.journal import (
     Refused,
     read_entries,
 )
-from legpush.messages import PROTOCOL_VERSION, Outcome, Walk
+from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.stepping import Outcome, Walk
 from tests.shared.examples import PLAN, QUERY, RESET, TRACE, WORLD
 
 OPENED = Opened(protocol=PROTOCOL_VERSION, run="test", seed=3, versions={"legpush": "0.1.0"}, began_unix_s=1.7e9)

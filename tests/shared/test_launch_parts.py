@@ -19,7 +19,7 @@ from legpush.launch.options import RunOptions
 from legpush.launch.processes import describe_exit
 from legpush.launch.run import Place, bus_flags, child_environment, process_arguments, resolve_scenario
 from legpush.launch.summary import ROWS, ReportError, print_summary, read_report
-from legpush.messages import Name
+from legpush.messages.common import Name
 from legpush.scenario import Scenario
 from legpush.scenario_file import load_scenario
 

@@ -16,7 +16,8 @@ import pytest
 from legpush.launch.crew import STOP_STAGES, Crew
 from legpush.launch.processes import Command
 from legpush.launch.supervisor import Limits, Supervisor, Verdict
-from legpush.messages import PROTOCOL_VERSION, Header, Status
+from legpush.messages.common import PROTOCOL_VERSION, Header
+from legpush.messages.tap import Status
 
 SCRIPT = r"""
 import os, pathlib, signal, subprocess, sys, time

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from legpush.errors import LegpushError, ScenarioError
 from legpush.lockstep_server import ActionDesk, Denial
-from legpush.messages import Action, Motion, Outcome, Push, Walk
+from legpush.messages.stepping import Action, Motion, Outcome, Push, Walk
 from tests.shared.examples import RESET, header
 from tests.shared.fakes import FakeStepper, crc_after, mission
 

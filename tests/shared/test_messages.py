@@ -8,7 +8,8 @@ import pytest
 
 from legpush import codec
 from legpush.channels import Message
-from legpush.messages import PROTOCOL_VERSION, Action, Name
+from legpush.messages.common import PROTOCOL_VERSION, Name
+from legpush.messages.stepping import Action
 from legpush.schemas import MESSAGES as MESSAGE_KINDS
 from tests.shared.examples import MESSAGES
 

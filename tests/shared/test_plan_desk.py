@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from msgspec.structs import replace
 
-from legpush.messages import Plan, PlanCancel, PlanQuery, PlanRequest
+from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest
 from legpush.plan_desk import MAX_CLIENTS, Answer, Interrupted, PlanDesk, PlanningInterruptedError
 from legpush.scenario import Anytime
 from tests.shared.examples import QUERY, header

@@ -10,7 +10,7 @@ import pytest
 from docs import generate
 from legpush import keys
 from legpush.endpoints import PORTS
-from legpush.messages import PROTOCOL_VERSION
+from legpush.messages.common import PROTOCOL_VERSION
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 SCHEMA_OF = {"action": "action", "plan_request": "plan_request", "plan_result": "plan_result"}

@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from legpush.errors import RecordingError
-from legpush.messages import Fact
+from legpush.messages.tap import Fact
 from legpush.recording.info import lines
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_reader import read_recording

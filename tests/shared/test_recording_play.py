@@ -7,7 +7,9 @@ from msgspec.structs import replace
 
 from legpush import codec, keys
 from legpush.errors import ConfigError, MotionError, RecordingError
-from legpush.messages import Copies, Motion, PlanRequest, PlanResult, Push, Walk
+from legpush.messages.planning import PlanRequest, PlanResult
+from legpush.messages.stepping import Motion, Push, Walk
+from legpush.messages.tap import Copies
 from legpush.plan_desk import PlanningInterruptedError
 from legpush.recording.branch import BranchPoint, RecordedPast, parse_point
 from legpush.recording.episodes import read_episodes

@@ -7,7 +7,8 @@ from msgspec.structs import replace
 
 from legpush import codec
 from legpush.errors import RecordingError
-from legpush.messages import Copy, Observation, Outcome, PushReport, Walk
+from legpush.messages.stepping import Observation, Outcome, PushReport, Walk
+from legpush.messages.tap import Copy
 from legpush.recording.episodes import difference, read_episodes, same
 from legpush.recording.mcap_reader import Recorded, read_recording
 from legpush.recording.verify import Verified, verify

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.messages import OccupancyGrid
+from legpush.messages.planning import OccupancyGrid
 from legpush.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.room import clearance_m, grid_shape, occupancy_grid, room_by_now
 from legpush.room_shapes import Footprint, distance_m, distance_to_point_m, obstacle_footprint

@@ -3,7 +3,8 @@
 import threading
 from collections.abc import Callable
 
-from legpush.messages import Copies, Fact, Header
+from legpush.messages.common import Header
+from legpush.messages.tap import Copies, Fact
 from legpush.tap import BATCH_BYTES, Tap, TapBuffer
 from tests.shared.fakes import eventually
 from tests.shared.recordings import SIM, header

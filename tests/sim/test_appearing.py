@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2
-from legpush.messages import Appearance, Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.scenario import Rectangle, Room, Scenario
 from sim_proc.appearing import BOX_CLEARANCE_M, NEVER, ROBOT_CLEARANCE_M, Waiting

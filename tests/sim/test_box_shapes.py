@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2
-from legpush.messages import Push, Reset
+from legpush.messages.stepping import Push, Reset
 from legpush.robot import FOOT_RADIUS_M
 from legpush.scenario import Box, BoxShape, PoseDeg, Scenario
 from sim_proc.model import build_model

@@ -9,7 +9,7 @@ from agent_proc.poses import planar_pose
 from legpush.errors import MotionError
 from legpush.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.geometry import wrap_angle
-from legpush.messages import Push, Reset
+from legpush.messages.stepping import Push, Reset
 from legpush.room_shapes import behind_box
 from legpush.scenario import STATION_M, Face, PoseDeg, Scenario
 from sim_proc.simulator import Simulator

@@ -7,7 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Push, Reset, Trace, Walk
+from legpush.messages.stepping import Follow, Push, Reset, Trace, Walk
 from legpush.scenario import Room, Scenario
 from sim_proc.incline import GRAVITY_M_S2, gravity_m_s2
 from sim_proc.model import build_model

@@ -8,7 +8,7 @@ SCRIPT = """
 from math import cos, sin
 import numpy
 from legpush.geometry import Pose2
-from legpush.messages import Follow, Push, Reset, Walk
+from legpush.messages.stepping import Follow, Push, Reset, Walk
 from legpush.scenario_file import load_scenario
 from sim_proc.simulator import Simulator
 

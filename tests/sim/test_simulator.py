@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from legpush import codec
 from legpush.errors import MotionError
 from legpush.geometry import Pose2, rpy_from_quaternion
-from legpush.messages import Alter, Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.robot import FRONT_LEGS, FrontLeg, foot_rectangle_b
 from legpush.scenario import Randomization, Rectangle, Room, Scenario
 from sim_proc.physics import JOINT_QPOS

@@ -14,7 +14,7 @@ from legpush.episode import StepRecord, read_episode
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.journal import Acted, Journal, Observed, Opened
-from legpush.messages import Follow, Motion, Push, Reset, Walk
+from legpush.messages.stepping import Follow, Motion, Push, Reset, Walk
 from legpush.scenario import Rectangle, Room, Scenario
 from sim_proc.film import film_of
 from sim_proc.simulator import Simulator

@@ -18,7 +18,8 @@ from legpush.episode import Episode
 from legpush.journal import Journal
 from legpush.lockstep_client import PastStep, SimLink
 from legpush.lockstep_server import serve_actions
-from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
 from legpush.plan_client import PlanLink
 from legpush.plan_server import serve_plans
 from legpush.service import ServiceConfig, run_process

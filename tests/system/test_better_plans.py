@@ -12,7 +12,7 @@ from legpush.episode import Episode, PlanRecord, read_episode
 from legpush.errors import JournalError
 from legpush.faults import Faults
 from legpush.journal import Journal
-from legpush.messages import Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
 from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from legpush.scenario import Anytime
 from tests.shared.examples import QUERY

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from legpush.episode import PlanRecord, StepRecord, read_episode
-from legpush.messages import TrunkPathQuery
+from legpush.messages.planning import TrunkPathQuery
 from legpush.scenario_file import dump_scenario, load_scenario, override
 from sim_proc.simulator import Simulator
 

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from legpush.episode import Episode
 from legpush.errors import PeerError
 from legpush.journal import Journal
-from legpush.messages import Motion, Outcome, Push
+from legpush.messages.stepping import Motion, Outcome, Push
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.mcap_reader import read_recording
 from tests.shared.fakes import FakeStepper, agent, crc_after, mission, opened, sim

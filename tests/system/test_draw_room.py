@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from agent_proc.draw_room import solvable_by
-from legpush.messages import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
 from legpush.random_room import RandomRoom
 from legpush.random_scenario import random_scenario
 from legpush.scenario_file import load_scenario

@@ -16,7 +16,7 @@ from rich.console import Console
 from legpush.launch.options import RunOptions
 from legpush.launch.run import Place, Programs, run_mission
 from legpush.launch.summary import ReportError
-from legpush.messages import Role
+from legpush.messages.common import Role
 from legpush.scenario_file import load_scenario
 
 PROCESS = r"""

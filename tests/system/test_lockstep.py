@@ -12,7 +12,8 @@ from legpush.endpoints import Endpoints, in_directory
 from legpush.errors import MotionError, PeerError, StopRequestedError
 from legpush.faults import Faults
 from legpush.lockstep_client import PastStep
-from legpush.messages import Action, Motion, Observation, Outcome, Plan, PlanQuery, Walk
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Action, Motion, Observation, Outcome, Walk
 from legpush.patience import Patience
 from tests.shared.examples import QUERY, RESET, TRACE, WORLD
 from tests.shared.fakes import (

@@ -12,7 +12,7 @@ import zenoh
 
 from legpush import codec, keys
 from legpush.endpoints import in_directory
-from legpush.messages import PROTOCOL_VERSION
+from legpush.messages.common import PROTOCOL_VERSION
 from tests.shared.examples import MESSAGES, QUERY
 from tests.shared.fakes import RUN, Agent, agent, crc_after, eventually, fake_plan, mission, planner, sim
 

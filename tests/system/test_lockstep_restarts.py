@@ -17,7 +17,9 @@ from legpush.episode import Episode, PlanRecord, StepRecord, read_episode
 from legpush.errors import JournalError, MotionError, PeerError
 from legpush.faults import Faults
 from legpush.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
-from legpush.messages import Motion, Outcome, Plan, PlanQuery, Role, Walk
+from legpush.messages.common import Role
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome, Walk
 from legpush.patience import Patience
 from legpush.roster import LEASE_S
 from tests.shared.examples import QUERY, RESET

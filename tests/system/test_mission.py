@@ -18,7 +18,8 @@ import pytest
 from legpush import endpoints
 from legpush.episode import StepRecord, read_episode
 from legpush.journal import Acted, Entry, Queried, read_entries
-from legpush.messages import Push, Role, Walk
+from legpush.messages.common import Role
+from legpush.messages.stepping import Push, Walk
 from legpush.scenario_file import dump_scenario, load_scenario, override
 from sim_proc.simulator import Simulator
 

@@ -23,7 +23,7 @@ from msgspec.structs import replace
 
 from legpush import keys
 from legpush.endpoints import in_directory
-from legpush.messages import Alter, Walk
+from legpush.messages.stepping import Alter, Walk
 from legpush.recording.episodes import read_episodes
 from legpush.recording.mcap_reader import Recorded, Recording, read_recording
 from legpush.recording.recover import recover

@@ -11,7 +11,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.launch.options import require_new_file
-from legpush.messages import MAX_DEPTH_M
+from legpush.messages.common import MAX_DEPTH_M
 
 MAX_SIMULATORS: Final = 8
 """Started at most unless more are asked for."""

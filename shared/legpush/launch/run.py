@@ -38,7 +38,7 @@ from legpush.launch.supervisor import (
     Verdict,
 )
 from legpush.launch.video import film, film_arguments
-from legpush.messages import Role
+from legpush.messages.common import Role
 from legpush.scenario import Scenario
 from legpush.scenario_file import load_scenario, override
 

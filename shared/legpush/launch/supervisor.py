@@ -9,7 +9,7 @@ from typing import Final
 from legpush.launch.crew import Crew, Interrupted
 from legpush.launch.display import Display
 from legpush.launch.processes import TAIL_LINES, Command, Process, describe_exit
-from legpush.messages import Status
+from legpush.messages.tap import Status
 from legpush.patience import SLICE_S, Stopwatch
 
 SUCCESS: Final = 0

@@ -9,7 +9,8 @@ from typing import NamedTuple
 from msgspec.structs import replace
 
 from legpush.errors import ConfigError, MotionError, RecordingError
-from legpush.messages import Motion, Outcome, Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
 from legpush.recording.mcap_reader import Recording
 from legpush.recording.plans import query_bytes, read_plans

@@ -12,7 +12,7 @@ from rich.console import Console
 from legpush.launch.options import RunOptions
 from legpush.launch.recordings import BranchOptions
 from legpush.launch.run import Place, Programs, process_arguments, run_mission
-from legpush.messages import Role
+from legpush.messages.common import Role
 from legpush.recording.branch import RecordedPast, parse_point, sha256_of
 from legpush.recording.facts import unpack_mission
 from legpush.recording.mcap_reader import read_recording

@@ -4,7 +4,7 @@ from typing import Final
 
 from msgspec import Struct
 
-from legpush.messages import Count, Name
+from legpush.messages.common import Count, Name
 
 DIGEST_TOPIC: Final = "recording/digests"
 

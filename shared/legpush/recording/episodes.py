@@ -9,7 +9,7 @@ import msgspec
 from legpush import codec
 from legpush.channels import Answer
 from legpush.errors import MessageError
-from legpush.messages import Action, Motion, Observation, Outcome, Refusal
+from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal
 from legpush.recording.mcap_reader import Recorded, Recording
 
 T = TypeVar("T", Action, Answer)

@@ -7,7 +7,7 @@ import msgspec
 from msgspec import Struct
 
 from legpush.errors import RecordingError
-from legpush.messages import Count
+from legpush.messages.common import Count
 from legpush.recording.mcap_reader import Recording
 
 MISSION_FILE: Final = "mission.json"

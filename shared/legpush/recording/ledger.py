@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-from legpush.messages import Copies, Origin
+from legpush.messages.tap import Copies, Origin
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,8 @@ from mcap.stream_reader import StreamReader
 
 from legpush import codec
 from legpush.errors import MessageError, RecordingError
-from legpush.messages import PROTOCOL_VERSION, Copy, Origin
+from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.tap import Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digests
 from legpush.recording.mcap_writer import COMPLETENESS, METADATA, Attachment, topic_of
 

@@ -14,9 +14,10 @@ from typing import Final, NamedTuple, cast
 from mcap.writer import CompressionType, Writer
 from msgspec import Struct
 
-from legpush import codec, messages
+from legpush import codec
 from legpush.errors import RecordingError
-from legpush.messages import Copy, Origin
+from legpush.messages import planning, stepping, tap
+from legpush.messages.tap import Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digest, Digests
 from legpush.schemas import json_schema
 
@@ -179,12 +180,12 @@ class RecordingFile:
 
 
 _KINDS: Final[dict[str, tuple[type[Struct], ...]]] = {
-    "request": (messages.PlanRequest,),
-    "cancel": (messages.PlanCancel,),
-    "result": (messages.PlanResult,),
-    "action": (messages.Action,),
-    "observation": (messages.Observation, messages.Refusal),
-    "status": (messages.Status,),
+    "request": (planning.PlanRequest,),
+    "cancel": (planning.PlanCancel,),
+    "result": (planning.PlanResult,),
+    "action": (stepping.Action,),
+    "observation": (stepping.Observation, stepping.Refusal),
+    "status": (tap.Status,),
     "digests": (Digests,),
 }
 """Last segment of a topic to what it carries."""

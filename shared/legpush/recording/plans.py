@@ -6,7 +6,7 @@ import msgspec
 
 from legpush import codec
 from legpush.errors import MessageError, RecordingError
-from legpush.messages import Plan, PlanQuery, PlanRequest, PlanResult
+from legpush.messages.planning import Plan, PlanQuery, PlanRequest, PlanResult
 from legpush.recording.mcap_reader import Recording
 
 

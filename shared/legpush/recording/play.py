@@ -17,7 +17,8 @@ from msgspec.structs import replace
 from legpush.bus import Bus
 from legpush.errors import MotionError, RecordingError
 from legpush.lockstep_server import serve_actions
-from legpush.messages import Motion, Outcome, Plan, PlanQuery, Reset
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.plan_desk import Interrupted, PlanningInterruptedError
 from legpush.plan_server import serve_plans
 from legpush.recording.episodes import EpisodeRecord, difference, read_episodes

@@ -7,7 +7,7 @@ from typing import Final
 
 from legpush.bus import Bus
 from legpush.errors import RecordingError
-from legpush.messages import Fact, Origin
+from legpush.messages.tap import Fact, Origin
 from legpush.recording.mcap_reader import Recorded, Recording
 from legpush.tap import Tap
 

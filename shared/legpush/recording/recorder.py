@@ -10,7 +10,8 @@ from typing import Final
 
 from legpush import channels
 from legpush.bus import Bus
-from legpush.messages import Copies, Header, Origin, Role, Taken
+from legpush.messages.common import Header, Role
+from legpush.messages.tap import Copies, Origin, Taken
 from legpush.ports import Publisher
 from legpush.recording.ledger import Completeness, Ledger
 from legpush.recording.mcap_writer import Attachment, RecordingFile, topic_of

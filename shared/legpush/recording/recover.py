@@ -4,7 +4,7 @@ from itertools import groupby
 from pathlib import Path
 
 from legpush.errors import RecordingError
-from legpush.messages import Origin
+from legpush.messages.tap import Origin
 from legpush.recording.mcap_reader import RECOVERED_FROM, Recorded, Recording, Scan
 from legpush.recording.mcap_writer import RecordingFile
 

@@ -19,7 +19,8 @@ from legpush.launch.recordings import ReplayOptions
 from legpush.launch.run import Place, Programs, process_arguments, run_mission
 from legpush.launch.sims import SimPool
 from legpush.lockstep_client import PastStep, SimLink
-from legpush.messages import Motion, Outcome, Reset, Role
+from legpush.messages.common import Role
+from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.plan_client import PlanLink
 from legpush.recording.episodes import difference, read_episodes, same
 from legpush.recording.facts import unpack_mission

@@ -9,7 +9,7 @@ from typing import Final
 from legpush.bus import Bus
 from legpush.errors import LegpushError
 from legpush.launch.recordings import RecordOptions
-from legpush.messages import PROTOCOL_VERSION
+from legpush.messages.common import PROTOCOL_VERSION
 from legpush.recording.mcap_writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.service import one_line, start_log, stop_on_signals

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from legpush.errors import MotionError, RecordingError
-from legpush.messages import Motion, Outcome, Reset
+from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.recording.episodes import Asked, Damage, EpisodeRecord, difference, same
 
 

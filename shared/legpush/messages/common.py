@@ -1,0 +1,33 @@
+"""What all messages have in common: the header, and types with their bounds."""
+
+from typing import Annotated, Final, Literal
+
+from msgspec import Meta, Struct
+
+PROTOCOL_VERSION: Final = 5
+
+Role = Literal["planner", "sim", "agent", "launcher", "recorder"]
+Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
+Count = Annotated[int, Meta(ge=0)]
+Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+MAX_CELLS: Final = 4096 * 4096
+MAX_WAYPOINTS: Final = 100_000
+MAX_DEPTH_M: Final = 0.25
+"""Of a push."""
+
+
+class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Who says it, in which run."""
+
+    protocol: int
+    run: Name
+    role: Role
+    name: Name
+    incarnation: Name
+    """Drawn anew each time the process starts: a restarted peer is another one."""
+    sequence: Count
+    """Counts what this incarnation published under this key, from 0; a gap or a repeat shows loss or duplication."""
