@@ -181,7 +181,8 @@ def _words(kind: inspect.Type) -> str:
         case inspect.StrType():
             return f"string, `{kind.pattern}`".replace("|", "\\|") if kind.pattern else "string"
         case inspect.BytesType():
-            return f"binary, {kind.min_length} to {kind.max_length} bytes"
+            bounded = kind.min_length is not None or kind.max_length is not None
+            return f"binary, {kind.min_length or 0} to {kind.max_length} bytes" if bounded else "binary"
         case inspect.NoneType():
             return "nil"
         case inspect.LiteralType():

@@ -101,8 +101,7 @@ class Exchange(Generic[M]):
                 if answer is not None:
                     if answer.header.incarnation == self._peer and fits(answer):
                         return answer
-                    late = f"{answer.header.role}/{answer.header.name}: an answer that nobody waits for"
-                    self._bus.tally.add("late", late, logging.DEBUG)
+                    self._note_late(answer)
                 if len(live) < 2:
                     rivalry.restart()
                 self._check(what, watch.tick(), rivalry.tick())
@@ -122,9 +121,15 @@ class Exchange(Generic[M]):
             self._reported_at = self._clock()
             self._on_wait(f"{what}: {self._state()}")
 
-    def waiting(self) -> list[M]:
-        """Answers of the peer that came since the last question, and wait to be taken."""
-        return [answer for answer in self._answers.drain() if answer.header.incarnation == self._peer]
+    def take_in(self, fits: Callable[[M], bool]) -> None:
+        """Offer to `fits` what the peer has answered since the last question, without asking anything."""
+        for answer in self._answers.drain():
+            if answer.header.incarnation != self._peer or not fits(answer):
+                self._note_late(answer)
+
+    def _note_late(self, answer: M) -> None:
+        late = f"{answer.header.role}/{answer.header.name}: an answer that nobody waits for"
+        self._bus.tally.add("late", late, logging.DEBUG)
 
     def settle(self) -> None:
         """The peer did what it was asked for: its restarts so far are forgiven."""

@@ -46,8 +46,7 @@ class PlanLink:
         return self._revision(revision)
 
     def _revision(self, revision: int) -> Plan:
-        for result in self._exchange.waiting():
-            self._keep(result)
+        self._exchange.take_in(self._keep)
         if not self._has(revision):
             what = f"plan request {self._request_id}" + (f", revision {revision}" if revision else "")
             self._exchange.ask(what, self._send, lambda result: self._keep(result) and self._has(revision))

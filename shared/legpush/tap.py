@@ -25,6 +25,8 @@ PERIOD_S: Final = 0.02
 """Notes are handed over this often."""
 RESEND_S: Final = 0.25
 """A batch that is not taken is sent again after this long."""
+MAX_SENT: Final = 8
+"""So often a batch is sent; a recorder that has not taken it then goes without if another one has."""
 PATIENCE_S: Final = 60.0
 """Without any recorder for this long, notes are thrown away, and no more are taken until one comes."""
 FAREWELL_S: Final = 2.0
@@ -101,6 +103,14 @@ class TapBuffer:
             self._at_hand = None
             return True
 
+    def waive(self) -> bool:
+        """Whoever has not taken the batch at hand goes without, if somebody has; whether that is so."""
+        with self._lock:
+            if self._at_hand is None or not self._taken_by & self._recorders:
+                return False
+            self._at_hand = None
+            return True
+
     def batch(self, *, final: bool = False) -> Build | None:
         """The batch at hand, else a new one; None where there is nothing to hand over, unless it is the final one."""
         with self._lock:
@@ -157,6 +167,7 @@ class Tap:
         self._changed = threading.Condition()
         self._n_recorders = 0
         self._resend_at: float | None = None
+        self._n_sent = 0
         self._alone_since = monotonic()
         self._closed = False
         self._thread: threading.Thread | None = None
@@ -205,7 +216,8 @@ class Tap:
         while not self._closed:
             with self._changed:
                 # Not woken by notes: the process that publishes has other things to do than to wake this thread.
-                self._changed.wait(PERIOD_S if self.buffer.active else None)
+                if not self._closed:
+                    self._changed.wait(PERIOD_S if self.buffer.active else None)
             self._hand_over(final=False)
         until = monotonic() + FAREWELL_S
         said = False
@@ -223,8 +235,11 @@ class Tap:
                 return False
             if self._resend_at is not None and monotonic() < self._resend_at:
                 return False
+            if self._resend_at is None or (self._n_sent >= MAX_SENT and self.buffer.waive()):
+                self._n_sent = 0
             build = self.buffer.batch(final=final)
             if build is None:
                 return False
+            self._n_sent += 1
             self._resend_at = monotonic() + RESEND_S
         return self._send(build).final

@@ -50,6 +50,12 @@ class Taps:
         tap.meet(recorders)
         return tap
 
+    def leave(self, tap: Tap) -> None:
+        """Close a tap that stood in for another process, and forget it."""
+        tap.close()
+        with self._lock:
+            self._taps = {incarnation: each for incarnation, each in self._taps.items() if each is not tap}
+
     def witness(self, role: Role) -> None:
         """Hand over what peers of this role say here, too, for those who do not do it themselves.
 

@@ -1,5 +1,6 @@
 """Recordings as files: what readers of MCAP find in them, parts, what is left after a cut, and what is refused."""
 
+import json
 import os
 import random
 from functools import partial
@@ -10,9 +11,10 @@ import msgpack
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
+from msgspec.structs import replace
 
 from legpush.errors import RecordingError
-from legpush.messages.tap import Fact
+from legpush.messages.tap import Fact, Origin
 from legpush.recording.info import lines
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_reader import read_recording
@@ -42,9 +44,7 @@ def test_readers_of_mcap_find_the_exact_bytes_with_schema_sequence_and_time(tmp_
         assert (channel.message_encoding, channel.metadata["key"]) == ("msgpack", each.key)
         assert schema is not None
         assert schema.encoding == "jsonschema"
-        validator = jsonschema.Draft202012Validator(
-            msgpack.unpackb(msgpack.packb(__import__("json").loads(schema.data)))
-        )
+        validator = jsonschema.Draft202012Validator(json.loads(schema.data))
         validator.validate(msgpack.unpackb(message.data))
         n_valid += 1
     assert n_valid == 48
@@ -190,7 +190,7 @@ def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:
     ledger = Ledger()
     copies = [copy(ACTIONS, sequence, b"a") for sequence in (2, 3, 5)]
     ledger.seen(SIM)
-    ledger.take(batch(AGENT, 0, copies), {ACTIONS})
+    ledger.take(batch(AGENT, 0, copies), copies, {ACTIONS})
     found = ledger.completeness()
     assert (found.complete, found.n_recorded, found.n_missing) == (False, 3, 1)
     assert found.notes == (
@@ -203,7 +203,8 @@ def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:
 
 def test_what_came_before_the_recorder_is_not_expected_of_it() -> None:
     ledger = Ledger()
-    ledger.take(batch(AGENT, 0, [copy(ACTIONS, 7, b"a")]), {ACTIONS})
+    copies = [copy(ACTIONS, 7, b"a")]
+    ledger.take(batch(AGENT, 0, copies), copies, {ACTIONS})
     found = ledger.completeness(live={"agent-1"})
     assert found.complete
     assert found.notes == (f"{ACTIONS} of agent main (agent-1): 7 messages before the recording began",)
@@ -228,3 +229,46 @@ def test_info_says_what_is_there(tmp_path: Path) -> None:
     text = "\n".join(lines((path,), read_recording([path])))
     for words in ("run test, protocol 5", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
         assert words in text
+
+
+def test_messages_that_a_damaged_length_hides_are_missed(tmp_path: Path) -> None:
+    path = a_recording(tmp_path / "a.mcap")
+    whole = path.read_bytes()
+    actions, _ = traffic(mission())
+    payload = next(each.payload for each in actions if each.sequence == len(actions) - 2)
+    at = whole.index(payload) - 22 - 8
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(whole[:at] + bytes([whole[at] ^ 0x40]) + whole[at + 1 :])
+    recording = read_recording((damaged,))
+    assert recording.n_lost > 0
+    assert not recording.is_complete
+    text = "\n".join(lines((damaged,), recording))
+    assert f"{recording.n_lost} messages that were recorded cannot be read" in text
+
+
+def test_parts_without_one_of_them_are_not_complete(tmp_path: Path) -> None:
+    actions, answers = traffic(mission(60))
+    parts = write(tmp_path / "a.mcap", actions, answers, split=Split(20_000, None))
+    assert len(parts) > 2
+    assert read_recording(parts).is_complete
+    assert not read_recording(parts[1:]).is_complete
+
+
+def test_what_a_planner_and_a_witness_of_it_hand_over_is_recorded_once(tmp_path: Path) -> None:
+    planner = Origin(role="planner", name="main", incarnation="planner-1")
+    file = RecordingFile(tmp_path / "a.mcap", ABOUT, Split(None, None))
+    recorder = Recorder(file, Wanted())
+    said = [copy("legpush/v5/test/plan/main/result", sequence, b"a") for sequence in range(5)]
+    heard = batch(planner, 0, said[:3])
+    recorder.take(replace(heard, header=replace(heard.header, role="agent", incarnation="agent-1")))
+    recorder.take(batch(planner, 0, said, final=True))
+    found = recorder.ledger.completeness()
+    assert (found.complete, found.n_recorded, found.n_missing) == (True, 5, 0)
+    file.abandon()
+
+
+def test_a_report_that_is_damaged_is_no_reason_to_show_nothing(tmp_path: Path) -> None:
+    actions, answers = traffic(mission())
+    report = Fact(name="report.json", media_type="application/json", data=b"[\xff")
+    paths = write(tmp_path / "a.mcap", actions, answers, facts=(report,))
+    assert "result        cannot be read: report.json is damaged" in lines(tuple(paths), read_recording(paths))

@@ -164,3 +164,20 @@ def test_a_process_that_nobody_records_has_no_thread_for_it() -> None:
     wire.tap.close()
     assert wire.sent == []
     assert not any(thread.name == "tap" for thread in threading.enumerate())
+
+
+def test_a_recorder_that_never_answers_does_not_keep_others_from_theirs() -> None:
+    buffer = TapBuffer(SIM)
+    buffer.start()
+    buffer.meet({"fast", "silent"})
+    buffer.note("k", 0, b"a")
+    first = buffer.batch()
+    assert first is not None
+    assert not buffer.waive(), "nobody has it"
+    assert not buffer.take("fast", 0)
+    buffer.note("k", 1, b"b")
+    assert buffer.batch() is first
+    assert buffer.waive()
+    second = buffer.batch()
+    assert second is not None
+    assert second is not first

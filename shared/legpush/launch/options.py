@@ -90,5 +90,6 @@ def program_path(name: str) -> str:
 
 def require_new_file(path: Path, flag: str) -> None:
     """`ConfigError` unless the file can be made."""
-    if path.exists() or not path.absolute().parent.is_dir():
+    folder = path.absolute().parent
+    if os.path.lexists(path) or not folder.is_dir() or not os.access(folder, os.W_OK):
         raise ConfigError(f"Expected a new file in an existing folder for {flag}, got {path}")

@@ -12,6 +12,7 @@ from legpush.launch.display import Display
 from legpush.launch.folder import REPORT_FILE
 from legpush.launch.processes import Command, Process, describe_exit
 
+NOTES_AT_MOST: Final = 10_000
 INCOMPLETE: Final = 1
 """Exit code of a recorder whose recording is whole, but lacks something."""
 
@@ -29,7 +30,7 @@ def recorder_arguments(
 
 def what_is_missing(process: Process) -> list[str]:
     """What a recorder that came to its end said about its recording."""
-    words = process.last_words(50)
+    words = process.last_words(NOTES_AT_MOST)
     start = max((i for i, line in enumerate(words) if line.startswith("wrote ")), default=len(words))
     return [line.strip() for line in words[start + 1 :]]
 

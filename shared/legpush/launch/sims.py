@@ -16,7 +16,7 @@ from legpush.endpoints import Endpoints, in_directory, recorder_of_pool
 from legpush.errors import ConfigError, PeerError
 from legpush.launch.crew import Crew, Interrupted
 from legpush.launch.processes import Command, Process, describe_exit
-from legpush.launch.recorder import recorder_arguments, what_is_missing
+from legpush.launch.recorder import INCOMPLETE, recorder_arguments, what_is_missing
 from legpush.launch.run import child_environment
 from legpush.patience import SLICE_S
 
@@ -108,6 +108,8 @@ class SimPool:
             raise
         finally:
             crew.stop()
+        if recorder is not None and recorder.exit_code not in (0, INCOMPLETE):
+            log.warning("the recorder %s: %s", describe_exit(recorder.exit_code or 0), _last_line(recorder))
         for note in what_is_missing(recorder) if recorder is not None else ():
             log.warning("the recording is not complete: %s", note)
 

@@ -1,8 +1,10 @@
 """`legpush info`: what is in a recording, for people."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from legpush.recording.episodes import read_episodes
 from legpush.recording.mcap_reader import Recording
@@ -46,10 +48,13 @@ def _completeness(recording: Recording) -> Iterator[str]:
     stated = recording.completeness
     damaged = sum(not recording.is_as_recorded(message) for message in recording.messages)
     word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not come to an end")
+    word = "no" if recording.n_lost else word
     missing = stated.get("n_missing", "0")
     yield f"complete      {word}" + (f", {missing} messages missing" if missing != "0" else "")
     for note in filter(None, stated.get("notes", "").splitlines()):
         yield f"              {note}"
+    if recording.n_lost:
+        yield f"              {recording.n_lost} messages that were recorded cannot be read"
     if damaged:
         yield f"              {damaged} messages are damaged: their bytes are not those that were recorded"
     if recording.n_damaged_chunks:
@@ -61,7 +66,11 @@ def _result(recording: Recording) -> Iterator[str]:
     if report is None:
         yield "result        none recorded"
         return
-    numbers = json.loads(report.data)
+    try:
+        numbers = msgspec.json.decode(report.data, type=dict[str, Any])
+    except (msgspec.DecodeError, UnicodeDecodeError):
+        yield "result        cannot be read: report.json is damaged"
+        return
     yield f"result        {numbers.get('reason')}: {numbers.get('detail')}"
 
 

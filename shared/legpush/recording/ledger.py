@@ -1,9 +1,14 @@
 """What a recording should have and what it has: sequences per key and incarnation, and who said farewell."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
-from legpush.messages.tap import Copies, Origin
+from legpush.messages.common import Role
+from legpush.messages.tap import Copies, Copy, Origin
+
+WITNESSED: Final[tuple[Role, ...]] = ("planner",)
+"""Of these others may hand over what they hear."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +44,8 @@ class _Source:
     accounts: dict[str, _Account] = field(default_factory=dict)
     n_batches: dict[str, int] = field(default_factory=dict)
     """By who handed them over: the source itself, or a witness."""
+    taken: set[tuple[str, int]] = field(default_factory=set)
+    """Keys and sequences, of a role that is witnessed: each message counts once, whoever hands it over."""
     final: bool = False
 
 
@@ -59,21 +66,30 @@ class Ledger:
         source = self._sources.get(batch.origin.incarnation)
         return source is None or batch.batch >= source.n_batches.get(batch.header.incarnation, 0)
 
-    def take(self, batch: Copies, recorded: set[str]) -> None:
-        """Note a batch, of which the copies under the keys `recorded` are in the file."""
+    def fresh(self, batch: Copies) -> tuple[Copy, ...]:
+        """Copies of a batch that nobody else has handed over: of a planner the agent may hand over what it hears."""
+        source = self._sources.get(batch.origin.incarnation)
+        if source is None or batch.origin.role not in WITNESSED:
+            return batch.copies
+        return tuple(copy for copy in batch.copies if (copy.key, copy.sequence) not in source.taken)
+
+    def take(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
+        """Note a batch, of which these copies, those under the keys `recorded`, are in the file."""
         origin = batch.origin
         self._silent.pop(origin.incarnation, None)
         source = self._sources.setdefault(origin.incarnation, _Source(_label(origin)))
         source.n_batches[batch.header.incarnation] = batch.batch + 1
         source.final |= batch.final
-        for copy in batch.copies:
-            if copy.key in recorded:
-                account = source.accounts.setdefault(copy.key, _Account())
-                account.first = copy.sequence if account.first is None else account.first
-                account.n_recorded += 1
+        for copy in copies:
+            account = source.accounts.setdefault(copy.key, _Account())
+            account.first = copy.sequence if account.first is None else min(account.first, copy.sequence)
+            account.n_recorded += 1
+            if origin.role in WITNESSED:
+                source.taken.add((copy.key, copy.sequence))
         for published in batch.published:
             if published.key in recorded:
-                source.accounts.setdefault(published.key, _Account()).n_published = published.n
+                account = source.accounts.setdefault(published.key, _Account())
+                account.n_published = max(account.n_published, published.n)
 
     def unfinished(self) -> set[str]:
         """The incarnations that have not said farewell."""

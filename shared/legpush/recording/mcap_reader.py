@@ -63,8 +63,14 @@ class Recording:
 
     @property
     def is_complete(self) -> bool:
-        """Whether it says so."""
-        return self.completeness.get("complete") == "yes"
+        """Whether it says so, and has as many messages as it says."""
+        return self.completeness.get("complete") == "yes" and self.n_lost == 0
+
+    @property
+    def n_lost(self) -> int:
+        """Messages that were recorded, but cannot be read: the file is damaged, or parts of it are not there."""
+        said = self.completeness.get("n_recorded", "")
+        return max(0, int(said) - len(self.messages)) if said.isdecimal() else 0
 
     def attachment(self, name: str) -> Attachment | None:
         """The first file of this name, of whichever process."""
@@ -186,7 +192,10 @@ class Scan:
             raise RecordingError(
                 f"{self.path}: expected a recording of protocol version {PROTOCOL_VERSION}, got one of {version}"
             )
-        part, expected = int(about.pop("part", "0")), recording.part + recording.n_files
+        said, expected = about.pop("part", "0"), recording.part + recording.n_files
+        if not said.isdecimal():
+            raise RecordingError(f"{self.path}: expected the number of a part, got {said!r}")
+        part = int(said)
         about.pop(RECOVERED_FROM, None)
         self._is_ours = True
         if not recording.about:

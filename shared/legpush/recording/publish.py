@@ -33,15 +33,25 @@ def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: t
             taps[origin.incarnation].buffer.note(message.copy.key, message.copy.sequence, message.copy.payload)
     finally:
         for tap in taps.values():
-            tap.close()
+            bus.taps.leave(tap)
     return len(messages)
 
 
 def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
-    """All messages from a time after the first one on, in order of time; `RecordingError` where there are none."""
-    messages = sorted(recording.messages, key=lambda message: message.copy.time_ns)
-    if not messages:
+    """All messages from a time after the first one on, in order of time; `RecordingError` where there are none.
+
+    Those of one sender stay in their order, whatever its clock did.
+    """
+    if not recording.messages:
         raise RecordingError("Expected a recording with messages, got one without")
+    latest_ns: dict[str, int] = {}
+    due_ns: list[int] = []
+    for message in recording.messages:
+        sender = message.origin.incarnation
+        latest_ns[sender] = max(latest_ns.get(sender, 0), message.copy.time_ns)
+        due_ns.append(latest_ns[sender])
+    order = sorted(range(len(due_ns)), key=due_ns.__getitem__)
+    messages = [recording.messages[k] for k in order]
     begin_ns = messages[0].copy.time_ns
     duration_s = (messages[-1].copy.time_ns - begin_ns) / 1e9
     if start_s > duration_s:

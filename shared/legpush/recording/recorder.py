@@ -57,9 +57,8 @@ class Recorder:
         """Write what is new in a batch."""
         if not self.ledger.is_new(batch):
             return
-        copies = tuple(copy for copy in batch.copies if self._wanted.takes(copy.key))
-        keys = {each.key for each in batch.published} | {copy.key for copy in batch.copies}
-        self.ledger.take(batch, {key for key in keys if self._wanted.takes(key)})
+        copies = tuple(copy for copy in self.ledger.fresh(batch) if self._wanted.takes(copy.key))
+        self.ledger.take(batch, copies, {each.key for each in batch.published if self._wanted.takes(each.key)})
         origin = batch.origin
         for fact in batch.facts:
             self._file.attach(Attachment(f"{origin.role}/{origin.name}/{fact.name}", fact.media_type, fact.data))

@@ -137,7 +137,9 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
     if verified.divergence is None and not recording.is_complete:
         notes = recording.completeness.get("notes") or "its recorder did not come to an end"
         sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
-    return 0 if verified.divergence is None else 1
+    if recording.n_lost:
+        sys.stdout.write(f"{recording.n_lost} messages that were recorded cannot be read: not verified\n")
+    return 0 if verified.divergence is None and not recording.n_lost else 1
 
 
 def _words(verified: Verified, wall_s: float) -> str:

@@ -24,18 +24,19 @@ def run_recorder(options: RecordOptions) -> int:
     stop = stop_on_signals()
     start_log(f"recorder/{options.name}", "info")
     about = {
+        **dict(item.split("=", 1) for item in options.about),
         "run": options.run,
         "protocol": str(PROTOCOL_VERSION),
         "began_unix_s": f"{time():.3f}",
         "topics": " ".join(options.topics),
         **{f"version_{name}": version(name) for name in PACKAGES},
-        **dict(item.split("=", 1) for item in options.about),
     }
     mb = 1_000_000
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
+    endpoints = options.endpoints()
     file = RecordingFile(options.file, about, split)
     try:
-        with Bus(options.run, "recorder", options.name, options.endpoints()) as bus:
+        with Bus(options.run, "recorder", options.name, endpoints) as bus:
             wanted = Wanted(topics=options.topics, duration_s=options.duration_s)
             completeness = record(bus, file, wanted, stop)
     except BaseException:
