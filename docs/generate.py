@@ -63,7 +63,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         tap.Fact,
         tap.Taken,
     ),
-    "common": (common.Header, tap.Status, geometry.Pose2, room_shapes.Footprint),
+    "common": (common.Header, tap.Status, tap.Reward, tap.RewardTerm, geometry.Pose2, room_shapes.Footprint),
     "scenario": (
         scenario.Scenario,
         scenario.Room,

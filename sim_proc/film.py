@@ -74,7 +74,7 @@ def film_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Film:
         if trace is not None and trace.tick:
             rows.append(np.array(trace.qpos))
             tips.append(np.array(trace.tips_m))
-            loads.append(np.array(trace.foot_forces_n))
+            loads.append(np.linalg.norm(trace.contact_forces_n, axis=2))
             n_ticks += len(trace.tick)
     if scenario is None or not rows:
         raise JournalError(f"{where}: expected an episode recorded with traces, got none that moves")

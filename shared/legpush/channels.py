@@ -8,10 +8,10 @@ from legpush import keys
 from legpush.messages.common import Header, Role
 from legpush.messages.planning import PlanCancel, PlanRequest, PlanResult
 from legpush.messages.stepping import Action, Observation, Refusal
-from legpush.messages.tap import Copies, Status, Taken
+from legpush.messages.tap import Copies, Reward, Status, Taken
 
 Answer = Observation | Refusal
-Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Status | Copies | Taken
+Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Reward | Status | Copies | Taken
 
 M = TypeVar("M", bound=Message)
 
@@ -71,6 +71,11 @@ def plan_cancels(run: str, client: str) -> Channel[PlanCancel]:
 def plan_results(run: str, client: str) -> Channel[PlanResult]:
     """What the planner answers `client`."""
     return Channel(key=keys.plan_result(run, client), kind=PlanResult, sender="planner")
+
+
+def rewards(run: str, sim: str) -> Channel[Reward]:
+    """What the steps of the simulator `sim` earned, for people."""
+    return Channel(key=keys.reward(run, sim), kind=Reward, sender="agent", quality="tap")
 
 
 def statuses(run: str, role: Role | Literal["*"] = "*", name: str = "*") -> Channel[Status]:

@@ -33,6 +33,11 @@ def observation(run: str, sim: str) -> str:
     return f"{prefix(run)}/sim/{sim}/observation"
 
 
+def reward(run: str, sim: str) -> str:
+    """Where an agent says what the steps of the simulator named `sim` earned."""
+    return f"{prefix(run)}/sim/{sim}/reward"
+
+
 def status(run: str, role: Role | str, name: str) -> str:
     """Where a process tells people what it is doing."""
     return f"{prefix(run)}/tap/{role}/{name}/status"

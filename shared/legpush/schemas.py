@@ -18,6 +18,7 @@ MESSAGES: Final[tuple[type[Struct], ...]] = (
     tap.Status,
     tap.Copies,
     tap.Taken,
+    tap.Reward,
 )
 """What travels by itself."""
 

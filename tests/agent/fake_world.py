@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import cos, pi, radians, sin
+from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -288,11 +289,15 @@ def _trace(begin_tick: int, n_ticks: int, before: tuple[Pose2, Pose2], after: tu
         ),
         roll_pitch_rad=tuple((0.01 * sin(k / 8), 0.02 * cos(k / 8)) for k in range(n_ticks)),
         tips_m=tuple(state.tips_m for state in states),
-        foot_forces_n=tuple(state.foot_forces_n for state in states),
+        contact_forces_n=tuple(_upward(state.foot_forces_n) for state in states),
         com_m=tuple(state.trunk.position_m for state in states),
         zmp_m=tuple((state.trunk.position_m[0], state.trunk.position_m[1]) for state in states),
         support_margin_m=tuple(0.06 + 0.03 * sin(k / 6) for k in range(n_ticks)),
     )
+
+
+def _upward(forces_n: tuple[float, ...]) -> Any:
+    return tuple((0.0, 0.0, force) for force in forces_n)
 
 
 def _between(a: Pose2, b: Pose2, share: float) -> Pose2:

@@ -69,7 +69,7 @@ def trace(ticks: range, trunks: list[tuple[float, float]], tilt: float, margin_m
         ),
         roll_pitch_rad=(*quiet, (-tilt, 2 * tilt)),
         tips_m=tuple(s.tips_m for s in states),
-        foot_forces_n=tuple(s.foot_forces_n for s in states),
+        contact_forces_n=tuple(((0.0, 0.0, 80.0),) * 4 for _ in states),
         com_m=tuple(s.trunk.position_m for s in states),
         zmp_m=((0.0, 0.0),) * len(states),
         support_margin_m=(*(0.1,) * (len(states) - 1), margin_m),
@@ -85,7 +85,7 @@ def box_plan(*points: tuple[float, float]) -> Plan:
 
 
 NOTHING = Trace(
-    tick=(), qpos=(), roll_pitch_rad=(), tips_m=(), foot_forces_n=(), com_m=(), zmp_m=(), support_margin_m=()
+    tick=(), qpos=(), roll_pitch_rad=(), tips_m=(), contact_forces_n=(), com_m=(), zmp_m=(), support_margin_m=()
 )
 
 

@@ -36,7 +36,7 @@ from legpush.messages.stepping import (
     Walk,
     WorldState,
 )
-from legpush.messages.tap import Copies, Copy, Fact, Origin, Published, Status, Taken
+from legpush.messages.tap import Copies, Copy, Fact, Origin, Published, Reward, RewardTerm, Status, Taken
 from legpush.room_shapes import Footprint
 from legpush.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
 
@@ -144,7 +144,10 @@ TRACE = Trace(
     qpos=((0.1,) * 26, (0.2,) * 26),
     roll_pitch_rad=((0.0, 0.01), (0.0, 0.02)),
     tips_m=(TIPS, TIPS),
-    foot_forces_n=((78.1, 78.2, 77.9, 78.0), (78.1, 78.2, 0.0, 78.0)),
+    contact_forces_n=(
+        ((0.3, 0.1, 78.1), (0.2, 0.0, 78.2), (0.0, 0.1, 77.9), (0.0, 0.0, 78.0)),
+        ((0.3, 0.1, 78.1), (0.2, 0.0, 78.2), (0.0, 0.0, 0.0), (0.0, 0.0, 78.0)),
+    ),
     com_m=((0.1, 0.2, 0.48), (0.1, 0.2, 0.48)),
     zmp_m=((0.1, 0.2), (0.1, 0.2)),
     support_margin_m=(0.14, 0.05),
@@ -197,6 +200,14 @@ MESSAGES: Mapping[str, Message] = {
         published=(Published(key="legpush/v5/test/sim/main/observation", n=10),),
         facts=(Fact(name="model.xml", media_type="application/xml", data=b"<mujoco/>"),),
         final=True,
+    ),
+    "reward": Reward(
+        header=header("agent"),
+        sim="main",
+        episode=3,
+        step=7,
+        value=0.68,
+        terms=(RewardTerm(name="position", value=0.7), RewardTerm(name="cycle", value=-0.02)),
     ),
     "taken": Taken(header=header("recorder"), origin_incarnation="sim-0a1b2c", batch=4),
 }

@@ -59,6 +59,7 @@ def test_the_keys_and_ports_of_the_document_are_those_of_the_code() -> None:
         keys.observation("R", "<name>"),
         keys.status("R", "<role>", "<name>"),
         keys.copies("R", "<role>", "<name>"),
+        keys.reward("R", "<sim>"),
         keys.taken("R", "<role>", "<name>"),
         keys.liveliness("R", "<role>", "<name>", "<incarnation>"),
     ]

@@ -146,9 +146,9 @@ def test_an_mcap_file_of_another_program_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_recording_of_another_protocol_version_is_refused(tmp_path: Path) -> None:
-    file = RecordingFile(tmp_path / "a.mcap", {**ABOUT, "protocol": "4"})
+    file = RecordingFile(tmp_path / "a.mcap", {**ABOUT, "protocol": "5"})
     file.finish({})
-    with pytest.raises(RecordingError, match="expected a recording of protocol version 5, got one of 4"):
+    with pytest.raises(RecordingError, match="expected a recording of protocol version 6, got one of 5"):
         read_recording(file.parts)
 
 
@@ -227,7 +227,7 @@ def test_a_batch_counts_once_and_a_filter_asks_for_less(tmp_path: Path) -> None:
 def test_info_says_what_is_there(tmp_path: Path) -> None:
     path = a_recording(tmp_path / "a.mcap")
     text = "\n".join(lines((path,), read_recording([path])))
-    for words in ("run test, protocol 5", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
+    for words in ("run test, protocol 6", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
         assert words in text
 
 

@@ -147,7 +147,8 @@ class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """MuJoCo's generalized positions: trunk free joint (7), legs (12), box free joint (7)."""
     roll_pitch_rad: tuple[Point2, ...]
     tips_m: tuple[tuple[Point3, Point3, Point3, Point3], ...]
-    foot_forces_n: tuple[tuple[float, float, float, float], ...]
+    contact_forces_n: tuple[tuple[Point3, Point3, Point3, Point3], ...]
+    """Of floor and box together on each foot, world frame."""
     com_m: tuple[Point3, ...]
     zmp_m: tuple[Point2, ...]
     """Zero-moment point on the floor: the centre of pressure of the feet; below the CoM where no foot carries load."""

@@ -19,6 +19,26 @@ class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Whom the process waits for, if it does."""
 
 
+class RewardTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A part of a reward."""
+
+    name: Name
+    value: float
+
+
+class Reward(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a step earned, for people to watch; the lockstep never depends on it."""
+
+    header: Header
+    sim: Name
+    """The simulator that took the step."""
+    episode: Count
+    step: Count
+    value: float
+    """The sum of the terms."""
+    terms: tuple[RewardTerm, ...]
+
+
 class Copy(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A message that was published, byte for byte."""
 

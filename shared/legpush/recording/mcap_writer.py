@@ -185,6 +185,7 @@ _KINDS: Final[dict[str, tuple[type[Struct], ...]]] = {
     "result": (planning.PlanResult,),
     "action": (stepping.Action,),
     "observation": (stepping.Observation, stepping.Refusal),
+    "reward": (tap.Reward,),
     "status": (tap.Status,),
     "digests": (Digests,),
 }
