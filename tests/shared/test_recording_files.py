@@ -79,12 +79,51 @@ def test_a_recording_can_be_read_in_parts_each_of_which_is_a_whole_file(tmp_path
     assert read_recording([parts[0], recovered, *parts[2:]]).messages == recording.messages
 
 
+def test_parts_are_read_in_the_order_of_their_numbers_whatever_their_names(tmp_path: Path) -> None:
+    actions, _ = traffic(mission(1100))
+    paths = write(tmp_path / "a.mcap", actions, [], split=Split(n_bytes=1), n_per_batch=1)
+    assert [path.name for path in paths[998:1002]] == ["a-998.mcap", "a-999.mcap", "a-1000.mcap", "a-1001.mcap"]
+    as_in_a_shell = sorted(paths)
+    assert as_in_a_shell != paths
+    recording = read_recording(as_in_a_shell)
+    assert recording.files == paths
+    assert [message.copy for message in recording.messages] == actions
+    assert recording.is_complete
+
+
+def test_parts_that_are_missing_foreign_or_there_twice_are_refused(tmp_path: Path) -> None:
+    actions, answers = traffic(mission(60))
+    parts = write(tmp_path / "a.mcap", actions, answers, split=Split(n_bytes=20_000))
+    other = RecordingFile(tmp_path / "other.mcap", {**ABOUT, "run": "other"}, part=1)
+    other.finish({})
+    twice = tmp_path / "twice.mcap"
+    twice.write_bytes(parts[1].read_bytes())
+    assert len(parts) > 3
+    for paths, words in (
+        ([parts[3], parts[1], parts[0]], r"a-003.mcap: expected part 2 of the recording, got part 3"),
+        ([parts[0], *other.parts], r"other.mcap: expected another part of the same recording, got one of another"),
+        ([parts[1], parts[0], twice], r"twice.mcap: expected each part once, got part 1 again, .*a-001.mcap"),
+    ):
+        with pytest.raises(RecordingError, match=words):
+            read_recording(paths)
+
+
+@pytest.mark.parametrize("there", ["a-000.mcap", "a-001.mcap", "a-1000.mcap"])
+def test_a_later_part_that_is_there_already_is_noticed_at_the_beginning(tmp_path: Path, there: str) -> None:
+    (tmp_path / there).touch()
+    with pytest.raises(RecordingError, match=f"{there}: expected new files for the parts of a recording") as caught:
+        RecordingFile(tmp_path / "a.mcap", ABOUT, Split(seconds=1.0))
+    assert caught.value.exit_code == 2
+    assert [path.name for path in tmp_path.iterdir()] == [there]
+    RecordingFile(tmp_path / "b.mcap", ABOUT, Split(seconds=1.0)).abandon()
+
+
 def test_a_bit_that_flips_beside_the_messages_is_told(tmp_path: Path) -> None:
     path = a_recording(tmp_path / "a.mcap")
     data, actions = bytearray(path.read_bytes()), traffic(mission())[0]
     data[data.index(actions[5].payload) - 3] ^= 1  # in the time of publishing
     path.write_bytes(data)
-    text = "\n".join(lines((path,), read_recording([path])))
+    text = "\n".join(lines(read_recording([path])))
     assert "1 pieces of the file have a bit that flipped" in text
 
 
@@ -226,7 +265,7 @@ def test_a_batch_counts_once_and_a_filter_asks_for_less(tmp_path: Path) -> None:
 
 def test_info_says_what_is_there(tmp_path: Path) -> None:
     path = a_recording(tmp_path / "a.mcap")
-    text = "\n".join(lines((path,), read_recording([path])))
+    text = "\n".join(lines(read_recording([path])))
     for words in ("run test, protocol 6", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
         assert words in text
 
@@ -242,7 +281,7 @@ def test_messages_that_a_damaged_length_hides_are_missed(tmp_path: Path) -> None
     recording = read_recording((damaged,))
     assert recording.n_lost > 0
     assert not recording.is_complete
-    text = "\n".join(lines((damaged,), recording))
+    text = "\n".join(lines(recording))
     assert f"{recording.n_lost} messages that were recorded cannot be read" in text
 
 
@@ -271,4 +310,4 @@ def test_a_report_that_is_damaged_is_no_reason_to_show_nothing(tmp_path: Path) -
     actions, answers = traffic(mission())
     report = Fact(name="report.json", media_type="application/json", data=b"[\xff")
     paths = write(tmp_path / "a.mcap", actions, answers, facts=(report,))
-    assert "result        cannot be read: report.json is damaged" in lines(tuple(paths), read_recording(paths))
+    assert "result        cannot be read: report.json is damaged" in lines(read_recording(paths))

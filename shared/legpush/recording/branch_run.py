@@ -23,7 +23,7 @@ def branch(options: BranchOptions) -> int:
     at = parse_point(options.at)
     recording = read_recording(options.files)
     RecordedPast(recording, at)
-    flags = ["--branch-of", *(str(path.absolute()) for path in options.files), "--branch-at", str(at)]
+    flags = ["--branch-of", *(str(path.absolute()) for path in recording.files), "--branch-at", str(at)]
     for name in ("planner", "box_mass_kg", "box_friction"):
         if (value := getattr(options, name)) is not None:
             flags += [f"--branch-{name.replace('_', '-')}", str(value)]
@@ -32,8 +32,8 @@ def branch(options: BranchOptions) -> int:
         return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
 
     about = {
-        "parent_file": " ".join(path.name for path in options.files),
-        "parent_sha256": sha256_of(options.files),
+        "parent_file": " ".join(path.name for path in recording.files),
+        "parent_sha256": sha256_of(recording.files),
         "parent_episode": str(at.episode),
         "parent_step": str(at.step),
         "branch": shlex.join(sys.argv[1:]),

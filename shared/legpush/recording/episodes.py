@@ -130,13 +130,16 @@ class _Reader:
                 episode.damage.append(damage)
 
     def _decoded(self, message: Recorded, sim: str, kind: type[T], what: str) -> T | None:
-        """The message, or None where it is damaged, which is noted at the step where it has to be."""
+        """The message, or None where it is damaged, which is noted at its step.
+
+        Where no digest tells the step either, it is that after the last message that was in order.
+        """
         place: tuple[str, str] = (message.topic, message.origin.incarnation)
-        crc = self._recording.crcs.get((*place, message.copy.sequence))
+        mark = self._recording.mark(message)
         got = codec.checksum(message.copy.payload)
         decoded: T | None = None
         why = f"bytes with CRC {got:08x}"
-        if crc is None or crc == got:
+        if mark is None or mark.crc == got:
             try:
                 decoded = codec.decode(message.copy.payload, kind)
             except MessageError as error:
@@ -146,7 +149,9 @@ class _Reader:
             return decoded
         before = self._before.get(place)
         number, step = (before[0], before[1] + 1) if before is not None else (self._first_number(sim), 0)
-        expected = f"bytes with CRC {crc:08x}" if crc is not None else "a message"
+        if mark is not None and mark.place is not None:
+            number, step = mark.place
+        expected = f"bytes with CRC {mark.crc:08x}" if mark is not None else "a message"
         self._episode(sim, number).damage.append(Damage(step=step, field=what, expected=expected, got=why))
         return None
 

@@ -34,7 +34,7 @@ class PlayConfig(ServiceConfig):
     """As any process, and the recording that it plays."""
 
     files: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """The recording, or its parts in order."""
+    """The recording, or its parts."""
 
 
 class RecordedSim:
