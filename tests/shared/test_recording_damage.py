@@ -12,7 +12,7 @@ from legpush.messages.tap import Copy, Fact
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import read_facts
 from legpush.recording.info import lines
-from legpush.recording.mcap_reader import Recording, read_recording
+from legpush.recording.mcap_reader import Recorded, Recording, read_recording
 from legpush.recording.recover import recover
 from legpush.recording.verify import verify
 from tests.shared.fakes import FakeStepper, mission
@@ -54,17 +54,34 @@ def test_a_byte_that_changes_anywhere_in_a_message_is_found_at_its_step(
     actions, answers = two_episodes()
     (path,) = write(tmp_path / "a.mcap", actions, answers)
     payload = (actions if what == "action" else answers)[index].payload
-    whole = path.read_bytes()
+    whole, recording = path.read_bytes(), read_recording([path])
     assert whole.count(payload) == 1
-    begin, n_found = whole.index(payload), 0
-    for at in range(begin, begin + len(payload)):
-        path.write_bytes(whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1 :])
-        damage = [(one.index, each) for one in read_episodes(read_recording([path])) for each in one.damage]
-        assert [(where, each.step, each.field) for where, each in damage] == [(episode, step, what)], at - begin
-        n_found += 1
-    assert n_found == len(payload) > 100
-    found = verify(read_episodes(read_recording([path])), FakeStepper().perform).divergence
-    assert str(found).startswith(f"first divergence at episode {episode}, step {step}, field {what}: expected bytes")
+    place = next(k for k, message in enumerate(recording.messages) if message.copy.payload == payload)
+    intact, n_found = recording.messages[place], 0
+    for at in range(len(payload)):
+        bad = payload[:at] + bytes([payload[at] ^ 1 << at % 8]) + payload[at + 1 :]
+        recording.messages[place] = replace_payload(intact, bad)
+        found = [recording]
+        if at % 50 == 0:
+            path.write_bytes(whole.replace(payload, bad))
+            found.append(read_recording([path]))
+        for one in found:
+            assert places(one) == [(episode, step, what)], at
+            n_found += 1
+    assert n_found > len(payload) > 100
+    divergence = verify(read_episodes(recording), FakeStepper().perform).divergence
+    assert str(divergence).startswith(
+        f"first divergence at episode {episode}, step {step}, field {what}: expected bytes"
+    )
+
+
+def replace_payload(message: Recorded, payload: bytes) -> Recorded:
+    return Recorded(topic=message.topic, origin=message.origin, copy=replace(message.copy, payload=payload))
+
+
+def places(recording: Recording) -> list[tuple[int, int, str]]:
+    """Episode, step and field of everything that is damaged."""
+    return [(one.index, each.step, each.field) for one in read_episodes(recording) for each in one.damage]
 
 
 def damaged(path: Path, at: bytes, shift: int = 0) -> Recording:

@@ -16,8 +16,8 @@ from legpush.errors import MessageError, RecordingError
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.tap import Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digests, Key, Mark
+from legpush.recording.mcap_records import MAGIC, frames, is_attachment_whole, is_read, parsed
 from legpush.recording.mcap_writer import COMPLETENESS, METADATA, Attachment, topic_of
-from legpush.recording.records import MAGIC, frames, is_attachment_whole, is_read, parsed
 
 RECOVERED_FROM: Final = "recovered_from"
 """In the metadata of what was made of a file that was cut off: its name."""
