@@ -15,7 +15,7 @@ ROGUES = {
     "Only planner_proc.ompl_search, steering and dubins import OMPL": ("planner_proc", "from ompl import base"),
     "Only the simulator's model, scenery, physics and camera import MuJoCo": ("sim_proc", "import mujoco"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
-    "Only two modules of legpush.recording import MCAP": ("legpush", "import mcap"),
+    "Only legpush.recording.mcap_* import MCAP": ("legpush", "import mcap"),
     "Only legpush.map_server imports Pillow and PyYAML": ("legpush", "import yaml"),
     "Only the agent's pictures import matplotlib": (
         "agent_proc",

@@ -170,6 +170,30 @@ def test_a_recorder_that_is_frozen_stalls_nobody_and_says_what_it_lacks(tmp_path
     assert n_actions >= n_steps
 
 
+def test_a_recorder_that_is_frozen_does_not_keep_another_one_from_its_messages(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    with (
+        recorder(tmp_path, file) as process,
+        recorder(tmp_path, tmp_path / "frozen.mcap", "--name", "frozen") as frozen,
+    ):
+        with sim(tmp_path), agent(tmp_path) as asking:
+            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 2, 20.0)
+            asking.do(mission())
+            frozen.send_signal(signal.SIGSTOP)
+            until = monotonic() + 8.0
+            while monotonic() < until:
+                walk(asking, 20)
+            assert len(asking.bus.roster.live("recorder")) == 2, "it is not known to be gone"
+            left_bytes = asking.bus.taps.own.buffer.n_bytes
+            walked = len(asking.past)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 0, out + err
+    recording = read_recording([file])
+    assert sum(message.topic == "sim/main/action" for message in recording.messages) >= walked
+    assert left_bytes < 100_000
+
+
 @pytest.fixture(scope="module")
 def mission_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """The folder and the recording of a whole mission."""
