@@ -24,6 +24,11 @@ def default_folder(scenario: Scenario, seed: int, now: datetime) -> Path:
     return Path("runs") / f"{now:%Y%m%d-%H%M%S}-{scenario.name}-seed{seed}"
 
 
+def is_begun(folder: Path) -> bool:
+    """Whether a mission began in this folder before, which goes on now."""
+    return any(folder.glob("*.journal"))
+
+
 @contextmanager
 def run_folder(folder: Path, scenario: Scenario) -> Iterator[None]:
     """Make the folder, with the resolved scenario and a place for logs in it, and keep other launchers out meanwhile.

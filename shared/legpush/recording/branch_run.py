@@ -2,14 +2,13 @@
 
 import shlex
 import sys
-from collections.abc import Iterator
-from itertools import chain, count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
 from legpush.launch.options import RunOptions
+from legpush.launch.recorder import next_file
 from legpush.launch.recordings import BranchOptions
 from legpush.launch.run import Place, Programs, process_arguments, run_mission
 from legpush.messages.common import Role
@@ -57,12 +56,8 @@ def branch(options: BranchOptions) -> int:
 def default_file(options: BranchOptions) -> Path:
     """Where the new recording goes: beside the old one, under a name that is free."""
     first, at = options.files[0], parse_point(options.at)
-    names = (f"{first.stem}-branch-{at.episode}-{at.step}{number}{first.suffix}" for number in chain([""], _numbers()))
-    return next(path for path in map(first.with_name, names) if not path.exists())
-
-
-def _numbers() -> Iterator[str]:
-    return (f"-{number}" for number in count(2))
+    file = first.with_name(f"{first.stem}-branch-{at.episode}-{at.step}{first.suffix}")
+    return next_file(file) if file.exists() else file
 
 
 def again(options: BranchOptions, folder: Path) -> str:

@@ -7,6 +7,7 @@ import msgspec
 
 from legpush.errors import RecordingError
 from legpush.recording.episodes import read_episodes
+from legpush.recording.facts import CONTINUED
 from legpush.recording.mcap_reader import Recording
 from legpush.robot import CONTROL_PERIOD_S
 
@@ -27,6 +28,8 @@ def lines(recording: Recording) -> Iterator[str]:
     )
     yield f"messages      {len(recording.messages)}"
     yield from _completeness(recording)
+    if CONTINUED in about:
+        yield "began         after an interruption: steps from before are done again, plans from before are not in it"
     if about.get("topics"):
         yield f"filter        {about['topics']}"
     if "parent_sha256" in about:
