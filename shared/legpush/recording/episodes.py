@@ -21,10 +21,20 @@ class Asked:
 
     motion: Motion
     with_trace: bool
-    outcome: Outcome | None = None
-    """None where it was not answered, or refused."""
+    answer: bytes | None = None
+    """The observation as it was recorded; None where it was not answered, or refused."""
     refusal: str | None = None
     """Why it could not be carried out, if so."""
+
+    @property
+    def is_told(self) -> bool:
+        """Whether it was answered or refused."""
+        return self.answer is not None or self.refusal is not None
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What the answer says; made each time, since traces take many times the memory of their bytes."""
+        return codec.decode(self.answer, Observation).outcome if self.answer is not None else None
 
 
 @dataclass(kw_only=True)
@@ -56,7 +66,7 @@ class EpisodeRecord:
         done: list[Asked] = []
         for number in range(len(self.steps)):
             asked = self.steps.get(number, [])
-            if not asked or asked[-1].outcome is None:
+            if not asked or asked[-1].answer is None:
                 break
             done.append(asked[-1])
         return done
@@ -122,10 +132,11 @@ class _Reader:
                         break
         elif asked:
             last = asked[-1]
-            if last.outcome is None:
-                last.outcome = answer.outcome
-            elif not same(last.outcome, answer.outcome):
-                path, expected, got = difference(last.outcome, answer.outcome)
+            before = last.outcome
+            if before is None:
+                last.answer = message.copy.payload
+            elif not same(before, answer.outcome):
+                path, expected, got = difference(before, answer.outcome)
                 damage = Damage(step=answer.step, field=path, expected=expected, got=f"{got}, answered again")
                 episode.damage.append(damage)
 
@@ -161,7 +172,7 @@ class _Reader:
 
 def _was_answered(episode: EpisodeRecord) -> bool:
     """Whether a simulator did, or refused to do, any of its steps, and not only asked to be led to them first."""
-    return any(one.outcome or one.refusal for asked in episode.steps.values() for one in asked)
+    return any(one.is_told for asked in episode.steps.values() for one in asked)
 
 
 def same(one: msgspec.Struct, other: msgspec.Struct) -> bool:
