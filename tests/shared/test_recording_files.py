@@ -75,8 +75,19 @@ def test_a_recording_can_be_read_in_parts_each_of_which_is_a_whole_file(tmp_path
         read_recording([parts[0], parts[2]])
     cut, recovered = tmp_path / "cut.mcap", tmp_path / "recovered.mcap"
     cut.write_bytes(parts[1].read_bytes()[:-100])
-    recover(cut, recovered)
+    stated = recover(cut, recovered).completeness
+    assert stated["n_missing"] == "0"
+    assert "sim/main/action of agent main (agent-1): 5 messages before the first one here" in stated["notes"]
     assert read_recording([parts[0], recovered, *parts[2:]]).messages == recording.messages
+
+
+def test_messages_that_are_missing_in_the_middle_of_what_is_recovered_are_told(tmp_path: Path) -> None:
+    actions, answers = traffic(mission())
+    (path,) = write(tmp_path / "a.mcap", [a for a in actions if a.sequence not in (7, 8)], answers)
+    path.write_bytes(path.read_bytes()[:-100])
+    stated = recover(path, tmp_path / "b.mcap").completeness
+    assert stated["n_missing"] == "2"
+    assert "sim/main/action of agent main (agent-1): 2 of 24 messages are missing" in stated["notes"]
 
 
 def test_parts_are_read_in_the_order_of_their_numbers_whatever_their_names(tmp_path: Path) -> None:

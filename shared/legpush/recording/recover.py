@@ -62,15 +62,21 @@ def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
 
 
 def gaps(messages: list[Recorded]) -> tuple[int, list[str]]:
-    """How many messages are missing between the first and the last of each sender, and which."""
+    """How many messages are missing between the first and the last of each sender, and which; what was before is noted.
+
+    It is in another part, or from before the recording began, or lost: what is left of a file does not tell.
+    """
     sequences: dict[tuple[str, Origin], list[int]] = {}
     for message in messages:
         sequences.setdefault((message.topic, message.origin), []).append(message.copy.sequence)
-    n_missing, notes = 0, []
+    n_missing, losses, before = 0, [], []
     for (topic, origin), numbers in sequences.items():
-        n = max(numbers) + 1 - len(set(numbers))
+        first, n_expected = min(numbers), max(numbers) + 1 - min(numbers)
+        n = n_expected - len(set(numbers))
         n_missing += n
+        label = f"{topic} of {origin.role} {origin.name} ({origin.incarnation})"
         if n:
-            label = f"{topic} of {origin.role} {origin.name} ({origin.incarnation})"
-            notes.append(f"{label}: {n} of {max(numbers) + 1} messages are missing")
-    return n_missing, notes
+            losses.append(f"{label}: {n} of {n_expected} messages are missing")
+        if first:
+            before.append(f"{label}: {first} messages before the first one here")
+    return n_missing, [*losses, *before]
