@@ -1,0 +1,34 @@
+"""`python -m sim_proc.view`: the program behind `legpush view`."""
+
+import sys
+import webbrowser
+
+import tyro
+
+from legpush.errors import LegpushError
+from legpush.launch.viewing import ViewOptions
+from legpush.service import one_line, stop_on_signals
+from sim_proc.view.page import Page
+from sim_proc.view.sources import RecordedRun
+
+
+def main() -> int:
+    """Serve the page until Ctrl-C."""
+    options = tyro.cli(ViewOptions, prog="legpush view")
+    stop = stop_on_signals()
+    try:
+        source = RecordedRun(options.files)
+        with Page(source, options.host, options.port) as page:
+            sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
+            sys.stdout.flush()
+            if options.open:
+                webbrowser.open(page.url)
+            page.run(stop)
+    except LegpushError as error:
+        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        return error.exit_code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
