@@ -1,7 +1,6 @@
 """`legpush run`: a whole mission, from the options to the report."""
 
 import os
-import re
 import shlex
 import sys
 from collections.abc import Callable, Mapping
@@ -10,7 +9,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
 from rich.console import Console
@@ -22,7 +20,8 @@ from legpush.endpoints import in_directory
 from legpush.errors import ConfigError
 from legpush.launch.crew import Crew
 from legpush.launch.display import make_display
-from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, run_folder
+from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, run_folder, run_name
+from legpush.launch.live_runs import LiveRun, shown, socket_directory
 from legpush.launch.options import RunOptions, split_command
 from legpush.launch.processes import Command
 from legpush.launch.recorder import MissionRecorder
@@ -60,8 +59,8 @@ class Place:
 
     @property
     def run(self) -> str:
-        """Name of the run on the bus: that of its folder, so that a run that goes on is the same run."""
-        return re.sub(r"[^A-Za-z0-9_-]", "-", self.folder.name)[:64] or "run"
+        """Name of the run on the bus."""
+        return run_name(self.folder)
 
 
 def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
@@ -88,6 +87,8 @@ class Programs:
     film: Callable[[Path], tuple[str, ...]] = film_arguments
     again: Callable[[Path], str] | None = None
     """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
+    kind: str = "run"
+    """The subcommand of `legpush` that runs it."""
 
 
 def run_mission(
@@ -154,12 +155,13 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
 
 
 def _run_in(
-    shown: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
+    given: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
 ) -> Verdict:
     """Run the mission and film it; everything that it started has ended afterwards."""
     with ExitStack() as stack:
-        sockets = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-")))
-        place = Place(folder=shown.absolute(), sockets=sockets)
+        sockets = stack.enter_context(socket_directory())
+        place = Place(folder=given.absolute(), sockets=sockets)
+        for_recorders = in_directory(sockets, "recorder")
         bus = stack.enter_context(Bus(place.run, "launcher", "main", in_directory(sockets, "launcher")))
         statuses = bus.subscribe(channels.statuses(bus.run))
         display = stack.enter_context(make_display(console))
@@ -169,7 +171,7 @@ def _run_in(
         recorder = None
         if options.record is not None:
             log = place.folder / LOGS / "recorder.log"
-            recorder = MissionRecorder(options.record, place.run, in_directory(sockets, "recorder"), display)
+            recorder = MissionRecorder(options.record, place.run, for_recorders, display)
             recorder.start(crew, log, environment, about)
         commands = [
             Command(
@@ -188,7 +190,8 @@ def _run_in(
             limits=Limits(mission_s=options.deadline_s),
             on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
         )
-        verdict = supervisor.run(commands)
+        with shown(LiveRun.now(place.run, programs.kind, place.folder, for_recorders.connect), sockets):
+            verdict = supervisor.run(commands)
         if recorder is not None:
             recorder.report(place.folder)
         if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
