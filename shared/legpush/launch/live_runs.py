@@ -112,15 +112,16 @@ def _read(path: Path) -> LiveRun | None:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return None
-    with open(descriptor, "rb") as file:
+    try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or not _is_locked(descriptor):
             return None
-        try:
-            run = msgspec.json.decode(file.read(), type=LiveRun)
-            Endpoints(connect=run.connect)
-        except (OSError, msgspec.MsgspecError, EndpointError):
-            return None
+        run = msgspec.json.decode(os.read(descriptor, MAX_BYTES), type=LiveRun)
+        Endpoints(connect=run.connect)
+    except (OSError, UnicodeDecodeError, msgspec.MsgspecError, EndpointError):
+        return None
+    finally:
+        os.close(descriptor)
     return run if run.protocol == PROTOCOL_VERSION else None
 
 

@@ -44,6 +44,8 @@ from legpush.scenario_file import load_scenario, override
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """What each process cannot start without; the rest of its extra comes along."""
+RECORDED: Final = ("--recorded",)
+"""Has a process keep copies of what it says from its start on, for a recorder that is about to come."""
 ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
 """Arrays here are small: more threads only get in each other's way."""
 
@@ -150,8 +152,14 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
     if options.inject_faults > 0.0 and not foreign:
         flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
     if options.record is not None and not foreign:
-        flags += ["--recorded"]
+        flags += RECORDED
     return tuple(flags)
+
+
+def flags_again(role: Role, options: RunOptions) -> tuple[str, ...]:
+    """What `bus_flags` lack where a process is started again: somebody may be recording by then."""
+    foreign = role == "planner" and options.planner_command is not None
+    return () if foreign or options.record is not None else RECORDED
 
 
 def _run_in(
@@ -179,6 +187,7 @@ def _run_in(
                 argv=programs.process(role, options, place) + bus_flags(role, options, place),
                 log=place.folder / LOGS / f"{role}.log",
                 environment=environment,
+                flags_again=flags_again(role, options),
             )
             for role in ROLES
         ]

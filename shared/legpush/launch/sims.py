@@ -18,7 +18,7 @@ from legpush.launch.folder import run_name
 from legpush.launch.live_runs import LiveRun, shown, socket_directory
 from legpush.launch.processes import Command, Process, describe_exit
 from legpush.launch.recorder import INCOMPLETE, recorder_arguments, what_is_missing
-from legpush.launch.run import child_environment
+from legpush.launch.run import RECORDED, child_environment
 from legpush.patience import SLICE_S
 
 log = logging.getLogger(__name__)
@@ -134,13 +134,14 @@ class SimPool:
         at = self._at[name]
         flags = ("--run", self.run, "--name", name, "--listen", *at.listen, "--connect", *at.connect)
         if self.record is not None:
-            flags += ("--recorded",)
+            flags += RECORDED
         return Command(
             role=name,
             # -P: what lies in the working directory is no part of the program.
             argv=(sys.executable, "-P", *self._program, *flags),
             log=self._logs / f"{name}.log",
             environment=child_environment(os.environ),
+            flags_again=() if self.record is not None else RECORDED,
         )
 
 
@@ -169,4 +170,4 @@ class _Post:
             )
         self._n_restarts += 1
         self._started_at = monotonic()
-        self.process = crew.start(ended.command)
+        self.process = crew.start(ended.command.again())
