@@ -39,6 +39,8 @@ def run_recorder(options: RecordOptions) -> int:
     mb = 1_000_000
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
     log.info("recording run %s", watched)
+    if watched.launched is None and not options.connect:
+        log.info("no launcher has it going: waiting for processes that are started by hand")
     file = RecordingFile(options.file, about, split)
     try:
         with Bus(watched.run, "recorder", options.name, at) as bus:
