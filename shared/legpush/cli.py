@@ -18,6 +18,7 @@ from legpush.launch.options import RunOptions
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
 from legpush.launch.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.launch.rooms import RandomScenario
+from legpush.launch.viewing import ViewOptions, start_view
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -90,6 +91,7 @@ Command = (
     | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
     | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
+    | Annotated[ViewOptions, tyro.conf.subcommand("view")]
 )
 
 
@@ -116,6 +118,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             | RecoverOptions
             | ReplayOptions
             | BranchOptions
+            | ViewOptions
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -126,6 +129,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         for options, program in PROGRAMS.items():
             if isinstance(command, options):
                 start_program(program, argv[1:])
+        if isinstance(command, ViewOptions):
+            start_view(argv[1:])
         return execute(command)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")

@@ -1,7 +1,9 @@
 """`python -m sim_proc.view`: the program behind `legpush view`."""
 
+import os
 import sys
 import webbrowser
+from typing import Final
 
 import tyro
 
@@ -9,7 +11,10 @@ from legpush.errors import LegpushError
 from legpush.launch.viewing import ViewOptions
 from legpush.service import one_line, stop_on_signals
 from sim_proc.view.page import Page
-from sim_proc.view.sources import RecordedRun
+from sim_proc.view.sources import LiveRun, RecordedRun
+
+NICENESS: Final = 10
+"""Whom it watches goes first."""
 
 
 def main() -> int:
@@ -17,8 +22,11 @@ def main() -> int:
     options = tyro.cli(ViewOptions, prog="legpush view")
     stop = stop_on_signals()
     try:
-        source = RecordedRun(options.files)
-        with Page(source, options.host, options.port) as page:
+        source: RecordedRun | LiveRun
+        source = RecordedRun(options.files) if options.files else LiveRun(options.run, options.connect)
+        with Page(source, options.host, options.port) as page, source:
+            if source.is_live:
+                os.nice(NICENESS)
             sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
             sys.stdout.flush()
             if options.open:

@@ -48,9 +48,11 @@ CAMERAS: Final = {
 class Source(Protocol):
     """Where timelines come from."""
 
-    title: str
-    """For people."""
     is_live: bool
+
+    @property
+    def title(self) -> str:
+        """For people."""
 
     def pump(self, timelines: Timelines, budget_s: float) -> None:
         """Add what has come, for so long at most."""
@@ -122,6 +124,8 @@ class Page:
             if not self._player.follows:
                 at_ns = self._timeline.time_ns_at(row)
         live = self._source.live() if self._player.follows or self._timeline is None else None
+        if self._timeline is None:
+            self._panel.show_waiting(self._source.is_live)
         self._panel.show_processes(self._source.title, conditions(self._timelines.said, at_ns, live))
 
     def _choose(self) -> None:
@@ -157,6 +161,7 @@ class Page:
 
     def _obey_in_time(self, command: Command, timeline: Timeline) -> None:
         player = self._player
+        self._follows_newest = False
         match command.name:
             case "seek":
                 player.seek(float(command.value), timeline)
@@ -170,7 +175,6 @@ class Page:
                 n = -1 if "<" in command.value else 1
                 (player.move_steps if "|" in command.value else player.move_rows)(n, timeline)
             case "episode":
-                self._follows_newest = False
                 index = int(str(command.value).partition(":")[0])
                 self._begin(list(self._timelines.episodes.values())[index])
             case _:

@@ -101,6 +101,11 @@ class Panel:
             self._live.disabled = player.follows
         self._set(self._now, now_html(timeline, row))
 
+    def show_waiting(self, live: bool) -> None:
+        """That there is nothing to see yet."""
+        text = "Nothing has moved yet. <code>legpush run</code> in a terminal begins a run." if live else "Reading."
+        self._set(self._now, f"<div style='padding:.2em .8em;{SMALL}'>{text}</div>")
+
     def _set(self, handle: Any, content: str) -> None:
         """Only where it says something else now."""
         if self._shown.get(id(handle)) != content:

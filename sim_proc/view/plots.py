@@ -32,9 +32,9 @@ class Curve:
 
 
 def rewards(timeline: Timeline, rows: Rows) -> Array:
-    """What the step that led to each row earned; NaN of one that is not known to have earned anything."""
+    """What the step that led to each row earned; 0 of one that is not known to have earned anything."""
     starts = np.array([step.first_row for step in timeline.steps])
-    earned = np.array([timeline.rewards.get(step.number, np.nan) for step in timeline.steps])
+    earned = np.array([timeline.rewards.get(step.number, 0.0) for step in timeline.steps])
     found: Array = earned[np.searchsorted(starts, rows, side="right") - 1]
     return found
 
@@ -91,17 +91,17 @@ PLOTS: Final = (
 
 
 class Plots:
-    """All of them, in the current container of the page; one without any value is not there."""
+    """All of them, in the current container of the page."""
 
     def __init__(self, server: viser.ViserServer) -> None:
-        """Not there yet."""
+        """Empty."""
         nothing = np.zeros(1)
         self._handles: list[Any] = []
         self._drawn: object = None
         for plot in PLOTS:
             series: list[dict[str, Any]] = [{"label": "t [s]"}]
             series += [{"stroke": c.color, "width": 1.5, "scale": c.scale, "label": c.label} for c in plot.curves]
-            series.append({"stroke": NOW_GREY, "width": 1.5, "label": "now"})
+            series.append({"stroke": NOW_GREY, "width": 1.5, "scale": "now", "label": "now"})
             axes: list[dict[str, Any]] = [{"size": 26, "font": FONT}, {"scale": "y", "size": 44, "font": FONT}]
             if any(curve.scale == "y2" for curve in plot.curves):
                 axes.append({"scale": "y2", "side": 1, "size": 36, "font": FONT, "grid": {"show": False}})
@@ -109,11 +109,10 @@ class Plots:
                 (nothing,) * (2 + len(plot.curves)),
                 tuple(series),  # type: ignore[arg-type]
                 title=plot.title,
-                scales={"x": {"time": False}},
+                scales={"x": {"time": False}, "now": {"range": (0.0, 1.0)}},
                 axes=tuple(axes),  # type: ignore[arg-type]
                 legend={"show": True, "live": False},
                 height=HEIGHT,
-                visible=False,
             )
             self._handles.append(handle)
 
@@ -125,29 +124,14 @@ class Plots:
         self._drawn = source
         rows = np.sort(np.concatenate([chosen_rows(timeline.n_rows), [row, row]]))
         time_s = timeline.time_s[rows]
+        now = np.full(len(rows), np.nan)
+        first = int(np.searchsorted(rows, row))
+        now[first : first + 2] = 0.0, 1.0
         for plot, handle in zip(PLOTS, self._handles, strict=True):
-            curves = plot.values(timeline, rows)
-            scales: dict[str, Any] = {"x": {"time": False}}
-            for name in {curve.scale for curve in plot.curves}:
-                of_scale = [values for curve, values in zip(plot.curves, curves, strict=True) if curve.scale == name]
-                scales[name] = bounds(np.concatenate(of_scale))
-            known = all(scale is not None for scale in scales.values())
-            if known:
-                now = np.full(len(rows), np.nan)
-                first = int(np.searchsorted(rows, row))
-                now[first], now[first + 1] = scales["y"]["range"]
-                if handle.scales != scales:
-                    handle.scales = scales
-                handle.data = (time_s, *curves, now)
-            if handle.visible != known:
-                handle.visible = known
+            handle.data = (time_s, *map(begun, plot.values(timeline, rows)), now)
 
 
-def bounds(values: Array) -> dict[str, Any] | None:
-    """A scale with a little space about all values; None where none is known."""
-    known = values[np.isfinite(values)]
-    if not len(known):
-        return None
-    low, high = float(known.min()), float(known.max())
-    space = 0.05 * (high - low) or 1.0
-    return {"range": (round(low - space, 3), round(high + space, 3))}
+def begun(values: Array) -> Array:
+    """A curve that begins with a number, if it has any: charts find no scale for one that begins with none."""
+    known = np.flatnonzero(np.isfinite(values))
+    return values if not len(known) else np.concatenate([np.full(known[0], values[known[0]]), values[known[0] :]])

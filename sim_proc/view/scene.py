@@ -75,7 +75,7 @@ class Scene:
         """Draw another episode from now on."""
         scene = self._server.scene
         with self._server.atomic():
-            for handle in [*self._layers.values(), *(each for some in self._handles.values() for each in some)]:
+            for handle in [*(each for some in self._handles.values() for each in some), *self._layers.values()]:
                 handle.remove()
             self._handles.clear()
             self._poses.clear()

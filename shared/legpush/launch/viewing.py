@@ -1,7 +1,6 @@
 """What `legpush view` can be told."""
 
 import os
-import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,8 +24,8 @@ class ViewOptions:
 
     files: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")] = ()
     """A recording, or its parts; without any, the run that goes on, or the next one that begins."""
-    run: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
-    """Which run, where there are several."""
+    run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
+    """Which run, where there are several; LEGPUSH_RUN says the same."""
     connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT ...")] = ()
     """Endpoints of its processes, where they were not started by this command."""
     host: str = "127.0.0.1"
@@ -41,8 +40,6 @@ class ViewOptions:
             raise ConfigError("Expected either the files of a recording or a live run (--run, --connect), got both")
         if not 0 <= self.port <= MAX_PORT:
             raise ConfigError(f"Expected a port from 0 to {MAX_PORT} for --port, got {self.port}")
-        if self.run is not None and re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.run) is None:
-            raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --run, got {self.run!r}")
 
 
 def start_view(argv: Sequence[str]) -> NoReturn:
