@@ -30,13 +30,17 @@ FEET: Final[tuple[Rgb, ...]] = ((205, 60, 45), (235, 140, 60), (40, 90, 160), (9
 """Colours of the traces of FL, FR, RL, RR."""
 LAYERS: Final = {
     "tree": "Search tree",
-    "paths": "Planned paths",
-    "traces": "Foot and box traces",
-    "curve": "Bézier curve of a push",
-    "forces": "Contact forces",
-    "support": "Support polygon, ZMP, CoM",
+    "paths": "Paths",
+    "traces": "Traces",
+    "curve": "Push curve",
+    "forces": "Forces",
+    "support": "Support, ZMP",
 }
 """What can be hidden."""
+SHORTEST_M: Final = 0.005
+"""Arrows that are shorter are not seen."""
+BELOW_M: Final = -100.0
+"""Where they are kept meanwhile."""
 SMOOTHING: Final = 0.15
 """Of the place that the view follows, per update."""
 
@@ -118,7 +122,9 @@ class Scene:
                 self._traces.points = overlays.foot_traces(timeline, row).reshape(-1, 2, 3).astype(np.float32)
                 self._box_trace(timeline, row)
             if self._shown["forces"]:
-                self._forces.points = overlays.contact_arrows(timeline, row).astype(np.float32)
+                arrows = overlays.contact_arrows(timeline, row)
+                arrows[np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) < SHORTEST_M] = BELOW_M
+                self._forces.points = arrows.astype(np.float32)
             if self._shown["support"]:
                 self._show_support(timeline, row)
         self._server.flush()
