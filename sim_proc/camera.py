@@ -13,7 +13,7 @@ from legpush.launch.export import View
 from sim_proc.film import Film
 from sim_proc.model import build_model
 from sim_proc.scenery import wall_name
-from sim_proc.views import FIELD_OF_VIEW_RAD, look
+from sim_proc.views import FIELD_OF_VIEW_RAD, FROM_ABOVE, look
 
 PATH_GREEN: Final = (0.10, 0.55, 0.30, 0.8)
 FRONT_RED: Final = (0.80, 0.24, 0.18, 0.6)
@@ -40,6 +40,10 @@ class Camera:
         self._aspect = size.width / size.height
         self._model = build_model(film.scenario)
         visual = self._model.vis.global_
+        if view in FROM_ABOVE:  # the floor reflects a light beside the camera, and would be white
+            self._model.vis.headlight.diffuse[:] = 0.05
+            self._model.vis.headlight.specular[:] = 0.0
+            self._model.light_diffuse[:] *= 0.8
         visual.fovy = degrees(FIELD_OF_VIEW_RAD)
         visual.offwidth, visual.offheight = max(visual.offwidth, size.width), max(visual.offheight, size.height)
         self._data = mujoco.MjData(self._model)

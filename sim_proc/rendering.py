@@ -142,7 +142,9 @@ _worker: dict[str, object] = {}
 def _open_camera(film: Film, take: Take, stop: Event) -> None:
     from sim_proc.camera import Camera, FrameSize
 
-    _worker.update(camera=Camera(film, FrameSize(width=take.width, height=take.height), take.view), take=take, stop=stop)
+    _worker.update(
+        camera=Camera(film, FrameSize(width=take.width, height=take.height), take.view), take=take, stop=stop
+    )
 
 
 def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:

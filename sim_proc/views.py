@@ -18,6 +18,7 @@ AHEAD_M: Final = 0.35
 LOOK_HEIGHT_M: Final = 0.2
 ORBIT_S: Final = 60.0
 """Simulated time of one turn."""
+FROM_ABOVE: Final[tuple[View, ...]] = ("top", "room")
 ROOM_BORDER: Final = 1.08
 """What is seen of the floor, over what the room has."""
 
@@ -42,7 +43,7 @@ def look(film: Film, view: View, row: int, aspect: float) -> Look:
         case "follow":
             return _at_robot(film, row, heading + radians(65.0), -28.0)
         case "side":
-            return _at_robot(film, row, heading + pi / 2, -8.0, distance_m=2.6)
+            return _at_robot(film, row, heading + pi / 2, -15.0, distance_m=2.6)
         case "front":
             return _at_robot(film, row, heading + pi, -22.0)
         case "rear":

@@ -37,7 +37,9 @@ def take_of(film: Film, options: ExportOptions) -> Take:
     last_s = first_s + film.duration_s
     if options.start_s > last_s or (options.end_s is not None and options.end_s < first_s):
         flag, got = ("start", options.start_s) if options.start_s > last_s else ("end", options.end_s)
-        raise ConfigError(f"Expected a time of the episode, from {first_s:.2f} to {last_s:.2f} s, for --{flag}, got {got}")
+        raise ConfigError(
+            f"Expected a time of the episode, from {first_s:.2f} to {last_s:.2f} s, for --{flag}, got {got}"
+        )
     begin = max(0, _row(options.start_s - first_s))
     end = len(film.qpos) if options.end_s is None else min(len(film.qpos), _row(options.end_s - first_s) + 1)
     speed = options.speed or usual_speed((end - begin) * CONTROL_PERIOD_S)

@@ -31,8 +31,8 @@ FASTEST_GIF_FPS: Final = 50.0
 class ExportOptions:
     """Export a recording for other programs: a file for Foxglove, a table of its time series, or a film.
 
-    Exit codes: 0 exported, 2 bad input, 3 a program or library failed, 4 nothing can be drawn here, 130 interrupted. The
-    recording stays as it is, a file that exists is kept, and what is not whole never gets the name that was asked for.
+    Exit codes: 0 exported, 2 bad input, 3 a program or library failed, 4 nothing can be drawn here, 130 interrupted.
+    The recording stays as it is, a file that exists is kept, and what is not whole never gets the name asked for.
     """
 
     files: Files
@@ -69,15 +69,16 @@ class ExportOptions:
         if self.episode is not None and self.episode < 0:
             raise ConfigError(f"Expected 0 or more for --episode, got {self.episode}; `legpush info` lists them")
         self._check_film(made)
-        for out in (self.out, self.target()):
-            if out is not None:
-                require_new_file(out, "--out")
+        if self.out is not None or self.target().parent.is_dir():
+            require_new_file(self.target(), "--out")
 
     def format(self) -> Format:
         """What is made; `ConfigError` where it is not said, or twice and not the same."""
         if self.out is None:
             if self.to is None:
-                raise ConfigError(f"Expected --to with one of {', '.join(ENDINGS)}, or --out with its ending, got neither")
+                raise ConfigError(
+                    f"Expected --to with one of {', '.join(ENDINGS)}, or --out with its ending, got neither"
+                )
             return self.to
         told = next((name for name, ending in ENDINGS.items() if self.out.suffix.lower() == ending), None)
         if told is None or self.to not in (None, told):
