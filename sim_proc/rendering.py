@@ -18,7 +18,7 @@ from typing import Final
 import imageio_ffmpeg
 import numpy as np
 
-from legpush.errors import LegpushError, StopRequestedError
+from legpush.errors import LegpushError
 from legpush.launch.export import View
 from legpush.robot import CONTROL_PERIOD_S
 from sim_proc.film import Film
@@ -154,6 +154,8 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
     camera, take, stop = _worker["camera"], _worker["take"], _worker["stop"]
     if not isinstance(camera, Camera) or not isinstance(take, Take) or not isinstance(stop, Event):
         raise TypeError("The worker was not opened")
+    if stop.is_set():
+        return
     writer = imageio_ffmpeg.write_frames(
         str(path),
         (take.width, take.height),
@@ -165,9 +167,9 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
     )
     writer.send(None)
     for row in rows:
-        if stop.is_set():
-            raise StopRequestedError("stopped while rendering")
         writer.send(camera.frame(row).tobytes())
+        if stop.is_set():  # a film of one frame is one: ffmpeg has nothing to complain about
+            break
     writer.close()
 
 

@@ -103,7 +103,7 @@ def test_ticks_without_a_trace_stand_still_and_an_episode_of_them_cannot_be_film
         film(False, False)
 
 
-def test_the_video_has_a_frame_for_every_twentieth_second_at_its_speed_or_says_why_there_is_none(
+def test_the_video_has_twenty_frames_for_each_of_its_seconds_or_says_why_there_is_none(
     run_folder: Path,
 ) -> None:
     done = make_video(run_folder)

@@ -31,9 +31,9 @@ def expected(timelines: list[Timeline]) -> dict[str, np.ndarray]:
             one[f"trunk_{axis}_w_m"] = timeline.qpos[:, i]
             one[f"box_{axis}_w_m"] = timeline.qpos[:, 19 + i]
             one[f"com_{axis}_w_m"] = timeline.com_m[:, i]
-            for leg, name in enumerate(LEGS):
-                one[f"tip_{name}_{axis}_w_m"] = timeline.tips_m[:, leg, i]
-                one[f"force_{name}_{axis}_w_n"] = timeline.contact_forces_n[:, leg, i]
+            for foot, leg in enumerate(LEGS):
+                one[f"tip_{leg}_{axis}_w_m"] = timeline.tips_m[:, foot, i]
+                one[f"force_{leg}_{axis}_w_n"] = timeline.contact_forces_n[:, foot, i]
         for i, part in enumerate("wxyz"):
             one[f"trunk_q{part}_w"] = timeline.qpos[:, 3 + i]
             one[f"box_q{part}_w"] = timeline.qpos[:, 22 + i]
