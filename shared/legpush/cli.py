@@ -19,6 +19,7 @@ from legpush.launch.options import RunOptions
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
 from legpush.launch.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.launch.rooms import RandomScenario
+from legpush.launch.viewing import ViewOptions, start_view
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -95,6 +96,7 @@ Command = (
     | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
     | Annotated[ExportOptions, tyro.conf.subcommand("export")]
+    | Annotated[ViewOptions, tyro.conf.subcommand("view")]
 )
 
 
@@ -122,6 +124,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             | ReplayOptions
             | BranchOptions
             | ExportOptions
+            | ViewOptions
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -132,6 +135,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         for options, program in PROGRAMS.items():
             if isinstance(command, options):
                 start_program(program, argv[1:])
+        if isinstance(command, ViewOptions):
+            start_view(argv[1:])
         return execute(command)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")

@@ -19,6 +19,7 @@ PARTS = [
     ("planner_proc", ("planner",)),
     ("sim_proc", ("sim",)),
     ("sim_proc/export", ("view",)),
+    ("sim_proc/view", ("view",)),
     ("agent_proc", ("agent",)),
 ]
 """Source folder, without those in it that are parts themselves, and the extras that its hosts install."""

@@ -13,7 +13,7 @@ ROGUES = {
     "What they share imports none of them": ("legpush", "import planner_proc"),
     "Planner and simulator load no learning library": ("sim_proc", "import torch"),
     "Only planner_proc.ompl_search, steering and dubins import OMPL": ("planner_proc", "from ompl import base"),
-    "Only the simulator's model, scenery, physics, camera and shapes import MuJoCo": ("sim_proc", "import mujoco"),
+    "Only the simulator's model, scenery, physics and pictures import MuJoCo": ("sim_proc", "import mujoco"),
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc", "import foxglove"),
     "Only tables import PyArrow": ("agent_proc", "import pyarrow"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),

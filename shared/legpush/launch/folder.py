@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import datetime
@@ -22,6 +23,11 @@ VIDEO_FILE: Final = "mission.mp4"
 def default_folder(scenario: Scenario, seed: int, now: datetime) -> Path:
     """`runs/<timestamp>-<scenario>-seed<N>`, under the working directory."""
     return Path("runs") / f"{now:%Y%m%d-%H%M%S}-{scenario.name}-seed{seed}"
+
+
+def run_name(folder: Path) -> str:
+    """Name of a run on the bus: that of its folder, so that a run that goes on is the same run."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", folder.name)[:64] or "run"
 
 
 @contextmanager
