@@ -163,6 +163,8 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
         codec="libx264rgb" if take.gif else "libx264",
         pix_fmt_out="rgb24" if take.gif else "yuv420p",
         macro_block_size=2,
+        quality=None,
+        ffmpeg_log_level="error",
         output_params=list(LOSSLESS if take.gif else SMALL),
     )
     writer.send(None)

@@ -136,6 +136,24 @@ def test_the_scene_has_every_shape_of_the_model_once(messages: list[Read], timel
     assert sorted(round(sphere.pose.position.z, 9) for sphere in lower.spheres) == [-0.37, -0.37, 0.0]
 
 
+def test_every_shape_is_where_mujoco_has_it(messages: list[Read], timeline: Timeline) -> None:
+    model = build_model(timeline.scenario)
+    data = mujoco.MjData(model)
+    data.qpos[:] = timeline.qpos[0]
+    mujoco.mj_kinematics(model, data)
+    compared, tolerance_m = 0, 0.0051  # the floor is a slab below the plane, half of it
+    for topic in ("/scene/room", "/scene/robot", "/scene/box", "/scene/appeared"):
+        for entity in under(messages, topic)[0].entities:
+            body = data.body(entity.frame_id)
+            primitives = [*entity.cubes, *entity.cylinders, *entity.spheres]
+            turn = body.xmat.reshape(3, 3)
+            places = [turn @ numbers(each.pose.position) + body.xpos for each in primitives]
+            for geom in np.flatnonzero(model.geom_bodyid == body.id):
+                assert min(float(np.abs(data.geom_xpos[geom] - place).max()) for place in places) < tolerance_m
+                compared += 1
+    assert compared == model.ngeom - 1
+
+
 def numbers_close(one: list[float], other: tuple[float, ...]) -> bool:
     return np.allclose(one, other, atol=1e-12)
 

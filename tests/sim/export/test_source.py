@@ -64,7 +64,7 @@ def test_a_recording_that_began_late_is_exported_from_there_on_and_said_so(said:
     late = tmp_path / "late.mcap"
     actions, answers = said
     write(late, without(actions[:4], 0), without(answers[:4], 0), n_per_batch=50, facts=facts)
-    source = read_source([late], None, partial=True)
+    source = read_source([late], None, partial=False)
     (episode,) = source.episodes
     assert [step.number for step in episode.timeline.steps] == [1, 2, 3]
     assert episode.timeline.scenario == scenario
