@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from functools import singledispatch
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, get_args
 
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
+from legpush.launch.export import ExportOptions, View
 from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
 from legpush.launch.maps import MapOptions
 from legpush.launch.options import RunOptions
@@ -67,6 +68,8 @@ class Render:
 
     run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]
     """The folder of the run."""
+    camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
+    """Where it is seen from; `legpush export --help` says what each shows."""
 
 
 PROGRAMS: Final[dict[type, Program]] = {
@@ -74,8 +77,9 @@ PROGRAMS: Final[dict[type, Program]] = {
     EvaluateOptions: "evaluate",
     CalibrateOptions: "calibrate",
     MapOptions: "show_map",
+    ExportOptions: "sim_proc.export",
 }
-"""What the agent does, in processes of its own."""
+"""What is done by a program, in a process of its own."""
 
 Command = (
     Annotated[RunOptions, tyro.conf.subcommand("run")]
@@ -91,6 +95,7 @@ Command = (
     | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
     | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
+    | Annotated[ExportOptions, tyro.conf.subcommand("export")]
     | Annotated[ViewOptions, tyro.conf.subcommand("view")]
 )
 
@@ -118,6 +123,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             | RecoverOptions
             | ReplayOptions
             | BranchOptions
+            | ExportOptions
             | ViewOptions
         ) = tyro.cli(
             Command,
@@ -207,7 +213,7 @@ def _render(command: Render) -> int:
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
-    argv = film_arguments(command.run_folder)
+    argv = film_arguments(command.run_folder, command.camera)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
 
