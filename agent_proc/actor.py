@@ -1,7 +1,7 @@
 """What a mission does in its world: walk, approach a face of the box, ask the planner, and know where everything is."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import groupby
 from math import degrees, radians
 from typing import Final, Literal, Protocol
@@ -55,6 +55,9 @@ class World(Protocol):
 
     def tell(self, phase: str, fraction: float | None, detail: str) -> None:
         """Let people know what goes on."""
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Let people know what the last step earned, term by term."""
 
 
 Revise = Callable[[Scenario], Scenario]

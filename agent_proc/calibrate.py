@@ -38,7 +38,7 @@ def run(options: CalibrateOptions, console: Console) -> int:
     stop, links_stop = stop_on_signals(), threading.Event()
     with TemporaryDirectory(prefix="legpush-calibrate-") as logs, _bar(console) as bar:
         task = bar.add_task("pushing", total=len(planned))
-        with simulators(options, Path(logs), links_stop) as worlds:
+        with simulators(options, Path(logs), links_stop, kind="calibrate") as worlds:
             try:
                 samples = calibrate(worlds, box, planned, on_cell=lambda: bar.advance(task), stop=stop)
             except StopRequestedError as error:

@@ -43,7 +43,7 @@ def run(options: RandomScenario) -> int:
     stop = stop_on_signals()
     with (
         TemporaryDirectory(prefix="legpush-rooms-") as logs,
-        SimPool(1, Path(logs), stop, run="rooms", role="planner") as pool,
+        SimPool(1, Path(logs), stop, kind="scenarios", role="planner") as pool,
         Bus(pool.run, "agent", "main", pool.endpoints) as bus,
     ):
         link = PlanLink(bus, stop=stop, patience=Patience(deadline_s=DEADLINE_S))

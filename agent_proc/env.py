@@ -88,6 +88,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         ending = self._ending(episode)
         episode.over = ending is not None
         terms = self._reward(before, episode, ending)
+        self._world.tell_reward(terms)
         info: dict[str, Any] = {
             "reward_terms": terms,
             "is_success": ending == "success",

@@ -50,7 +50,11 @@ def run(options: EvaluateOptions, console: Console) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     seeds = range(options.first_seed, options.first_seed + options.episodes)
     stop, links_stop = stop_on_signals(), threading.Event()
-    with own_folder(folder), simulators(options, folder / LOGS, links_stop) as worlds, _bar(console) as bar:
+    with (
+        own_folder(folder),
+        simulators(options, folder / LOGS, links_stop, kind="evaluate", folder=folder) as worlds,
+        _bar(console) as bar,
+    ):
         task = bar.add_task("evaluating", total=len(sweep.cases) * len(seeds))
         try:
             rows = evaluate(worlds, sweep.cases, seeds, policy, on_row=lambda _: bar.advance(task), stop=stop)

@@ -29,10 +29,15 @@ def run_program(work: Callable[[], int]) -> int:
         return error.exit_code
 
 
-def simulators(options: SimulatorOptions, logs: Path, stop: threading.Event) -> AbstractContextManager[list[BusWorld]]:
-    """Worlds of simulators that are started, or joined where the options say so."""
+def simulators(
+    options: SimulatorOptions, logs: Path, stop: threading.Event, *, kind: str, folder: Path | None = None
+) -> AbstractContextManager[list[BusWorld]]:
+    """Worlds of simulators that are started, or joined where the options say so.
+
+    `kind` of work and its `folder` are what a recorder or viewer is told about those that are started.
+    """
     if options.join is None:
-        return own_simulators(options.n_simulators, logs, stop, record=options.record)
+        return own_simulators(options.n_simulators, logs, stop, record=options.record, kind=kind, folder=folder)
     endpoints = Endpoints(listen=options.listen, connect=options.connect)
     return joined_simulators(options.n_simulators, options.join, endpoints, stop)
 

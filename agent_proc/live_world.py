@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from collections.abc import Mapping
 
 from agent_proc.branching import Branch
 from legpush.bus import Bus
@@ -76,6 +77,10 @@ class LiveWorld:
             log.info("%s: %s", phase, detail)
         self._told = (phase, fraction, detail)
         self._beacon.say(phase, fraction, detail)
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Publish what the last step earned."""
+        self._episode.tell_reward(terms)
 
     def _wait(self, text: str) -> None:
         """Publish whom the mission waits for, with what it was doing; empty when it goes on."""

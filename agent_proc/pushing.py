@@ -17,11 +17,12 @@ from agent_proc.poses import BoxError, distance_m, moved_m
 from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
 from agent_proc.push_map import PushMap
 from agent_proc.reference_path import reference_path
+from agent_proc.reward_tuned import tuned_reward
 from agent_proc.routes import calibration_query, query_for_box
 from legpush.faces import pushed_box, pushed_pose
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Push
+from legpush.messages.stepping import Push, WorldState
 from legpush.reference import Reference, least_radius_m
 from legpush.robot import FRONT_LEGS
 from legpush.scenario import Face, Goal
@@ -60,6 +61,8 @@ class Pushing:
         """Whether the box need not be calibrated any more."""
         self.n_cycles = 0
         """Pushes up to now."""
+        self._first: WorldState | None = None
+        """Before the first push."""
         self._n_cleared = 0
         """So many of the obstacles that have appeared are known not to be in the way of the present path."""
 
@@ -117,8 +120,13 @@ class Pushing:
         if not self._actor.at_station(face):
             self._actor.approach(face)
         self.n_cycles += 1
-        before = pushed_pose(self._actor.box(), face)
+        before, world = pushed_pose(self._actor.box(), face), self._actor.state
+        self._first = self._first or world
         self._actor.step(push)
+        # What the same push earns in training; policies do not see it here.
+        self._actor.world.tell_reward(
+            tuned_reward(self._first, world, self._actor.state, self._actor.scenario, arrived=False)
+        )
         if learn:
             self._estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))
 

@@ -15,17 +15,24 @@ from legpush.patience import SLICE_S, Patience, Stopwatch
 
 @contextmanager
 def own_simulators(
-    n: int, logs: Path, stop: threading.Event, patience: Patience | None = None, record: Path | None = None
+    n: int,
+    logs: Path,
+    stop: threading.Event,
+    patience: Patience | None = None,
+    record: Path | None = None,
+    *,
+    kind: str = "simulators",
+    folder: Path | None = None,
 ) -> Iterator[list[BusWorld]]:
     """Worlds of `n` simulators that are started here, and end here; one that dies is replaced. What is said is recorded
-    into the new file `record`, if there is one.
+    into the new file `record`, if there is one. `kind` and `folder` are those of the `SimPool`.
 
     They are there at once; each waits for its simulator when it is first stepped.
     """
     from legpush.launch.sims import SimPool
 
     with (
-        SimPool(n, logs, stop, record=record) as pool,
+        SimPool(n, logs, stop, kind=kind, folder=folder, record=record) as pool,
         Bus(pool.run, "agent", "main", pool.endpoints, recorded=record is not None) as bus,
     ):
         yield _worlds(bus, pool.names, stop, patience)

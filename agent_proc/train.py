@@ -45,7 +45,9 @@ def train(options: TrainOptions, console: Console) -> int:
     stop, links_stop = stop_on_signals(), threading.Event()
     with (
         own_folder(folder),
-        simulators(replace(options, simulators=plan.n_simulators), folder / LOGS, links_stop) as worlds,
+        simulators(
+            replace(options, simulators=plan.n_simulators), folder / LOGS, links_stop, kind="train", folder=folder
+        ) as worlds,
         _shown(console) as show,
     ):
         env = PushVecEnv(plan.task, worlds, stop=links_stop)

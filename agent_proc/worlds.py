@@ -1,5 +1,6 @@
 """Worlds that an environment steps: a simulator in this process, or one on the bus."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 from legpush.lockstep_client import PastStep, SimLink
@@ -11,6 +12,9 @@ class SteppingWorld(Protocol):
 
     def step(self, motion: Motion) -> Outcome:
         """What the motion leads to."""
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Let people know what the last step earned, term by term."""
 
 
 class Stepper(Protocol):
@@ -29,6 +33,9 @@ class LocalWorld:
     def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         """Carry out one motion."""
         return self._stepper.perform(motion, with_trace=with_trace)
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Nobody watches."""
 
 
 class BusWorld:
@@ -60,3 +67,8 @@ class BusWorld:
         self._episode = self._link.episode
         self._past.append(PastStep(motion, outcome.state_crc))
         return outcome
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Publish what the last step earned, unless another world uses the link meanwhile."""
+        if self._link.episode == self._episode:
+            self._link.tell_reward(len(self._past) - 1, terms)

@@ -9,17 +9,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from legpush.launch.export import View
 from sim_proc.film import Film
 from sim_proc.model import build_model
 from sim_proc.scenery import wall_name
+from sim_proc.views import FIELD_OF_VIEW_RAD, FROM_ABOVE, look
 
-DISTANCE_M: Final = 3.3
-ELEVATION_DEG: Final = -28.0
-OFF_HEADING_DEG: Final = 65.0
-"""The camera looks along the robot's heading, turned by this much: from the right, a little behind."""
-AHEAD_M: Final = 0.35
-"""It looks at a point this far ahead of the robot."""
-LOOK_HEIGHT_M: Final = 0.2
 PATH_GREEN: Final = (0.10, 0.55, 0.30, 0.8)
 FRONT_RED: Final = (0.80, 0.24, 0.18, 0.6)
 REAR_BLUE: Final = (0.16, 0.36, 0.62, 0.6)
@@ -36,37 +31,48 @@ class FrameSize:
 
 
 class Camera:
-    """Follows the robot of one film."""
+    """Sees one film from one view."""
 
-    def __init__(self, film: Film, size: FrameSize) -> None:
+    def __init__(self, film: Film, size: FrameSize, view: View = "follow") -> None:
         """Compile the film's world and open an off-screen OpenGL context."""
         self._film = film
+        self._view: View = view
+        self._aspect = size.width / size.height
         self._model = build_model(film.scenario)
+        visual = self._model.vis.global_
+        if view in FROM_ABOVE:  # the floor reflects a light beside the camera, and would be white
+            self._model.vis.headlight.diffuse[:] = 0.05
+            self._model.vis.headlight.specular[:] = 0.0
+            self._model.light_diffuse[:] *= 0.8
+        visual.fovy = degrees(FIELD_OF_VIEW_RAD)
+        visual.offwidth, visual.offheight = max(visual.offwidth, size.width), max(visual.offheight, size.height)
         self._data = mujoco.MjData(self._model)
         self._renderer = mujoco.Renderer(self._model, size.height, size.width)
         self._camera = mujoco.MjvCamera()
-        self._camera.distance = DISTANCE_M
-        self._camera.elevation = ELEVATION_DEG
 
-    def frame(self, tick: int) -> NDArray[np.uint8]:
-        """The world at a tick, (height, width, 3)."""
+    def frame(self, row: int) -> NDArray[np.uint8]:
+        """The world at a row of the film, (height, width, 3)."""
         film = self._film
-        self._data.qpos[:] = film.qpos[tick]
-        for index, row in film.hidden_until.items():
-            self._model.geom(wall_name(index)).rgba[3] = float(row is not None and row <= tick)
+        self._data.qpos[:] = film.qpos[row]
+        for index, since in film.hidden_until.items():
+            self._model.geom(wall_name(index)).rgba[3] = float(since is not None and since <= row)
         mujoco.mj_forward(self._model, self._data)
-        heading = film.heading_rad[tick]
-        ahead = AHEAD_M * np.array([np.cos(heading), np.sin(heading)])
-        self._camera.lookat[:] = [*(film.trunk_m[tick] + ahead), LOOK_HEIGHT_M]
-        self._camera.azimuth = degrees(heading) + OFF_HEADING_DEG
+        place = look(film, self._view, row, self._aspect)
+        self._camera.lookat[:] = place.at_m
+        self._camera.distance = place.distance_m
+        self._camera.azimuth, self._camera.elevation = degrees(place.azimuth_rad), degrees(place.elevation_rad)
         self._renderer.update_scene(self._data, self._camera)
-        self._add_marks(tick)
+        self._add_marks(row)
         pixels: NDArray[np.uint8] = self._renderer.render()
         return pixels
 
-    def _add_marks(self, tick: int) -> None:
+    def close(self) -> None:
+        """Give the OpenGL context back."""
+        self._renderer.close()
+
+    def _add_marks(self, row: int) -> None:
         scene = self._renderer.scene
-        followed = [points for since, points in self._film.paths_m if since <= tick]
+        followed = [points for since, points in self._film.paths_m if since <= row]
         if followed:
             moved = np.linalg.norm(np.diff(followed[-1], axis=0), axis=1) > 1e-6
             points = followed[-1][np.concatenate([[True], moved])][::2]
@@ -82,7 +88,7 @@ class Camera:
                     np.array([*end, 0.0]),
                 )
         for mark in self._film.footprints:
-            if mark.tick <= tick:
+            if mark.row <= row:
                 geom = self._next_geom(scene, mujoco.mjtGeom.mjGEOM_CYLINDER, FRONT_RED if mark.front else REAR_BLUE)
                 if geom is None:
                     return

@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from functools import singledispatch
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, get_args
 
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
+from legpush.launch.export import ExportOptions, View
 from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
 from legpush.launch.maps import MapOptions
 from legpush.launch.options import RunOptions
 from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
 from legpush.launch.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.launch.rooms import RandomScenario
+from legpush.launch.viewing import ViewOptions, start_view
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -66,6 +68,8 @@ class Render:
 
     run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]
     """The folder of the run."""
+    camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
+    """Where it is seen from; `legpush export --help` says what each shows."""
 
 
 PROGRAMS: Final[dict[type, Program]] = {
@@ -73,8 +77,9 @@ PROGRAMS: Final[dict[type, Program]] = {
     EvaluateOptions: "evaluate",
     CalibrateOptions: "calibrate",
     MapOptions: "show_map",
+    ExportOptions: "sim_proc.export",
 }
-"""What the agent does, in processes of its own."""
+"""What is done by a program, in a process of its own."""
 
 Command = (
     Annotated[RunOptions, tyro.conf.subcommand("run")]
@@ -90,6 +95,8 @@ Command = (
     | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
     | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
+    | Annotated[ExportOptions, tyro.conf.subcommand("export")]
+    | Annotated[ViewOptions, tyro.conf.subcommand("view")]
 )
 
 
@@ -116,6 +123,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             | RecoverOptions
             | ReplayOptions
             | BranchOptions
+            | ExportOptions
+            | ViewOptions
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -126,6 +135,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         for options, program in PROGRAMS.items():
             if isinstance(command, options):
                 start_program(program, argv[1:])
+        if isinstance(command, ViewOptions):
+            start_view(argv[1:])
         return execute(command)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")
@@ -202,7 +213,7 @@ def _render(command: Render) -> int:
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
-    argv = film_arguments(command.run_folder)
+    argv = film_arguments(command.run_folder, command.camera)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
 

@@ -58,9 +58,9 @@ def in_directory(directory: Path, role: Role) -> Endpoints:
     )
 
 
-def recorder_of_pool(directory: Path) -> Endpoints:
-    """For a recorder of an agent that listens in this directory, and of simulators that connect to both."""
-    return Endpoints(listen=(_socket(directory, "recorder"),), connect=in_directory(directory, "agent").listen)
+def in_pool(directory: Path, name: str) -> Endpoints:
+    """Of a simulator or planner of this name that connects to the agent in a directory; recorders connect to it."""
+    return Endpoints(listen=(_socket(directory, name),), connect=in_directory(directory, "agent").listen)
 
 
 def listing(locators: Sequence[str]) -> str:
@@ -72,8 +72,8 @@ def _tcp(role: Role) -> str:
     return f"tcp/127.0.0.1:{PORTS[role]}"
 
 
-def _socket(directory: Path, role: Role) -> str:
-    return f"unixsock-stream/{directory.absolute()}/{role}.sock"
+def _socket(directory: Path, name: str) -> str:
+    return f"unixsock-stream/{directory.absolute()}/{name}.sock"
 
 
 def _check(locator: str) -> None:

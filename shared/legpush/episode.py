@@ -1,7 +1,7 @@
 """An episode that survives its agent: what was answered before comes from the journal, what is new from the peers."""
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -101,6 +101,11 @@ class Episode:
     def cancel_plan(self) -> None:
         """No better plans for the last query are waited for any more."""
         self._planner.cancel()
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Let people know what the last step earned, unless it is told from the journal."""
+        if self.live and self._past and self._sim.episode == self._number:
+            self._sim.tell_reward(len(self._past) - 1, terms)
 
     def _answer(self, question: Acted | Queried | Awaited, ask: Callable[[], Entry]) -> Entry:
         """The recorded answer to the question, or the live one, which is recorded."""

@@ -2,7 +2,7 @@
 
 import logging
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from time import time_ns
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from legpush.errors import MotionError, PeerError
 from legpush.exchange import Exchange, OnWait, no_report
 from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Motion, Outcome, Refusal
+from legpush.messages.tap import Reward, RewardTerm
 from legpush.patience import Patience
 
 log = logging.getLogger(__name__)
@@ -45,6 +46,7 @@ class SimLink:
         self._bus = bus
         answers = bus.subscribe(channels.answers(bus.run, sim))
         self._actions = bus.publisher(channels.actions(bus.run, sim))
+        self._rewards = bus.publisher(channels.rewards(bus.run, sim))
         self._exchange: Exchange[Answer] = Exchange(bus, answers, ("sim", sim), patience or Patience(), stop, on_wait)
         self._in_step: str | None = None
         self.episode = -1
@@ -76,6 +78,22 @@ class SimLink:
                 )
             led.add(answer.header.incarnation)
             self._lead(past, answer)
+
+    def tell_reward(self, step: int, terms: Mapping[str, float]) -> None:
+        """Let people know what a step of the present episode earned, term by term."""
+        episode = self.episode
+
+        def build(header: Header) -> Reward:
+            return Reward(
+                header=header,
+                sim=self.sim,
+                episode=episode,
+                step=step,
+                value=sum(terms.values()),
+                terms=tuple(RewardTerm(name=name, value=value) for name, value in terms.items()),
+            )
+
+        self._rewards.send(build)
 
     def _lead(self, past: Sequence[PastStep], refusal: Refusal) -> None:
         """Bring the simulator that refused to the state after `past`, in an episode that is new to it."""

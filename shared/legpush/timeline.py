@@ -148,6 +148,14 @@ class Timeline:
         done = bisect_right(self.steps, time_ns, key=lambda step: step.time_ns)
         return max(0, (self.steps[done].first_row if done < len(self.steps) else self.n_rows) - 1)
 
+    def time_ns_at(self, row: int) -> int:
+        """When a row was computed, since 1970: a step's rows are spread between the answer before and its own."""
+        step = self.step_at(row)
+        index = self.steps.index(step)
+        began = self.steps[index - 1].time_ns if index else step.time_ns
+        share = (row - step.first_row + 1) / max(step.n_rows, 1)
+        return round(began + share * (step.time_ns - began))
+
     def _extend(self, trace: Trace) -> None:
         for name, column in self._columns.items():
             column.extend(np.array(getattr(trace, name), dtype=np.float64))

@@ -93,6 +93,20 @@ class Timelines:
         except MessageError:
             self.n_unreadable += 1
 
+    def keep(self, n_episodes: int) -> None:
+        """Forget all but the newest episodes, and what was said and planned before them."""
+        if len(self.episodes) <= n_episodes:
+            return
+        for key in list(self.episodes)[:-n_episodes]:
+            del self.episodes[key]
+        began = min(timeline.steps[0].time_ns for timeline in self.episodes.values())
+        self.plans = [planned for planned in self.plans if planned.time_ns >= began]
+        self.said = [said for said in self.said if said.time_ns >= began]
+        self._asked = {place: asked for place, asked in self._asked.items() if place[:2] in self.episodes}
+        self._rewards = {place: value for place, value in self._rewards.items() if place[:2] in self.episodes}
+        self._requests.clear()
+        self._results.clear()
+
     def plans_of(self, timeline: Timeline) -> Iterator[tuple[int, Planned]]:
         """The plans that were made during an episode, each with the row at which it was there."""
         if not timeline.steps:

@@ -1,6 +1,6 @@
 """A world without physics: walking follows the path exactly, pushing moves the box as the push model says."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import cos, pi, radians, sin
 from typing import Any
@@ -131,6 +131,7 @@ class FakeWorld:
     noise: np.random.Generator | None = None
     records: list[StepRecord | PlanRecord] = field(default_factory=list)
     told: list[tuple[str, float | None, str]] = field(default_factory=list)
+    rewards: list[dict[str, float]] = field(default_factory=list)
     better: Callable[[PlanQuery, int], Plan] = lambda query, _revision: straight_plan(query)
     n_cancelled: int = 0
     _tick: int = 0
@@ -177,6 +178,10 @@ class FakeWorld:
     def tell(self, phase: str, fraction: float | None, detail: str) -> None:
         """Keep what people are told."""
         self.told.append((phase, fraction, detail))
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Keep what the last step earned."""
+        self.rewards.append(dict(terms))
 
     @property
     def tick(self) -> int:

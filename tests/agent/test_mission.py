@@ -1,5 +1,6 @@
 """The mission from reset to report, in a world without physics."""
 
+from collections.abc import Mapping
 from math import cos, hypot, pi, radians, sin
 from typing import Any
 
@@ -289,6 +290,9 @@ def test_a_mission_that_is_answered_from_its_record_asks_the_same_again() -> Non
             pass
 
         def tell(self, phase: str, fraction: float | None, detail: str) -> None:
+            pass
+
+        def tell_reward(self, terms: Mapping[str, float]) -> None:
             pass
 
     replay = Replay()

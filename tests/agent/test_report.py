@@ -211,7 +211,7 @@ def test_versions_are_named_and_null_where_nothing_is_installed(monkeypatch: pyt
     versions = installed_versions()
 
     assert versions == {
-        "protocol": "5",
+        "protocol": "6",
         "python": versions["python"],
         "numpy": np.__version__,
         "nothing": None,

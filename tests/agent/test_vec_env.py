@@ -1,5 +1,6 @@
 """The vectorized environment: the same as its environments one by one, but at once."""
 
+from collections.abc import Mapping
 from threading import Barrier, BrokenBarrierError, Event, active_count
 
 import numpy as np
@@ -36,6 +37,9 @@ class Meeting:
         self._barrier.wait(timeout=20.0)
         return self._world.step(motion)
 
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        self._world.tell_reward(terms)
+
 
 class Broken:
     """A world whose simulator is lost in the first push."""
@@ -44,6 +48,9 @@ class Broken:
         if isinstance(motion, Push):
             raise PeerError("sim/sim1 is dead")
         return FakeWorld().step(motion)
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        raise AssertionError(terms)
 
 
 def test_without_a_simulator_there_is_nothing_to_learn_with() -> None:

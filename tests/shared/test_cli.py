@@ -25,7 +25,7 @@ def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedPro
 def test_help_names_the_subcommands() -> None:
     result = legpush("--help")
     assert result.returncode == 0
-    for name in ("run", "scenarios", "map", "render", "record", "info", "recover", "replay", "branch"):
+    for name in ("run", "scenarios", "map", "render", "record", "info", "recover", "replay", "branch", "export"):
         assert f"• {name}" in result.stdout
 
 
@@ -81,6 +81,8 @@ def test_the_version_is_that_of_the_package() -> None:
         (["replay", "a.mcap", "--verify", "--as", "sim"], "error: Expected either --verify or --as, got both"),
         (["replay", "a.mcap", "--rate", "0"], "error: Expected more than 0 for --rate, got 0.0"),
         (["replay", "a.mcap", "--as", "cook"], "cook"),
+        (["export", "a.mcap"], "error: Expected --to with one of foxglove, csv, parquet, mp4, gif, or --out with its"),
+        (["export", "no-such.mcap", "--to", "csv"], "error: no-such.mcap: expected a recording that can be read"),
         (["branch", "a.mcap"], "error: Expected EPISODE:STEP for --at, such as 0:12, got ''"),
         (["branch", "a.mcap", "--at", "0:3", "--box-friction", "0"], "error: Expected more than 0 for --box-friction"),
         (["branch", "no-such.mcap", "--at", "0:3"], "error: no-such.mcap: expected a recording that can be read"),
@@ -190,4 +192,6 @@ def test_render_becomes_the_film_process(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setattr(os, "execv", lambda program, argv: became.append((program, *argv)))
     (tmp_path / "episode-0000.journal").touch()
     cli.main(["render", str(tmp_path)])
-    assert became == [(sys.executable, sys.executable, "-P", "-m", "sim_proc.video", str(tmp_path))]
+    cli.main(["render", str(tmp_path), "--camera", "top"])
+    film = (sys.executable, sys.executable, "-P", "-m", "sim_proc.video", str(tmp_path))
+    assert became == [film, (*film, "--camera", "top")]

@@ -11,6 +11,11 @@ BOX_X_M = 2.0 + 0.2 + PUSH_GAP_M + FOOT_RECTANGLE_LENGTH_M / 2
 @pytest.fixture
 def at_the_box() -> Scenario:
     """A robot that stands at the push station of a light box, on an open floor."""
+    return standing_at_the_box()
+
+
+def standing_at_the_box() -> Scenario:
+    """The scenario of `at_the_box`."""
     return Scenario(
         name="at_the_box",
         room=Room(size_m=(12.0, 10.0)),

@@ -181,14 +181,15 @@ class CalibrateOptions(SimulatorOptions):
             raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
 
 
-Program = Literal["train", "evaluate", "calibrate", "draw_room", "show_map", "plan_check"]
-"""Of the agent, besides missions."""
+Program = Literal["train", "evaluate", "calibrate", "draw_room", "show_map", "plan_check", "sim_proc.export"]
+"""Of the agent, besides missions, but for those that name another package."""
 
 
 def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
-    """Become the agent's program for it; `argv` are its options."""
+    """Become the program for it; `argv` are its options."""
     from legpush.launch.run import child_environment
 
     # -P: what lies in the working directory is no part of the program.
-    command = [sys.executable, "-P", "-m", f"agent_proc.{program}", *argv]
+    module = program if "." in program else f"agent_proc.{program}"
+    command = [sys.executable, "-P", "-m", module, *argv]
     os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted

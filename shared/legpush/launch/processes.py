@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -28,6 +28,12 @@ class Command:
     log: Path
     """Standard output and standard error are appended here."""
     environment: Mapping[str, str]
+    flags_again: tuple[str, ...] = ()
+    """What is added to `argv` when it has to be started again."""
+
+    def again(self) -> "Command":
+        """How to start it when it has died."""
+        return replace(self, argv=self.argv + self.flags_again, flags_again=())
 
 
 class Process:

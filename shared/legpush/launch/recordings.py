@@ -1,6 +1,5 @@
 """What `legpush record`, `info`, `recover`, `replay` and `branch` can be told."""
 
-import os
 import re
 from dataclasses import dataclass
 from math import isfinite
@@ -9,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from legpush.endpoints import Endpoints, local
+from legpush.endpoints import local
 from legpush.errors import ConfigError
 from legpush.scenario import PlannerName
 
@@ -27,14 +26,16 @@ class RecordOptions:
 
     file: File
     """The new recording, such as mission.mcap."""
-    run: str = os.environ.get("LEGPUSH_RUN", "local")
-    """Which run."""
+    run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
+    """Which run: the one that a launcher has going if not given, else that of processes started by hand, `local`.
+    LEGPUSH_RUN says the same."""
     name: str = "main"
     """Tells recorders of one run apart."""
     listen: tuple[str, ...] = ()
     """Endpoints to listen on."""
-    connect: tuple[str, ...] = local("recorder").connect
-    """Endpoints of planner, simulator and agent."""
+    connect: tuple[str, ...] = ()
+    """Endpoints of planner, simulator and agent; found by --run, or the ports of those started by hand, if not
+    given."""
     topics: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PATTERN ...")] = ()
     """Record only these, such as "sim/*" "plan/*"."""
     split_mb: Annotated[float | None, tyro.conf.arg(metavar="MB")] = None
@@ -47,19 +48,14 @@ class RecordOptions:
     """Metadata for the file; may be given again."""
 
     def __post_init__(self) -> None:
-        for flag, value in (("run", self.run), ("name", self.name)):
-            if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", value) is None:
-                raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --{flag}, got {value!r}")
+        if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.name) is None:
+            raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --name, got {self.name!r}")
         for flag, number in (("split-mb", self.split_mb), ("split-s", self.split_s), ("duration", self.duration_s)):
             if number is not None and not (isfinite(number) and number > 0.0):
                 raise ConfigError(f"Expected more than 0 for --{flag}, got {number}")
         for item in self.about:
             if "=" not in item:
                 raise ConfigError(f"Expected NAME=VALUE for --about, got {item!r}")
-
-    def endpoints(self) -> Endpoints:
-        """Where to listen and connect."""
-        return Endpoints(listen=self.listen, connect=self.connect)
 
 
 @dataclass(frozen=True, kw_only=True)

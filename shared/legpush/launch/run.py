@@ -1,7 +1,6 @@
 """`legpush run`: a whole mission, from the options to the report."""
 
 import os
-import re
 import shlex
 import sys
 from collections.abc import Callable, Mapping
@@ -10,7 +9,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
 from rich.console import Console
@@ -22,7 +20,8 @@ from legpush.endpoints import in_directory
 from legpush.errors import ConfigError
 from legpush.launch.crew import Crew
 from legpush.launch.display import make_display
-from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
+from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder, run_name
+from legpush.launch.live_runs import LiveRun, shown, socket_directory
 from legpush.launch.options import RunOptions, split_command
 from legpush.launch.processes import Command
 from legpush.launch.recorder import MissionRecorder, next_file
@@ -46,6 +45,8 @@ from legpush.scenario_file import load_scenario, override
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """What each process cannot start without; the rest of its extra comes along."""
+RECORDED: Final = ("--recorded",)
+"""Has a process keep copies of what it says from its start on, for a recorder that is about to come."""
 ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
 """Arrays here are small: more threads only get in each other's way."""
 
@@ -61,8 +62,8 @@ class Place:
 
     @property
     def run(self) -> str:
-        """Name of the run on the bus: that of its folder, so that a run that goes on is the same run."""
-        return re.sub(r"[^A-Za-z0-9_-]", "-", self.folder.name)[:64] or "run"
+        """Name of the run on the bus."""
+        return run_name(self.folder)
 
 
 def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
@@ -89,6 +90,8 @@ class Programs:
     film: Callable[[Path], tuple[str, ...]] = film_arguments
     again: Callable[[Path], str] | None = None
     """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
+    kind: str = "run"
+    """The subcommand of `legpush` that runs it."""
 
 
 def run_mission(
@@ -151,17 +154,24 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
     if options.inject_faults > 0.0 and not foreign:
         flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
     if options.record is not None and not foreign:
-        flags += ["--recorded"]
+        flags += RECORDED
     return tuple(flags)
 
 
+def flags_again(role: Role, options: RunOptions) -> tuple[str, ...]:
+    """What `bus_flags` lack where a process is started again: somebody may be recording by then."""
+    foreign = role == "planner" and options.planner_command is not None
+    return () if foreign or options.record is not None else RECORDED
+
+
 def _run_in(
-    shown: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
+    given: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
 ) -> Verdict:
     """Run the mission and film it; everything that it started has ended afterwards."""
     with ExitStack() as stack:
-        sockets = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-")))
-        place = Place(folder=shown.absolute(), sockets=sockets)
+        sockets = stack.enter_context(socket_directory())
+        place = Place(folder=given.absolute(), sockets=sockets)
+        for_recorders = in_directory(sockets, "recorder")
         bus = stack.enter_context(Bus(place.run, "launcher", "main", in_directory(sockets, "launcher")))
         statuses = bus.subscribe(channels.statuses(bus.run))
         display = stack.enter_context(make_display(console))
@@ -171,7 +181,7 @@ def _run_in(
         recorder = None
         if options.record is not None:
             log = place.folder / LOGS / "recorder.log"
-            recorder = MissionRecorder(options.record, place.run, in_directory(sockets, "recorder"), display)
+            recorder = MissionRecorder(options.record, place.run, for_recorders, display)
             recorder.start(crew, log, environment, {**about, **({CONTINUED: "yes"} if is_begun(place.folder) else {})})
         commands = [
             Command(
@@ -179,6 +189,7 @@ def _run_in(
                 argv=programs.process(role, options, place) + bus_flags(role, options, place),
                 log=place.folder / LOGS / f"{role}.log",
                 environment=environment,
+                flags_again=flags_again(role, options),
             )
             for role in ROLES
         ]
@@ -190,7 +201,8 @@ def _run_in(
             limits=Limits(mission_s=options.deadline_s),
             on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
         )
-        verdict = supervisor.run(commands)
+        with shown(LiveRun.now(place.run, programs.kind, place.folder, for_recorders.connect), sockets):
+            verdict = supervisor.run(commands)
         if recorder is not None:
             recorder.report(place.folder)
         if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:

@@ -7,17 +7,18 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import monotonic
 from types import TracebackType
 from typing import Final, Literal, Self
 
-from legpush.endpoints import Endpoints, in_directory, recorder_of_pool
+from legpush.endpoints import Endpoints, in_directory, in_pool
 from legpush.errors import ConfigError, PeerError
 from legpush.launch.crew import Crew, Interrupted
+from legpush.launch.folder import run_name
+from legpush.launch.live_runs import LiveRun, shown, socket_directory
 from legpush.launch.processes import Command, Process, describe_exit
 from legpush.launch.recorder import INCOMPLETE, recorder_arguments, what_is_missing
-from legpush.launch.run import child_environment
+from legpush.launch.run import RECORDED, child_environment
 from legpush.patience import SLICE_S
 
 log = logging.getLogger(__name__)
@@ -34,7 +35,8 @@ class SimPool:
     """A context manager that keeps `n` simulators running, named sim0, sim1 and so on; none is left on exit. With
     another role, processes of that kind.
 
-    They connect to `endpoints`, which the bus of the agent has to listen on; nobody but the user can reach it. Where a
+    They connect to `endpoints`, which the bus of the agent has to listen on, and each listens on a socket of its own,
+    for recorders and viewers; nobody but the user can reach them. `find_live_runs` finds the pool. Where a
     simulator cannot be kept running, `stop` is set, so that nobody goes on waiting for it, and leaving the context
     raises a `PeerError` with its last words.
     """
@@ -45,19 +47,23 @@ class SimPool:
         logs: Path,
         stop: threading.Event,
         *,
-        run: str = "train",
+        kind: str = "simulators",
+        folder: Path | None = None,
         role: Literal["sim", "planner"] = "sim",
         program: tuple[str, ...] | None = None,
         record: Path | None = None,
     ) -> None:
         """`logs` is the folder for what the simulators write; it is made if needed.
 
-        `program` is what Python runs as one, with its flags; the process of this package if not given. With `record`,
-        what they and the agent say is recorded into that new file.
+        `kind` is what others are told about the pool, such as `train`, and `folder` what it works for, which names its
+        run. `program` is what Python runs as one, with its flags; the process of this package if not given.
+        With `record`, what they and the agent say is recorded into that new file.
         """
         if n < 1:
             raise ConfigError(f"Expected at least 1 {WORDS[role]} to start, got {n}")
-        self.run = run
+        self.run = run_name(folder or Path(f"{kind}-{os.getpid()}"))
+        self._kind = kind
+        self._folder = folder
         self._word = WORDS[role]
         self.names = tuple(f"{role}{index}" for index in range(n))
         self._logs = logs
@@ -74,9 +80,12 @@ class SimPool:
             raise ConfigError(
                 f"Expected a folder that can be made for logs, got {self._logs} ({error.strerror})"
             ) from error
-        directory = Path(self._closing.enter_context(TemporaryDirectory(prefix="legpush-")))
+        directory = self._closing.enter_context(socket_directory())
         self.endpoints = Endpoints(listen=in_directory(directory, "agent").listen)
-        self._recorder_at = recorder_of_pool(directory)
+        self._at = {name: in_pool(directory, name) for name in self.names}
+        connect = (*self.endpoints.listen, *(locator for at in self._at.values() for locator in at.listen))
+        self._for_recorders = Endpoints(connect=connect)
+        self._closing.enter_context(shown(LiveRun.now(self.run, self._kind, self._folder, connect), directory))
         # The kernel ends a child with the thread that started it: this one thread starts them all and stays.
         self._thread = self._closing.enter_context(ThreadPoolExecutor(1, thread_name_prefix="pool"))
         self._watch_over = self._thread.submit(self._watch)
@@ -116,21 +125,23 @@ class SimPool:
     def _recorder(self, file: Path) -> Command:
         return Command(
             role="recorder",
-            argv=recorder_arguments(file, self.run, self._recorder_at),
+            argv=recorder_arguments(file, self.run, self._for_recorders),
             log=self._logs / "recorder.log",
             environment=child_environment(os.environ),
         )
 
     def _command(self, name: str) -> Command:
-        flags = ("--run", self.run, "--name", name, "--listen", "--connect", *self.endpoints.listen)
+        at = self._at[name]
+        flags = ("--run", self.run, "--name", name, "--listen", *at.listen, "--connect", *at.connect)
         if self.record is not None:
-            flags += (*self._recorder_at.listen, "--recorded")
+            flags += RECORDED
         return Command(
             role=name,
             # -P: what lies in the working directory is no part of the program.
             argv=(sys.executable, "-P", *self._program, *flags),
             log=self._logs / f"{name}.log",
             environment=child_environment(os.environ),
+            flags_again=() if self.record is not None else RECORDED,
         )
 
 
@@ -159,4 +170,4 @@ class _Post:
             )
         self._n_restarts += 1
         self._started_at = monotonic()
-        self.process = crew.start(ended.command)
+        self.process = crew.start(ended.command.again())

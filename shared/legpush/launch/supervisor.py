@@ -134,7 +134,7 @@ class Supervisor:
         self._display.notice(
             f"{what}; starting it again ({n_restarts} of {self._limits.max_restarts}){_said(process, 3)}"
         )
-        self._posts[role] = self._fill(process.command, n_restarts)
+        self._posts[role] = self._fill(process.command.again(), n_restarts)
         return None
 
     def _look_around(self) -> Verdict | None:

@@ -6,6 +6,7 @@ from typing import Final
 
 from legpush.launch.crew import Crew, Interrupted
 from legpush.launch.display import Display
+from legpush.launch.export import View
 from legpush.launch.processes import Command, describe_exit
 from legpush.launch.supervisor import INTERRUPTED, Verdict
 from legpush.patience import SLICE_S, Stopwatch
@@ -16,9 +17,10 @@ LONGEST_S: Final = 900.0
 """A film that takes longer is given up."""
 
 
-def film_arguments(folder: Path) -> tuple[str, ...]:
+def film_arguments(folder: Path, camera: View = "follow") -> tuple[str, ...]:
     """The command line that films the run in `folder`."""
-    return (sys.executable, "-P", "-m", "sim_proc.video", str(folder))
+    flags = () if camera == "follow" else ("--camera", camera)
+    return (sys.executable, "-P", "-m", "sim_proc.video", str(folder), *flags)
 
 
 def film(command: Command, crew: Crew, display: Display, longest_s: float = LONGEST_S) -> Verdict | None:

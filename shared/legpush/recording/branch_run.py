@@ -49,7 +49,7 @@ def branch(options: BranchOptions) -> int:
             record=options.record or default_file(options),
             video=options.video,
         )
-        programs = Programs(process=process, again=lambda folder: again(options, folder))
+        programs = Programs(process=process, again=lambda folder: again(options, folder), kind="branch")
         return run_mission(run, Console(), programs, about)
 
 

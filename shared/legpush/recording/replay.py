@@ -31,7 +31,6 @@ from legpush.recording.verify import Verified, verify
 from legpush.robot import CONTROL_PERIOD_S
 from legpush.service import stop_on_signals
 
-RUN: Final = "verify"
 INTERRUPTED: Final = 130
 
 
@@ -86,7 +85,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
             out=options.out,
             video=False,
         )
-        return run_mission(run, console, Programs(process=process))
+        return run_mission(run, console, Programs(process=process, kind="replay"))
 
 
 def play_agent(files: tuple[Path, ...], console: Console) -> int:
@@ -95,8 +94,8 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
     plans, stop = read_plans(recording), stop_on_signals()
     with ExitStack() as stack:
         logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-replay-")))
-        planners = stack.enter_context(SimPool(1, logs, stop, run=RUN, role="planner"))
-        bus = stack.enter_context(Bus(RUN, "agent", "planning", planners.endpoints))
+        planners = stack.enter_context(SimPool(1, logs, stop, kind="replay", role="planner"))
+        bus = stack.enter_context(Bus(planners.run, "agent", "planning", planners.endpoints))
         link = PlanLink(bus, stop=stop)
         bus.announce()
         for number, record in enumerate(plans):
@@ -124,8 +123,8 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
     began = perf_counter()
     with ExitStack() as stack:
         logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-verify-")))
-        pool = stack.enter_context(SimPool(1, logs, stop, run=RUN))
-        bus = stack.enter_context(Bus(RUN, "agent", "main", pool.endpoints))
+        pool = stack.enter_context(SimPool(1, logs, stop, kind="replay"))
+        bus = stack.enter_context(Bus(pool.run, "agent", "main", pool.endpoints))
         display = stack.enter_context(make_display(console))
         world = LinkedWorld(SimLink(bus, pool.names[0], stop=stop))
         bus.announce()

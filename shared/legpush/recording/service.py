@@ -7,8 +7,10 @@ from time import time
 from typing import Final
 
 from legpush.bus import Bus
+from legpush.endpoints import Endpoints, local
 from legpush.errors import LegpushError
 from legpush.launch.recordings import RecordOptions
+from legpush.launch.watched import choose_run
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.recording.mcap_writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
@@ -21,11 +23,14 @@ PACKAGES: Final = ("legpush", "eclipse-zenoh", "mcap", "msgpack", "msgspec")
 
 def run_recorder(options: RecordOptions) -> int:
     """Record as `options` say; 0 if the recording is complete, 1 if not."""
+    # Whoever says where to listen starts the processes by hand.
+    watched = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
+    at = Endpoints(listen=options.listen, connect=watched.endpoints.connect)
     stop = stop_on_signals()
     start_log(f"recorder/{options.name}", "info")
     about = {
         **dict(item.split("=", 1) for item in options.about),
-        "run": options.run,
+        "run": watched.run,
         "protocol": str(PROTOCOL_VERSION),
         "began_unix_s": f"{time():.3f}",
         "topics": " ".join(options.topics),
@@ -33,10 +38,12 @@ def run_recorder(options: RecordOptions) -> int:
     }
     mb = 1_000_000
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
-    endpoints = options.endpoints()
+    log.info("recording run %s", watched)
+    if watched.launched is None and not options.connect:
+        log.info("no launcher has it going: waiting for processes that are started by hand")
     file = RecordingFile(options.file, about, split)
     try:
-        with Bus(options.run, "recorder", options.name, endpoints) as bus:
+        with Bus(watched.run, "recorder", options.name, at) as bus:
             wanted = Wanted(topics=options.topics, duration_s=options.duration_s)
             completeness = record(bus, file, wanted, stop)
     except BaseException:

@@ -1,0 +1,51 @@
+"""What `legpush view` can be told."""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Final, NoReturn
+
+import tyro
+
+from legpush.errors import ConfigError
+
+PORT: Final = 8765
+MAX_PORT: Final = 65535
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViewOptions:
+    """Show a live run or a recording in the browser, on a page of this machine, until Ctrl-C.
+
+    The run is not disturbed: pages come and go as they like.
+    """
+
+    files: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")] = ()
+    """A recording, or its parts; without any, the run that goes on, or the next one that begins."""
+    run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
+    """Which run, where there are several; LEGPUSH_RUN says the same."""
+    connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT ...")] = ()
+    """Endpoints of its processes, where they were not started by this command."""
+    host: str = "127.0.0.1"
+    """Address to listen on; 0.0.0.0 lets other machines look, and use the controls."""
+    port: int = PORT
+    """Port to listen on; 0 takes any that is free."""
+    open: bool = False
+    """Open the page in the default browser."""
+
+    def __post_init__(self) -> None:
+        if self.files and (self.run is not None or self.connect):
+            raise ConfigError("Expected either the files of a recording or a live run (--run, --connect), got both")
+        if not 0 <= self.port <= MAX_PORT:
+            raise ConfigError(f"Expected a port from 0 to {MAX_PORT} for --port, got {self.port}")
+
+
+def start_view(argv: Sequence[str]) -> NoReturn:
+    """Become the program that serves the page; `argv` are its options."""
+    from legpush.launch.run import child_environment
+
+    # -P: what lies in the working directory is no part of the program.
+    command = [sys.executable, "-P", "-m", "sim_proc.view", *argv]
+    os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted

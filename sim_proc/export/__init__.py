@@ -1,0 +1,1 @@
+"""`legpush export`: recordings as files of other programs."""

@@ -1,0 +1,98 @@
+"""The time series of episodes as columns: one row per tick, with units and frames in their names."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.robot import JOINTS as JOINT_NAMES
+from legpush.robot import LEGS
+from legpush.timeline import BOX, JOINTS, TRUNK, Timeline
+from sim_proc.export.source import Exported
+
+Array = NDArray[np.float64]
+XYZ: Final = ("x", "y", "z")
+POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))
+LEG_JOINTS: Final = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINT_NAMES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """One value for each row."""
+
+    name: str
+    unit: str
+    """As SI writes it; empty for a count, a word, or what has none."""
+    about: str
+    values: NDArray[np.generic]
+    """(n,): floats, with NaN where a value is not known, integers or words."""
+
+
+def columns_of(episodes: Sequence[Exported]) -> list[Column]:
+    """The columns of all episodes, one after the other."""
+    each = [list(_columns(episode)) for episode in episodes]
+    return [
+        Column(
+            name=parts[0].name,
+            unit=parts[0].unit,
+            about=parts[0].about,
+            values=np.concatenate([part.values for part in parts]),
+        )
+        for parts in zip(*each, strict=True)
+    ]
+
+
+def _columns(episode: Exported) -> Iterator[Column]:
+    timeline = episode.timeline
+    n = timeline.n_rows
+    steps = [step for step in timeline.steps if step.n_rows]
+    n_rows = [step.n_rows for step in steps]
+    yield _column("episode", "", "as `legpush info` counts it", np.full(n, episode.index))
+    yield _column("sim", "", "name of the simulator", np.full(n, episode.sim))
+    yield _column("step", "", "that led here", np.repeat([step.number for step in steps], n_rows))
+    yield _column("motion", "", "of that step", np.repeat([_kind(step.motion) for step in steps], n_rows))
+    yield _column("tick", "", "control periods of 0.02 s since the reset", timeline.tick.astype(np.int64))
+    yield _column("time_s", "s", "simulated, since the reset", timeline.time_s)
+    yield from _named("trunk", POSE, "pose of the trunk", timeline.qpos[:, TRUNK])
+    yield from _named("trunk", ("roll_rad", "pitch_rad"), "of the trunk, against the floor", timeline.roll_pitch_rad)
+    names = [f"{name}_rad" for name in LEG_JOINTS]
+    yield from _named("joint", names, "angle of a joint", timeline.qpos[:, JOINTS])
+    yield from _named("box", POSE, "pose of the box's centre", timeline.qpos[:, BOX])
+    error = timeline.box_error()
+    yield from _named("box_error", ("m", "rad"), "from the goal pose, in the plane of the floor", error)
+    for leg, name in enumerate(LEGS):
+        about = "centre of the foot sphere"
+        yield from _named(f"tip_{name}", [f"{axis}_w_m" for axis in XYZ], about, timeline.tips_m[:, leg])
+    for leg, name in enumerate(LEGS):
+        about = "contact force of floor and box together on the foot"
+        yield from _named(f"force_{name}", [f"{axis}_w_n" for axis in XYZ], about, timeline.contact_forces_n[:, leg])
+    yield from _named("com", [f"{axis}_w_m" for axis in XYZ], "centre of mass of the robot", timeline.com_m)
+    yield from _named("zmp", [f"{axis}_w_m" for axis in "xy"], "zero-moment point on the floor", timeline.zmp_m)
+    about = "of the CoM's ground projection from the border of the support polygon, inside positive"
+    yield _column("support_margin_m", "m", about, timeline.support_margin_m)
+    yield _column("reward", "", "of the step, in the row of its end", _rewards(timeline))
+
+
+def _rewards(timeline: Timeline) -> Array:
+    rewards = np.full(timeline.n_rows, np.nan)
+    for step in timeline.steps:
+        if step.n_rows and step.number in timeline.rewards:
+            rewards[step.first_row + step.n_rows - 1] = timeline.rewards[step.number]
+    return rewards
+
+
+def _kind(motion: object) -> str:
+    return type(motion).__name__.lower()
+
+
+def _named(prefix: str, names: Sequence[str], about: str, values: Array) -> Iterator[Column]:
+    """A column for each name; the unit is the last word of it."""
+    for name, column in zip(names, values.T, strict=True):
+        unit = {"m": "m", "rad": "rad", "n": "N"}.get(name.rpartition("_")[2], "")
+        yield _column(f"{prefix}_{name}", unit, about, column)
+
+
+def _column(name: str, unit: str, about: str, values: NDArray[np.generic]) -> Column:
+    return Column(name=name, unit=unit, about=about, values=values)

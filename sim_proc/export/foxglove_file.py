@@ -1,0 +1,294 @@
+"""An episode as an MCAP file for Foxglove: a scene, its transforms, joints, plans, numbers to plot, and a log.
+
+Foxglove shows the last message of each topic before the moment that it is at. So each topic says all of what it is
+about: what stands once, what appears later and what changes with every tick have topics of their own.
+"""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import foxglove
+import msgspec
+import numpy as np
+from foxglove.channels import (
+    FrameTransformsChannel,
+    JointStatesChannel,
+    LogChannel,
+    PosesInFrameChannel,
+    SceneUpdateChannel,
+)
+from foxglove.messages import (
+    FrameTransform,
+    FrameTransforms,
+    JointState,
+    JointStates,
+    Log,
+    LogLevel,
+    PosesInFrame,
+    SceneUpdate,
+    Timestamp,
+)
+from numpy.typing import NDArray
+
+from legpush.geometry import Pose2
+from legpush.messages.planning import BoxPathQuery
+from legpush.messages.stepping import Follow, Reset
+from legpush.robot import CONTROL_PERIOD_S
+from legpush.timeline import BOX, JOINTS, TRUNK, TimelineStep
+from legpush.timelines import Planned, Said
+from sim_proc.export.columns import LEG_JOINTS, Column, columns_of
+from sim_proc.export.foxglove_scene import (
+    BOX_BROWN,
+    TREE_GREY,
+    TRUNK_ORANGE,
+    body_entity,
+    feet_entities,
+    line_entity,
+    pose,
+    quaternion,
+    robot_bodies,
+    vector,
+)
+from sim_proc.export.source import Exported, Source
+from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
+from sim_proc.scenery import wall_name
+from sim_proc.shapes import parts_of
+
+Array = NDArray[np.float64]
+
+PERIOD_NS: Final = round(CONTROL_PERIOD_S * 1e9)
+TIMES: Final = "when the episode began since 1970, plus simulated time"
+TRAIL_STRIDE_TICKS: Final = 10
+SAY_EVERY_ROWS: Final = 1000
+NOT_PLOTTED: Final = ("episode", "sim", "motion")
+
+
+def write_foxglove(
+    source: Source, episode: Exported, about: Mapping[str, str], path: Path, say: Callable[[int, int], None]
+) -> str:
+    """Write the file; what is in it, in a few words."""
+    context = foxglove.Context()
+    with foxglove.open_mcap(path, context=context) as file:
+        facts = {"episode": str(episode.index), "scenario": episode.timeline.scenario.name, "times": TIMES}
+        file.write_metadata("legpush", {**about, **facts})
+        writer = _Writer(source, episode, context)
+        for name, attachment in source.recording.attachments.items():
+            file.attach(
+                log_time=writer.time_ns(0),
+                create_time=writer.time_ns(0),
+                name=name,
+                media_type=attachment.media_type,
+                data=attachment.data,
+            )
+        writer.write(say)
+    return f"{writer.n_messages} messages, {episode.timeline.time_s[-1] - episode.timeline.time_s[0]:.1f} s"
+
+
+class _Writer:
+    """Writes the messages of one episode in the order of their times."""
+
+    def __init__(self, source: Source, episode: Exported, context: foxglove.Context) -> None:
+        self._source, self._episode, self._timeline = source, episode, episode.timeline
+        self._context = context
+        self._channels: dict[str, Any] = {}
+        self._parts = parts_of(episode.timeline.scenario)
+        self.n_messages = 0
+
+    def write(self, say: Callable[[int, int], None]) -> None:
+        """All of them."""
+        timeline = self._timeline
+        self._write_once()
+        events = self._events()
+        frames = moving_frames(self._parts, timeline.qpos)
+        series = [column for column in columns_of([self._episode]) if column.name not in NOT_PLOTTED]
+        schema = _schema("legpush.Signals", {each.name: (_json_type(each), each.about, each.unit) for each in series})
+        values = [column.values.tolist() for column in series]
+        names = [column.name for column in series]
+        for row in range(timeline.n_rows):
+            for event in events.get(row, ()):
+                event()
+            self._log(FrameTransformsChannel, "/tf", row, _transforms(frames, row, self._stamp(row)))
+            self._write_joints(row)
+            self._write_feet(row)
+            signals = {name: column[row] for name, column in zip(names, values, strict=True)}
+            self._log_json("/signals", row, schema, {name: each for name, each in signals.items() if each == each})
+            if row % SAY_EVERY_ROWS == 0:
+                say(row, timeline.n_rows)
+        say(timeline.n_rows, timeline.n_rows)
+
+    def time_ns(self, row: int) -> int:
+        """Of a row."""
+        tick = self._timeline.tick
+        return self._timeline.steps[0].time_ns + int(tick[row] - tick[0]) * PERIOD_NS
+
+    def _stamp(self, row: int) -> Timestamp:
+        sec, nsec = divmod(self.time_ns(row), 1_000_000_000)
+        return Timestamp(sec=sec, nsec=nsec)
+
+    def _write_once(self) -> None:
+        """What stands, what the robot and the box look like, and where both of them come along."""
+        stamp, robot = self._stamp(0), robot_bodies()
+        later = {
+            wall_name(i) for i, wall in enumerate(self._timeline.scenario.room.obstacles) if wall.appears_at_s > 0.0
+        }
+        scenes = {
+            "/scene/room": [part for part in self._parts if part.joint == "none" and part.name not in later],
+            "/scene/robot": [part for part in self._parts if part.name in robot],
+            "/scene/box": [part for part in self._parts if part.name == "box"],
+        }
+        for topic, parts in scenes.items():
+            self._log_scene(topic, 0, [body_entity(part, stamp) for part in parts if part.shapes])
+        self._log(FrameTransformsChannel, "/tf_static", 0, _transforms(standing_frames(self._parts), 0, stamp))
+        trails = (("trunk_trail", TRUNK, TRUNK_ORANGE), ("box_trail", BOX, BOX_BROWN))
+        ways = {name: self._timeline.qpos[::TRAIL_STRIDE_TICKS, columns][:, :2] for name, columns, _ in trails}
+        entities = [line_entity(name, ways[name], rgba, stamp) for name, _, rgba in trails]
+        self._log_scene("/scene/trails", 0, entities)
+
+    def _events(self) -> dict[int, list[Callable[[], None]]]:
+        """What is said between ticks, by the row at which it is."""
+        events: dict[int, list[Callable[[], None]]] = {}
+
+        def at(row: int, write: Callable[..., None], *about: object) -> None:
+            events.setdefault(row, []).append(partial(write, row, *about))
+
+        timeline, timelines = self._timeline, self._source.timelines
+        for step in timeline.steps:
+            at(max(0, min(step.first_row, timeline.n_rows) - 1), self._write_step, step)
+        for appearance in timeline.steps[-1].world.appeared:
+            row = int(np.searchsorted(timeline.tick, appearance.tick))
+            at(min(row, timeline.n_rows - 1), self._write_appeared)
+        for row, planned in timelines.plans_of(timeline):
+            at(row, self._write_plan, planned)
+        began, ended = timelines.span_ns(timeline)
+        for said in timelines.said:
+            if began <= said.time_ns <= ended:
+                at(timeline.row_at(said.time_ns), self._write_said, said)
+        return events
+
+    def _write_joints(self, row: int) -> None:
+        angles = self._timeline.qpos[row, JOINTS].tolist()
+        joints = [JointState(name=name, position=angle) for name, angle in zip(LEG_JOINTS, angles, strict=True)]
+        self._log(JointStatesChannel, "/joint_states", row, JointStates(timestamp=self._stamp(row), joints=joints))
+
+    def _write_feet(self, row: int) -> None:
+        timeline = self._timeline
+        if np.isfinite(timeline.contact_forces_n[row]).all():
+            tips, forces = timeline.tips_m[row], timeline.contact_forces_n[row]
+            entities = feet_entities(tips, forces, timeline.com_m[row], timeline.zmp_m[row], self._stamp(row))
+            self._log_scene("/scene/feet", row, entities)
+
+    def _write_step(self, row: int, step: TimelineStep) -> None:
+        """At its beginning."""
+        motion = step.motion
+        told: dict[str, Any] = {"step": step.number, "motion": type(motion).__name__.lower()}
+        if isinstance(motion, Follow):
+            self._log(PosesInFrameChannel, "/path", row, self._poses(motion.waypoints, row))
+        elif not isinstance(motion, Reset):
+            fields = msgspec.to_builtins(motion)
+            told |= {name: value for name, value in fields.items() if name != "kind" and value is not None}
+        reward = self._timeline.rewards.get(step.number)
+        if reward is not None:
+            told["reward"] = reward
+        self._log_json("/steps", row, STEP_SCHEMA, told)
+
+    def _write_appeared(self, row: int) -> None:
+        """All that has appeared until then."""
+        tick = self._timeline.tick[row]
+        names = {wall_name(each.obstacle) for each in self._timeline.steps[-1].world.appeared if each.tick <= tick}
+        stamp = self._stamp(row)
+        self._log_scene(
+            "/scene/appeared", row, [body_entity(part, stamp) for part in self._parts if part.name in names]
+        )
+
+    def _write_plan(self, row: int, planned: Planned) -> None:
+        place = "box" if isinstance(planned.query, BoxPathQuery) else "trunk"
+        plan, stamp = planned.plan, self._stamp(row)
+        self._log(PosesInFrameChannel, f"/plan/{place}_path", row, self._poses(plan.waypoints, row))
+        if plan.tree is not None and plan.tree.points_m:
+            points, parents = np.array(plan.tree.points_m), np.array(plan.tree.parents)
+            edges = np.stack([points, points[parents]], axis=1).reshape(-1, 2)
+            entity = line_entity(f"{place}_tree", edges, TREE_GREY, stamp, pairs=True)
+            self._log_scene(f"/plan/{place}_tree", row, [entity])
+
+    def _write_said(self, row: int, said: Said) -> None:
+        status = said.status
+        share = "" if status.fraction is None else f" {status.fraction:.0%}"
+        waiting = f" (waiting for {status.waiting_for})" if status.waiting_for else ""
+        log = Log(
+            timestamp=self._stamp(row),
+            level=LogLevel.Warning if status.waiting_for else LogLevel.Info,
+            message=f"{status.phase}{share} {status.detail}".rstrip() + waiting,
+            name=f"{said.origin.role}/{said.origin.name}",
+        )
+        self._log(LogChannel, "/log", row, log)
+
+    def _poses(self, waypoints: Sequence[Pose2], row: int) -> PosesInFrame:
+        poses = [
+            pose(np.array([at.x_m, at.y_m, 0.0]), np.array([np.cos(at.yaw_rad / 2), 0.0, 0.0, np.sin(at.yaw_rad / 2)]))
+            for at in waypoints
+        ]
+        return PosesInFrame(timestamp=self._stamp(row), frame_id=WORLD, poses=poses)
+
+    def _log_scene(self, topic: str, row: int, entities: Sequence[Any]) -> None:
+        self._log(SceneUpdateChannel, topic, row, SceneUpdate(entities=list(entities)))
+
+    def _log_json(self, topic: str, row: int, schema: dict[str, Any], message: dict[str, Any]) -> None:
+        def channel(name: str, *, context: foxglove.Context) -> foxglove.Channel:
+            return foxglove.Channel(name, schema=schema, context=context)
+
+        self._log(channel, topic, row, json.dumps(message, allow_nan=False))
+
+    def _log(self, channel: Callable[..., Any], topic: str, row: int, message: object) -> None:
+        if topic not in self._channels:
+            self._channels[topic] = channel(topic, context=self._context)
+        self._channels[topic].log(message, log_time=self.time_ns(row))
+        self.n_messages += 1
+
+
+def _transforms(frames: Sequence[Frame], row: int, stamp: Timestamp) -> FrameTransforms:
+    return FrameTransforms(
+        transforms=[
+            FrameTransform(
+                timestamp=stamp,
+                parent_frame_id=frame.parent,
+                child_frame_id=frame.name,
+                translation=vector(frame.positions_m[min(row, len(frame.positions_m) - 1)]),
+                rotation=quaternion(frame.quaternions_wxyz[min(row, len(frame.quaternions_wxyz) - 1)]),
+            )
+            for frame in frames
+        ]
+    )
+
+
+def _json_type(column: Column) -> str:
+    return "integer" if column.values.dtype.kind == "i" else "number"
+
+
+def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str, Any]:
+    """JSON Schema of a flat message; of each field type, what it is, and its unit. What is not known is left out."""
+    properties = {
+        name: {"type": kind, "description": about + (f" [{unit}]" if unit else "")}
+        for name, (kind, about, unit) in fields.items()
+    }
+    return {"title": title, "type": "object", "properties": properties}
+
+
+STEP_SCHEMA: Final = _schema(
+    "legpush.Step",
+    {
+        "step": ("integer", "number in the episode", ""),
+        "motion": ("string", "reset, follow, walk, push or alter", ""),
+        "reward": ("number", "what it earned", ""),
+        "leg": ("string", "that pushes", ""),
+        "face": ("string", "of the box, that is pushed", ""),
+        "locus": ("string", "along which w1 and w2 run", ""),
+        "w1": ("number", "place of the first inner control point", ""),
+        "w2": ("number", "place of the second inner control point", ""),
+        "depth_m": ("number", "how far beyond the face the curve ends", "m"),
+        "box_mass_kg": ("number", "from here on", "kg"),
+        "box_friction": ("number", "from here on", ""),
+    },
+)

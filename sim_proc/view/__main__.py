@@ -1,0 +1,42 @@
+"""`python -m sim_proc.view`: the program behind `legpush view`."""
+
+import os
+import sys
+import webbrowser
+from typing import Final
+
+import tyro
+
+from legpush.errors import LegpushError
+from legpush.launch.viewing import ViewOptions
+from legpush.service import one_line, stop_on_signals
+from sim_proc.view.page import Page
+from sim_proc.view.sources import LiveRun, RecordedRun
+
+NICENESS: Final = 10
+"""Whom it watches goes first."""
+
+
+def main() -> int:
+    """Serve the page until Ctrl-C."""
+    options = tyro.cli(ViewOptions, prog="legpush view")
+    stop = stop_on_signals()
+    try:
+        source: RecordedRun | LiveRun
+        source = RecordedRun(options.files) if options.files else LiveRun(options.run, options.connect)
+        with Page(source, options.host, options.port) as page, source:
+            if source.is_live:
+                os.nice(NICENESS)
+            sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
+            sys.stdout.flush()
+            if options.open:
+                webbrowser.open(page.url)
+            page.run(stop)
+    except LegpushError as error:
+        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        return error.exit_code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

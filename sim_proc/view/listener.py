@@ -1,0 +1,100 @@
+"""What a live run says, as copies that its processes hand over, as they do to recorders."""
+
+import queue
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+from typing import Final
+
+from legpush import channels
+from legpush.bus import Bus
+from legpush.errors import ScenarioError
+from legpush.messages.common import Header, Role
+from legpush.messages.tap import Copies, Fact, Origin, Taken
+from legpush.ports import Publisher
+from legpush.recording.facts import SCENARIO_FILE
+from legpush.recording.ledger import Ledger
+from legpush.recording.mcap_writer import topic_of
+from legpush.scenario import Scenario
+from legpush.scenario_file import load_scenario
+from legpush.status import StatusBeacon
+from legpush.timelines import Timelines
+
+LOOK_S: Final = 0.05
+
+
+class Listener:
+    """Takes batches on a thread of its own, so that nobody waits for a page; a context manager."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+        self._batches: queue.SimpleQueue[Copies] = queue.SimpleQueue()
+        self._ledger = Ledger()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._listen, name="listener", daemon=True)
+
+    def __enter__(self) -> "Listener":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._closed.set()
+        self._thread.join()
+
+    def pump(self, timelines: Timelines, budget_s: float) -> None:
+        """Add what has come, for so long at most."""
+        until = monotonic() + budget_s
+        while monotonic() < until:
+            try:
+                batch = self._batches.get_nowait()
+            except queue.Empty:
+                return
+            for fact in batch.facts:
+                if fact.name == SCENARIO_FILE:
+                    timelines.scenario = _scenario(fact)
+            for copy in self._ledger.fresh(batch):
+                timelines.take(topic_of(copy.key), batch.origin, copy)
+            self._ledger.take(batch, batch.copies, set())
+
+    def live(self) -> list[Origin]:
+        """Who is there."""
+        return [
+            Origin(role=peer.role, name=peer.name, incarnation=peer.incarnation) for peer in self._bus.roster.live()
+        ]
+
+    def _listen(self) -> None:
+        batches = self._bus.subscribe(channels.copies(self._bus.run))
+        answers: dict[tuple[Role, str], Publisher[Taken]] = {}
+        taken: dict[tuple[str, str], int] = {}
+        with StatusBeacon(self._bus, "watching"):
+            self._bus.announce()
+            while not self._closed.is_set():
+                batch = batches.next(LOOK_S)
+                if batch is None:
+                    continue
+                sender = (batch.header.role, batch.header.name)
+                if sender not in answers:
+                    answers[sender] = self._bus.publisher(channels.taken(self._bus.run, *sender))
+                answers[sender].send(_taken(batch))
+                place = (batch.header.incarnation, batch.origin.incarnation)
+                if batch.batch >= taken.get(place, 0):
+                    taken[place] = batch.batch + 1
+                    self._batches.put(batch)
+
+
+def _taken(batch: Copies) -> Callable[[Header], Taken]:
+    origin, number = batch.origin.incarnation, batch.batch
+    return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)
+
+
+def _scenario(fact: Fact) -> Scenario | None:
+    """The scenario of a mission; None where this version cannot read it."""
+    with TemporaryDirectory(prefix="legpush-") as folder:
+        path = Path(folder) / SCENARIO_FILE
+        path.write_bytes(fact.data)
+        try:
+            return load_scenario(path)
+        except ScenarioError:
+            return None

@@ -1,0 +1,178 @@
+"""The controls of the page: who does what, where in time we are, and what is shown."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from queue import Empty, SimpleQueue
+from typing import Any, Final
+
+import viser
+
+from legpush.messages.stepping import Push, Walk
+from legpush.timeline import Timeline
+from sim_proc.view.player import SPEEDS, Player
+from sim_proc.view.scene import LAYERS
+from sim_proc.view.statuses import Condition
+
+FOLLOW_ROBOT: Final = "follow the robot"
+CAMERAS: Final = ("Behind", "Side", "Top")
+COLORS: Final = {"alive": "#1fa35c", "silent": "#e0a100", "gone": "#b9bec7"}
+WORDS: Final = {"planner": "Planner", "sim": "Simulator", "agent": "Agent"}
+ROW: Final = "display:flex;gap:.5em;align-items:baseline;padding:.12em 0"
+SMALL: Final = "color:#6b7280;font-size:.85em"
+
+
+@dataclass(frozen=True)
+class Command:
+    """What somebody did."""
+
+    name: str
+    value: Any = None
+    client: viser.ClientHandle | None = field(default=None, compare=False)
+
+
+class Panel:
+    """What stands there, and what people did there since it was asked last."""
+
+    def __init__(self, server: viser.ViserServer, *, live: bool) -> None:
+        """All controls, in the main panel of the page; a live run can be followed."""
+        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._gui = gui = server.gui
+        self._processes = gui.add_html("")
+        self._now = gui.add_html("")
+        self._shown: dict[int, str] = {}
+        with gui.add_folder("Time"):
+            self._episode: Any = gui.add_dropdown("Episode", ("-",), visible=False)
+            self._on_update(self._episode, "episode")
+            self._slider: Any = gui.add_slider("Time [s]", min=0.0, max=1.0, step=0.02, initial_value=0.0)
+            self._on_update(self._slider, "seek")
+            self._play = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
+            self._on_click(self._play, "play")
+            self._live = gui.add_button("Follow live", icon=viser.Icon.LIVE_PHOTO, color="red", visible=live)
+            self._on_click(self._live, "live")
+            self._jump = gui.add_button_group(
+                "Step", ("|<", "<", ">", ">|"), hint="By a step of the lockstep, or a tick"
+            )
+            self._on_click(self._jump, "jump")
+            self._speed = gui.add_dropdown("Speed", tuple(map(speed_label, SPEEDS)), initial_value=speed_label(1.0))
+            self._on_update(self._speed, "speed")
+        with gui.add_folder("Show"):
+            self._camera = gui.add_button_group("Camera", CAMERAS)
+            self._on_click(self._camera, "camera")
+            self._on_update(gui.add_checkbox("Follow robot", initial_value=True), FOLLOW_ROBOT)
+            for name, label in LAYERS.items():
+                self._on_update(gui.add_checkbox(label, initial_value=True), name)
+
+    def commands(self) -> list[Command]:
+        """What people did since the last call, in order."""
+        done = []
+        while True:
+            try:
+                done.append(self._commands.get_nowait())
+            except Empty:
+                return done
+
+    def show_processes(self, title: str, conditions: Sequence[Condition]) -> None:
+        """Who is there, does what, and waits for whom."""
+        rows = "".join(map(_process_row, conditions))
+        self._set(self._processes, f"<div style='padding:.4em .8em 0'><b>{escape(title)}</b>{rows}</div>")
+
+    def show_episodes(self, labels: Sequence[str], chosen: str) -> None:
+        """Which episodes there are."""
+        if tuple(labels) != self._episode.options:
+            self._episode.options = tuple(labels)
+            self._episode.visible = len(labels) > 1
+        if self._episode.value != chosen:
+            self._episode.value = chosen
+
+    def show_time(self, timeline: Timeline, row: int, player: Player) -> None:
+        """Where in time we are."""
+        last_s = max(0.02, round(float(timeline.time_s[-1]), 2))
+        if self._slider.max != last_s:
+            self._slider.max = last_s
+        time_s = round(float(timeline.time_s[row]), 2)
+        if self._slider.value != time_s:
+            self._slider.value = time_s
+        label = "Pause" if player.is_playing else "Play"
+        if self._play.label != label:
+            self._play.label = label
+            self._play.icon = viser.Icon.PLAYER_PAUSE if player.is_playing else viser.Icon.PLAYER_PLAY
+        if self._live.disabled != player.follows:
+            self._live.disabled = player.follows
+        self._set(self._now, now_html(timeline, row))
+
+    def show_waiting(self, live: bool) -> None:
+        """That there is nothing to see yet."""
+        text = "Nothing has moved yet. <code>legpush run</code> in a terminal begins a run." if live else "Reading."
+        self._set(self._now, f"<div style='padding:.2em .8em;{SMALL}'>{text}</div>")
+
+    def _set(self, handle: Any, content: str) -> None:
+        """Only where it says something else now."""
+        if self._shown.get(id(handle)) != content:
+            self._shown[id(handle)] = content
+            handle.content = content
+
+    def _on_update(self, handle: Any, name: str) -> None:
+        self._listen(handle.on_update, name)
+
+    def _on_click(self, handle: Any, name: str) -> None:
+        self._listen(handle.on_click, name)
+
+    def _listen(self, register: Callable[[Callable[[Any], None]], object], name: str) -> None:
+        def take(event: Any) -> None:
+            if event.client_id is not None:  # not what this program set itself
+                self._commands.put(Command(name, event.target.value, event.client))
+
+        register(take)
+
+
+def speed_label(speed: float) -> str:
+    """For people."""
+    return f"{speed:g} x"
+
+
+def speed_of(label: str) -> float:
+    """What `speed_label` made."""
+    return float(label.removesuffix(" x"))
+
+
+def now_html(timeline: Timeline, row: int) -> str:
+    """What goes on at a row, and how far the box is."""
+    step = timeline.step_at(row)
+    error_m, angle_rad = timeline.box_error()[row]
+    lines = [
+        ("step", f"{step.number}: {_motion(step.motion)}"),
+        ("box error", f"{100 * error_m:.1f} cm, {57.29578 * angle_rad:.1f}&deg;"),
+    ]
+    if step.number in timeline.rewards:
+        lines.append(("reward", f"{timeline.rewards[step.number]:+.2f}"))
+    if step.world.fallen and row == step.first_row + step.n_rows - 1:
+        lines.append(("robot", "<b style='color:#c0392b'>fell</b>"))
+    rows = "".join(
+        f"<div style='{ROW}'><span style='{SMALL};min-width:5em'>{name}</span><span>{value}</span></div>"
+        for name, value in lines
+    )
+    return f"<div style='padding:0 .8em .2em'>{rows}</div>"
+
+
+def _motion(motion: object) -> str:
+    if isinstance(motion, Push):
+        depth = f"{100 * motion.depth_m:.1f} cm deep"
+        return f"push {motion.leg}, {motion.face} face, w {motion.w1:.2f} {motion.w2:.2f}, {depth}"
+    return "walk" if isinstance(motion, Walk) else type(motion).__name__.lower()
+
+
+def _process_row(condition: Condition) -> str:
+    name = WORDS[condition.role] + ("" if condition.name == "main" else f" {condition.name}")
+    said = " ".join(filter(None, (condition.phase, condition.detail)))
+    if condition.health == "gone":
+        said = "not there" if not said else f"gone; last: {said}"
+    elif not said:
+        said = "there, says nothing"
+    waiting = f" &middot; <b style='color:#b45309'>waits for {escape(condition.waiting_for)}</b>"
+    return (
+        f"<div style='{ROW}' data-process='{condition.role}' data-health='{condition.health}'>"
+        f"<span style='color:{COLORS[condition.health]}'>&#9679;</span>"
+        f"<span style='min-width:5.4em'>{escape(name)}</span>"
+        f"<span style='{SMALL}'>{escape(said)}{waiting if condition.waiting_for else ''}</span></div>"
+    )

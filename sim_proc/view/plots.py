@@ -1,0 +1,137 @@
+"""The plots of the page: the whole episode, with a line at the present moment."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from legpush.timeline import Timeline
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+MAX_POINTS: Final = 400
+"""Of a curve; more would not be seen."""
+HEIGHT: Final = 120
+"""Pixels."""
+FONT: Final = "11px sans-serif"
+NOW_GREY: Final = "#6b7280"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """One line of a plot."""
+
+    label: str
+    color: str
+    scale: str = "y"
+    """`y` on the left, `y2` on the right."""
+
+
+def rewards(timeline: Timeline, rows: Rows) -> Array:
+    """What the step that led to each row earned; 0 of one that is not known to have earned anything."""
+    starts = np.array([step.first_row for step in timeline.steps])
+    earned = np.array([timeline.rewards.get(step.number, 0.0) for step in timeline.steps])
+    found: Array = earned[np.searchsorted(starts, rows, side="right") - 1]
+    return found
+
+
+def chosen_rows(n_rows: int) -> Rows:
+    """At most `MAX_POINTS` rows, the first and the last among them."""
+    return np.unique(np.linspace(0, n_rows - 1, min(n_rows, MAX_POINTS)).round().astype(np.intp))
+
+
+def box_errors(timeline: Timeline, rows: Rows) -> tuple[Array, ...]:
+    """Position [cm] and angle [deg]."""
+    error = timeline.box_error()[rows]
+    return 100.0 * error[:, 0], np.degrees(error[:, 1])
+
+
+def trunk_angles(timeline: Timeline, rows: Rows) -> tuple[Array, ...]:
+    """Roll and pitch [deg]."""
+    angles = np.degrees(timeline.roll_pitch_rad[rows])
+    return angles[:, 0], angles[:, 1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """What is drawn over simulated time."""
+
+    title: str
+    curves: tuple[Curve, ...]
+    values: Callable[[Timeline, Rows], tuple[Array, ...]]
+    """Of each curve at some rows; NaN where nothing is known."""
+
+
+PLOTS: Final = (
+    Plot(
+        title="Box error",
+        curves=(Curve(label="position [cm]", color="#7e46aa"), Curve(label="angle [deg]", color="#d97b0d", scale="y2")),
+        values=box_errors,
+    ),
+    Plot(
+        title="Reward of each push",
+        curves=(Curve(label="reward", color="#188c50"),),
+        values=lambda timeline, rows: (rewards(timeline, rows),),
+    ),
+    Plot(
+        title="Trunk angles",
+        curves=(Curve(label="roll [deg]", color="#cd3c2d"), Curve(label="pitch [deg]", color="#285aa0")),
+        values=trunk_angles,
+    ),
+    Plot(
+        title="Support margin",
+        curves=(Curve(label="margin [cm]", color="#2369c8"),),
+        values=lambda timeline, rows: (100.0 * timeline.support_margin_m[rows],),
+    ),
+)
+
+
+class Plots:
+    """All of them, in the current container of the page."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        """Empty."""
+        nothing = np.zeros(1)
+        self._handles: list[Any] = []
+        self._drawn: object = None
+        for plot in PLOTS:
+            series: list[dict[str, Any]] = [{"label": "t [s]"}]
+            series += [{"stroke": c.color, "width": 1.5, "scale": c.scale, "label": c.label} for c in plot.curves]
+            series.append({"stroke": NOW_GREY, "width": 1.5, "scale": "now", "label": "now"})
+            axes: list[dict[str, Any]] = [{"size": 26, "font": FONT}, {"scale": "y", "size": 44, "font": FONT}]
+            if any(curve.scale == "y2" for curve in plot.curves):
+                axes.append({"scale": "y2", "side": 1, "size": 36, "font": FONT, "grid": {"show": False}})
+            handle = server.gui.add_uplot(
+                (nothing,) * (2 + len(plot.curves)),
+                tuple(series),  # type: ignore[arg-type]
+                title=plot.title,
+                scales={"x": {"time": False}, "now": {"range": (0.0, 1.0)}},
+                axes=tuple(axes),  # type: ignore[arg-type]
+                legend={"show": True, "live": False},
+                height=HEIGHT,
+            )
+            self._handles.append(handle)
+
+    def show(self, timeline: Timeline, row: int) -> None:
+        """Draw them with the present at a row."""
+        source = (id(timeline), timeline.n_rows, len(timeline.rewards), row)
+        if source == self._drawn:
+            return
+        self._drawn = source
+        rows = np.sort(np.concatenate([chosen_rows(timeline.n_rows), [row, row]]))
+        time_s = timeline.time_s[rows]
+        now = np.full(len(rows), np.nan)
+        first = int(np.searchsorted(rows, row))
+        now[first : first + 2] = 0.0, 1.0
+        for plot, handle in zip(PLOTS, self._handles, strict=True):
+            handle.data = (time_s, *map(begun, plot.values(timeline, rows)), now)
+
+
+def begun(values: Array) -> Array:
+    """A curve that begins with a number, if it has any: charts find no scale for one that begins with none."""
+    known = np.flatnonzero(np.isfinite(values))
+    return values if not len(known) else np.concatenate([np.full(known[0], values[known[0]]), values[known[0] :]])

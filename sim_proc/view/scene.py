@@ -1,0 +1,258 @@
+"""The scene of the page: bodies, and what is drawn beside them, in handles that are updated and seldom made anew."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from legpush.robot import CONTROL_PERIOD_S
+from legpush.timeline import TRUNK, Timeline
+from legpush.timelines import Timelines
+from sim_proc.view import overlays
+from sim_proc.view.bodies import Bodies
+
+Array = NDArray[np.float64]
+Rgb = tuple[int, int, int]
+
+WORLD: Final = "/world"
+"""Frame of everything; it moves where the view follows the robot."""
+FLOOR: Final[Rgb] = (233, 236, 240)
+TREE_GREY: Final[Rgb] = (150, 165, 185)
+TRUNK_GREEN: Final[Rgb] = (24, 140, 80)
+BOX_PURPLE: Final[Rgb] = (126, 70, 170)
+CURVE_RED: Final[Rgb] = (214, 60, 45)
+FORCE_ORANGE: Final[Rgb] = (235, 130, 20)
+SUPPORT_BLUE: Final[Rgb] = (35, 105, 200)
+FEET: Final[tuple[Rgb, ...]] = ((205, 60, 45), (235, 140, 60), (40, 90, 160), (90, 160, 215))
+"""Colours of the traces of FL, FR, RL, RR."""
+LAYERS: Final = {
+    "tree": "Search tree",
+    "paths": "Paths",
+    "traces": "Traces",
+    "curve": "Push curve",
+    "forces": "Forces",
+    "support": "Support, ZMP",
+}
+"""What can be hidden."""
+SHORTEST_M: Final = 0.005
+"""Arrows that are shorter are not seen."""
+BELOW_M: Final = -100.0
+"""Where they are kept meanwhile."""
+SMOOTHING: Final = 0.15
+"""Of the place that the view follows, per update."""
+
+
+class Scene:
+    """What is drawn of one timeline; call it from one thread."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        """An empty scene."""
+        self._server = server
+        self._bodies: Bodies | None = None
+        self._handles: dict[str, list[Any]] = {}
+        self._poses: dict[str, tuple[bytes, bytes]] = {}
+        self._drawn: dict[str, object] = {}
+        """Of each thing that changes seldom: what it was drawn from."""
+        self._layers: dict[str, Any] = {}
+        self._shown = dict.fromkeys(LAYERS, True)
+        self._centre_m: Array | None = None
+        server.scene.set_up_direction("+z")
+        # The default surroundings, a photograph that lights everything, cost a page without a GPU most of its time.
+        server.scene.configure_environment_map(None)
+        server.scene.configure_default_lights(enabled=False)
+        server.scene.add_light_hemisphere(
+            "/sky", sky_color=(255, 255, 255), ground_color=(170, 170, 180), intensity=3.6
+        )
+        server.scene.add_light_directional("/sun", intensity=2.2, position=(-2.0, -3.0, 6.0), cast_shadow=False)
+        self._world = server.scene.add_frame(WORLD, show_axes=False)
+
+    def show_layer(self, name: str, shown: bool) -> None:
+        """Show or hide one of `LAYERS`."""
+        self._shown[name] = shown
+        if name in self._layers:
+            self._layers[name].visible = shown
+
+    def begin(self, timeline: Timeline) -> None:
+        """Draw another episode from now on."""
+        scene = self._server.scene
+        with self._server.atomic():
+            for handle in [*(each for some in self._handles.values() for each in some), *self._layers.values()]:
+                handle.remove()
+            self._handles.clear()
+            self._poses.clear()
+            self._drawn.clear()
+            self._bodies = Bodies(timeline.scenario)
+            self._centre_m = None
+            width, depth = timeline.scenario.room.size_m
+            floor = scene.add_grid(
+                f"{WORLD}/floor",
+                width=width,
+                height=depth,
+                cell_size=0.5,
+                section_size=1.0,
+                cell_color=(214, 218, 224),
+                section_color=(190, 196, 205),
+                plane_color=FLOOR,
+                plane_opacity=1.0,
+                shadow_opacity=0.0,
+                position=(width / 2, depth / 2, -0.002),
+            )
+            self._handles["floor"] = [floor]
+            for body in self._bodies.all:
+                self._handles[body.name] = [
+                    scene.add_mesh_trimesh(f"{WORLD}/bodies/{body.name}/{k}", mesh, cast_shadow=False)
+                    for k, mesh in enumerate(body.meshes)
+                ]
+            self._layers = {name: scene.add_frame(f"{WORLD}/{name}", show_axes=False) for name in LAYERS}
+            for name, shown in self._shown.items():
+                self._layers[name].visible = shown
+            self._add_fast_overlays()
+
+    def show(self, timelines: Timelines, timeline: Timeline, row: int, *, follow: bool) -> None:
+        """Draw a row."""
+        with self._server.atomic():
+            self._move_bodies(timeline, row)
+            self._follow(timeline.qpos[row, TRUNK][:2] if follow else np.zeros(2))
+            self._show_push(timeline, row)
+            self._show_paths(timelines, timeline, row)
+            if self._shown["traces"]:
+                self._traces.points = overlays.foot_traces(timeline, row).reshape(-1, 2, 3).astype(np.float32)
+                self._box_trace(timeline, row)
+            if self._shown["forces"]:
+                arrows = overlays.contact_arrows(timeline, row)
+                arrows[np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) < SHORTEST_M] = BELOW_M
+                self._forces.points = arrows.astype(np.float32)
+            if self._shown["support"]:
+                self._show_support(timeline, row)
+        self._server.flush()
+
+    def _move_bodies(self, timeline: Timeline, row: int) -> None:
+        if self._bodies is None:
+            return
+        positions, quaternions = self._bodies.poses(timeline.qpos[row])
+        appeared = timeline.steps[-1].world.appeared
+        for body in self._bodies.all:
+            position, quaternion = positions[body.index], quaternions[body.index]
+            pose = (position.tobytes(), quaternion.tobytes())
+            moved = self._poses.get(body.name) != pose
+            self._poses[body.name] = pose
+            for handle in self._handles[body.name]:
+                if moved:
+                    handle.position, handle.wxyz = position, quaternion
+                if body.appears:
+                    handle.visible = self._bodies.is_there(body, appeared, timeline.tick[row])
+
+    def _follow(self, centre_m: Array) -> None:
+        """Move the world instead of the cameras, which are the users'."""
+        before = self._centre_m
+        self._centre_m = centre_m if before is None else before + SMOOTHING * (centre_m - before)
+        if before is None or np.abs(self._centre_m - before).max() > 1e-5:
+            self._world.position = (-self._centre_m[0], -self._centre_m[1], 0.0)
+
+    def _add_fast_overlays(self) -> None:
+        """What changes with every row, in handles of a fixed size."""
+        scene, nothing = self._server.scene, np.zeros((4, 2, 3), dtype=np.float32)
+        n_trail = overlays.TRAIL_ROWS // overlays.TRAIL_STRIDE
+        self._forces = scene.add_arrows(
+            f"{WORLD}/forces/arrows",
+            nothing,
+            FORCE_ORANGE,
+            shaft_radius=0.008,
+            head_radius=0.02,
+            head_length=0.04,
+        )
+        self._support = scene.add_line_segments(
+            f"{WORLD}/support/polygon", nothing, SUPPORT_BLUE, thickness=4.0, thickness_units="screen"
+        )
+        self._zmp = scene.add_icosphere(f"{WORLD}/support/zmp", radius=0.018, color=SUPPORT_BLUE, cast_shadow=False)
+        self._com = scene.add_icosphere(f"{WORLD}/support/com", radius=0.018, color=(30, 30, 35), cast_shadow=False)
+        colors = np.repeat(np.array(FEET, dtype=np.uint8), n_trail, axis=0)
+        self._traces = scene.add_line_segments(
+            f"{WORLD}/traces/feet",
+            np.zeros((4 * n_trail, 2, 3), dtype=np.float32),
+            np.repeat(colors[:, None], 2, axis=1),
+            thickness=2.5,
+            thickness_units="screen",
+        )
+
+    def _show_support(self, timeline: Timeline, row: int) -> None:
+        corners = overlays.support_polygon(timeline, row)
+        lines = np.zeros((4, 2, 3), dtype=np.float32)
+        if len(corners) > 1:
+            ring = overlays.segments(np.vstack([corners, corners[:1]]))
+            lines[: len(ring)] = ring
+            lines[len(ring) :] = ring[-1, 1]
+        self._support.points = lines
+        for handle, point in ((self._zmp, timeline.zmp_m[row]), (self._com, timeline.com_m[row, :2])):
+            known = bool(np.isfinite(point).all())
+            handle.visible = known
+            if known:
+                handle.position = (float(point[0]), float(point[1]), 0.02)
+
+    def _show_push(self, timeline: Timeline, row: int) -> None:
+        """The curve of the push that goes on."""
+        step = timeline.step_at(row)
+        with self._redrawn("curve", (id(timeline), step.number)) as draw:
+            curve = overlays.push_curve(timeline, step) if draw else None
+            if curve is not None:
+                self._lines("curve/curve", overlays.segments(curve.points_m), CURVE_RED, 4.0)
+                self._lines("curve/polygon", overlays.segments(curve.control_m), CURVE_RED, 1.5)
+                self._points("curve/points", curve.control_m, CURVE_RED)
+            elif draw:
+                self._forget("curve/curve", "curve/polygon", "curve/points")
+
+    def _show_paths(self, timelines: Timelines, timeline: Timeline, row: int) -> None:
+        for kind, color in (("trunk", TRUNK_GREEN), ("box", BOX_PURPLE)):
+            plan = overlays.plan_at(timelines, timeline, row, kind)
+            with self._redrawn(f"{kind} plan", id(plan)) as draw:
+                if draw:
+                    tree = None if plan is None else overlays.plan_tree(plan)
+                    path = None if plan is None else overlays.segments(overlays.plan_path(plan))
+                    self._lines_or_none(f"tree/{kind}", tree, TREE_GREY, 1.0)
+                    self._lines_or_none(f"paths/{kind}", path, color, 3.0)
+        step = timeline.step_at(row)
+        with self._redrawn("followed", (id(timeline), step.number)) as draw:
+            if draw:
+                path = overlays.segments(overlays.followed_path(timeline, row))
+                self._lines_or_none("paths/followed", path, TRUNK_GREEN, 5.0)
+
+    def _box_trace(self, timeline: Timeline, row: int) -> None:
+        every = round(0.5 / CONTROL_PERIOD_S)
+        with self._redrawn("box trace", (id(timeline), row // every)) as draw:
+            if draw:
+                trace = overlays.segments(overlays.box_trace(timeline, row))
+                self._lines_or_none("traces/box", trace, BOX_PURPLE, 2.0)
+
+    @contextmanager
+    def _redrawn(self, what: str, source: object) -> Iterator[bool]:
+        """Whether something has to be drawn anew, since it comes from something else now."""
+        yield self._drawn.get(what) != source
+        self._drawn[what] = source
+
+    def _lines_or_none(self, name: str, lines: Array | None, color: Rgb, thickness: float) -> None:
+        if lines is None or not len(lines):
+            self._forget(name)
+        else:
+            self._lines(name, lines, color, thickness)
+
+    def _lines(self, name: str, lines: Array, color: Rgb, thickness: float) -> None:
+        self._handles[name] = [
+            self._server.scene.add_line_segments(
+                f"{WORLD}/{name}", lines.astype(np.float32), color, thickness=thickness, thickness_units="screen"
+            )
+        ]
+
+    def _points(self, name: str, points_m: Array, color: Rgb) -> None:
+        self._handles[name] = [
+            self._server.scene.add_point_cloud(
+                f"{WORLD}/{name}", points_m.astype(np.float32), color, point_size=0.016, point_shape="circle"
+            )
+        ]
+
+    def _forget(self, *names: str) -> None:
+        for name in names:
+            for handle in self._handles.pop(name, ()):
+                handle.remove()
