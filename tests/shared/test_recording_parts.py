@@ -1,4 +1,4 @@
-"""Recordings in parts: each a whole file, read in the order of their numbers, refused where they do not fit together."""
+"""Recordings in parts: each a whole file, read in the order of numbers, refused where they do not fit together."""
 
 from pathlib import Path
 
