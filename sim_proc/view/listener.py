@@ -15,6 +15,7 @@ from legpush.messages.common import Header, Role
 from legpush.messages.tap import Copies, Fact, Origin, Taken
 from legpush.ports import Publisher
 from legpush.recording.facts import SCENARIO_FILE
+from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_writer import topic_of
 from legpush.scenario import Scenario
@@ -65,7 +66,8 @@ class Listener:
         ]
 
     def _listen(self) -> None:
-        batches = self._bus.subscribe(channels.copies(self._bus.run))
+        copies = channels.copies(self._bus.run)
+        batches = self._bus.subscribe(copies, BatchInbox(copies, self._bus.tally))
         answers: dict[tuple[Role, str], Publisher[Taken]] = {}
         taken: dict[tuple[str, str], int] = {}
         with StatusBeacon(self._bus, "watching"):
