@@ -118,15 +118,16 @@ class Scene:
             self._follow(timeline.qpos[row, TRUNK][:2] if follow else np.zeros(2))
             self._show_push(timeline, row)
             self._show_paths(timelines, timeline, row)
-            if self._shown["traces"]:
-                self._traces.points = overlays.foot_traces(timeline, row).reshape(-1, 2, 3).astype(np.float32)
-                self._box_trace(timeline, row)
-            if self._shown["forces"]:
-                arrows = overlays.contact_arrows(timeline, row)
-                arrows[np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) < SHORTEST_M] = BELOW_M
-                self._forces.points = arrows.astype(np.float32)
-            if self._shown["support"]:
-                self._show_support(timeline, row)
+            self._box_trace(timeline, row)
+            for layer, show in (
+                ("traces", self._show_traces),
+                ("forces", self._show_forces),
+                ("support", self._show_support),
+            ):
+                if self._shown[layer]:
+                    with self._redrawn(layer, (id(timeline), row)) as draw:
+                        if draw:
+                            show(timeline, row)
         self._server.flush()
 
     def _move_bodies(self, timeline: Timeline, row: int) -> None:
@@ -177,6 +178,14 @@ class Scene:
             thickness=2.5,
             thickness_units="screen",
         )
+
+    def _show_traces(self, timeline: Timeline, row: int) -> None:
+        self._traces.points = overlays.foot_traces(timeline, row).reshape(-1, 2, 3).astype(np.float32)
+
+    def _show_forces(self, timeline: Timeline, row: int) -> None:
+        arrows = overlays.contact_arrows(timeline, row)
+        arrows[np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) < SHORTEST_M] = BELOW_M
+        self._forces.points = arrows.astype(np.float32)
 
     def _show_support(self, timeline: Timeline, row: int) -> None:
         corners = overlays.support_polygon(timeline, row)
