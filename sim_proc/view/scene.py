@@ -63,10 +63,9 @@ class Scene:
         # The default surroundings, a photograph that lights everything, cost a page without a GPU most of its time.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(enabled=False)
-        server.scene.add_light_hemisphere(
-            "/sky", sky_color=(255, 255, 255), ground_color=(170, 170, 180), intensity=3.6
-        )
-        server.scene.add_light_directional("/sun", intensity=2.2, position=(-2.0, -3.0, 6.0), cast_shadow=False)
+        server.scene.add_light_ambient("/sky", intensity=1.5)
+        server.scene.add_light_directional("/fill", intensity=0.7, position=(3.0, 4.0, 3.0), cast_shadow=False)
+        server.scene.add_light_directional("/sun", intensity=2.0, position=(-2.0, -3.0, 6.0), cast_shadow=False)
         self._world = server.scene.add_frame(WORLD, show_axes=False)
 
     def show_layer(self, name: str, shown: bool) -> None:
