@@ -52,7 +52,7 @@ def support_polygon(timeline: Timeline, row: int) -> Array:
     loaded = timeline.contact_forces_n[row, :, 2] >= LOADED_N
     points = timeline.tips_m[row, loaded, :2]
     if len(points) == len(LEGS):
-        points = points[_hull(points)]
+        points = points[hull(points)]
     elif len(points) == 3 and _cross(points[1] - points[0], points[2] - points[0]) < 0.0:
         points = points[::-1]
     return on_floor(points)
@@ -128,7 +128,7 @@ def _waypoints(waypoints: tuple[Pose2, ...]) -> Array:
     return on_floor(points)
 
 
-def _hull(points: Array) -> list[int]:
+def hull(points: Array) -> list[int]:
     """Indices of the convex hull of 4 points (4, 2), counter-clockwise."""
     about = points - points.mean(axis=0)
     order = [int(i) for i in np.argsort(np.arctan2(about[:, 1], about[:, 0]))]

@@ -59,7 +59,7 @@ class Panel:
         with gui.add_folder("Show"):
             self._camera = gui.add_button_group("Camera", CAMERAS)
             self._on_click(self._camera, "camera")
-            self._on_update(gui.add_checkbox("Follow the robot", initial_value=True), FOLLOW_ROBOT)
+            self._on_update(gui.add_checkbox("Follow robot", initial_value=True), FOLLOW_ROBOT)
             for name, label in LAYERS.items():
                 self._on_update(gui.add_checkbox(label, initial_value=True), name)
 
@@ -167,6 +167,8 @@ def _process_row(condition: Condition) -> str:
     said = " ".join(filter(None, (condition.phase, condition.detail)))
     if condition.health == "gone":
         said = "not there" if not said else f"gone; last: {said}"
+    elif not said:
+        said = "there, says nothing"
     waiting = f" &middot; <b style='color:#b45309'>waits for {escape(condition.waiting_for)}</b>"
     return (
         f"<div style='{ROW}' data-process='{condition.role}' data-health='{condition.health}'>"

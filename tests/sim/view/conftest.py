@@ -1,0 +1,41 @@
+"""A short episode that was really simulated, as messages and as a timeline."""
+
+import pytest
+
+from legpush.messages.stepping import Motion, Push, Reset
+from legpush.messages.tap import Copy
+from legpush.scenario_file import load_scenario
+from legpush.timeline import Timeline
+from legpush.timelines import Timelines
+from sim_proc.simulator import Simulator
+from tests.shared.recordings import ACTIONS, AGENT, ANSWERS, SIM, traffic
+
+MOTIONS: tuple[Motion, ...] = (
+    Reset(scenario=load_scenario("push"), seed=3),
+    Push(w1=0.58, w2=0.4, leg="FL", depth_m=0.05),
+    Push(w1=0.54, w2=0.37, leg="FR", depth_m=0.06),
+)
+
+
+@pytest.fixture(scope="session")
+def messages() -> tuple[list[Copy], list[Copy]]:
+    """What agent and simulator say: a reset and two pushes."""
+    return traffic(MOTIONS, Simulator())
+
+
+@pytest.fixture(scope="session")
+def timelines(messages: tuple[list[Copy], list[Copy]]) -> Timelines:
+    """The same as timelines."""
+    made = Timelines()
+    for origin, copies in ((AGENT, messages[0]), (SIM, messages[1])):
+        for copy in copies:
+            made.take("sim/main/action" if copy.key == ACTIONS else "sim/main/observation", origin, copy)
+    assert {copy.key for copies in messages for copy in copies} == {ACTIONS, ANSWERS}
+    return made
+
+
+@pytest.fixture(scope="session")
+def timeline(timelines: Timelines) -> Timeline:
+    """The episode."""
+    (only,) = timelines.episodes.values()
+    return only

@@ -1,0 +1,74 @@
+"""What is drawn beside the bodies, against the physics that it is drawn of."""
+
+import numpy as np
+import pytest
+
+from legpush.messages.stepping import Push
+from legpush.robot import LEGS
+from legpush.timeline import Timeline
+from legpush.timelines import Timelines
+from sim_proc.balance import support_margin
+from sim_proc.view import overlays
+
+
+def test_the_foot_of_a_push_goes_along_the_curve_that_is_drawn(timeline: Timeline) -> None:
+    pushes = [step for step in timeline.steps if isinstance(step.motion, Push)]
+    assert len(pushes) == 2
+    for step in pushes:
+        assert isinstance(step.motion, Push)
+        curve = overlays.push_curve(timeline, step)
+        assert curve is not None
+        rows = slice(step.first_row + 20, step.first_row + 55)
+        foot = timeline.tips_m[rows, LEGS.index(step.motion.leg)]
+        away = np.linalg.norm(foot[:, None] - curve.points_m[None], axis=2).min(axis=1)
+        assert away.max() < 0.03
+        np.testing.assert_array_equal(curve.points_m[[0, -1]], curve.control_m[[0, -1]])
+
+
+def test_a_reset_has_no_curve(timeline: Timeline) -> None:
+    assert overlays.push_curve(timeline, timeline.steps[0]) is None
+
+
+def test_the_support_polygon_holds_the_feet_that_stand_and_its_border_is_where_the_margin_says(
+    timeline: Timeline,
+) -> None:
+    seen = set()
+    for row in range(1, timeline.n_rows, 7):
+        corners = overlays.support_polygon(timeline, row)
+        n_loaded = int((timeline.contact_forces_n[row, :, 2] >= 1.0).sum())
+        seen.add(len(corners))
+        assert len(corners) == n_loaded
+        if n_loaded < 3:
+            continue
+        ring = np.vstack([corners, corners[:1]])[:, :2]
+        edge, away = np.diff(ring, axis=0), timeline.com_m[row, :2] - ring[:-1]
+        inside = (edge[:, 0] * away[:, 1] - edge[:, 1] * away[:, 0]) / np.linalg.norm(edge, axis=1)
+        loaded = timeline.contact_forces_n[row : row + 1, :, 2] >= 1.0
+        margin = support_margin(timeline.com_m[row : row + 1, :2], timeline.tips_m[row : row + 1, :, :2], loaded)
+        assert inside.min() == pytest.approx(margin[0], abs=1e-9) or inside.min() < 0.0
+    assert {3, 4} <= seen
+
+
+def test_the_polygon_of_four_feet_one_of_which_lies_inside_has_three_corners() -> None:
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.4, 0.2], [0.0, 1.0]])
+    assert sorted(overlays.hull(points)) == [0, 1, 3]
+
+
+def test_contact_forces_carry_the_robot(timeline: Timeline) -> None:
+    arrows = overlays.contact_arrows(timeline, 5)
+    newtons = (arrows[:, 1] - arrows[:, 0]) / overlays.FORCE_M_PER_N
+    np.testing.assert_allclose(newtons, timeline.contact_forces_n[5])
+    assert newtons[:, 2].sum() == pytest.approx(32.0 * 9.81, rel=0.1)
+    assert not np.any(overlays.contact_arrows(timeline, 0)[:, 1] - overlays.contact_arrows(timeline, 0)[:, 0])
+
+
+def test_foot_traces_end_at_the_feet_and_have_the_same_size_from_the_first_row_on(timeline: Timeline) -> None:
+    for row in (0, 9, timeline.n_rows - 1):
+        traces = overlays.foot_traces(timeline, row)
+        assert traces.shape == (4, overlays.TRAIL_ROWS // overlays.TRAIL_STRIDE, 2, 3)
+        np.testing.assert_array_equal(traces[:, -1, 1], timeline.tips_m[row])
+
+
+def test_without_a_plan_no_path_and_no_tree_is_drawn(timelines: Timelines, timeline: Timeline) -> None:
+    assert overlays.plan_at(timelines, timeline, timeline.n_rows - 1, "box") is None
+    assert overlays.followed_path(timeline, timeline.n_rows - 1).shape == (0, 3)
