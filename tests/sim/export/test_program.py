@@ -14,8 +14,8 @@ from pyarrow import parquet
 
 from legpush.errors import ConfigError
 from legpush.launch.export import ENDINGS, Format
-from sim_proc.export.__main__ import whole_file
 from sim_proc.export.columns import columns_of
+from sim_proc.export.program import whole_file
 from sim_proc.export.source import Source
 from sim_proc.rendering import working_backend
 from tests.sim.export.foxglove_reading import read
