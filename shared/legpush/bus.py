@@ -110,9 +110,9 @@ class Bus:
         """Publish bytes as they are, valid or not."""
         self._session.put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
 
-    def subscribe(self, channel: Channel[M]) -> Subscription[M]:
+    def subscribe(self, channel: Channel[M], into: Subscription[M] | None = None) -> Subscription[M]:
         """The messages of `channel` from now on; whatever is not valid is counted in `tally` and logged."""
-        subscription = Subscription(channel, self.tally)
+        subscription = into or Subscription(channel, self.tally)
         self._receive(channel, subscription.put)
         return subscription
 

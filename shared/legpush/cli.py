@@ -229,7 +229,7 @@ def _info(command: InfoOptions) -> int:
     from legpush.recording.info import lines
     from legpush.recording.mcap_reader import read_recording
 
-    sys.stdout.write("".join(f"{line}\n" for line in lines(command.files, read_recording(command.files))))
+    sys.stdout.write("".join(f"{line}\n" for line in lines(read_recording(command.files))))
     return 0
 
 

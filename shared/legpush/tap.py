@@ -26,7 +26,8 @@ PERIOD_S: Final = 0.02
 RESEND_S: Final = 0.25
 """A batch that is not taken is sent again after this long."""
 MAX_SENT: Final = 8
-"""So often a batch is sent; a recorder that has not taken it then goes without if another one has."""
+"""So often a batch is sent; a recorder that has not taken it then goes without if another one has, and is not waited
+for until it has caught up. Where half of `LIMIT_BYTES` is full, once has to do."""
 PATIENCE_S: Final = 60.0
 """Without any recorder for this long, notes are thrown away, and no more are taken until one comes."""
 FAREWELL_S: Final = 2.0
@@ -46,11 +47,15 @@ class TapBuffer:
         self._limit_bytes = limit_bytes
         self._lock = threading.Lock()
         self._published: dict[str, int] = {}
+        self._since: dict[str, int] = {}
+        """By key: the first sequence since notes are taken that no batch has."""
         self._copies: deque[Copy] = deque()
         self._n_bytes = 0
         self._facts: dict[str, Fact] = {}
         self._new_facts: list[Fact] = []
         self._recorders: set[str] = set()
+        self._late: set[str] = set()
+        """Recorders that are not waited for."""
         self._taken_by: set[str] = set()
         self._n_batches = 0
         self._at_hand: Build | None = None
@@ -59,7 +64,10 @@ class TapBuffer:
         """A message is being published."""
         with self._lock:
             self._published[key] = sequence + 1
-            if not self.active or self._n_bytes + len(payload) > self._limit_bytes or len(payload) > LARGEST_BYTES:
+            if not self.active:
+                return
+            self._since.setdefault(key, sequence)
+            if self._n_bytes + len(payload) > self._limit_bytes or len(payload) > LARGEST_BYTES:
                 return
             self._n_bytes += len(payload)
             self._copies.append(Copy(key=key, sequence=sequence, time_ns=time_ns(), payload=payload))
@@ -80,6 +88,7 @@ class TapBuffer:
         with self._lock:
             self.active = False
             self._copies.clear()
+            self._since.clear()
             self._n_bytes = 0
             self._at_hand = None
 
@@ -88,26 +97,34 @@ class TapBuffer:
         with self._lock:
             new = recorders - self._recorders
             self._recorders = set(recorders)
+            self._late &= recorders
             if new:
                 self._new_facts = list(self._facts.values())
             return bool(new)
 
     def take(self, recorder: str, batch: int) -> bool:
-        """A recorder has this batch; whether it was the one at hand and everybody has it now."""
+        """A recorder has this batch; whether it was the one at hand and all who are waited for have it now."""
         with self._lock:
-            if self._at_hand is None or batch != self._n_batches - 1:
+            if batch != self._n_batches - 1:
                 return False
+            if recorder in self._late:
+                self._late.discard(recorder)
+                self._new_facts = list(self._facts.values())
             self._taken_by.add(recorder)
-            if self._recorders - self._taken_by:
+            if self._at_hand is None or (self._recorders - self._late or self._recorders) - self._taken_by:
                 return False
             self._at_hand = None
             return True
 
     def waive(self) -> bool:
-        """Whoever has not taken the batch at hand goes without, if somebody has; whether that is so."""
+        """Whoever has not taken the batch at hand goes without, if somebody has; whether that is so.
+
+        They are not waited for any more until they take a batch while it is the last one.
+        """
         with self._lock:
             if self._at_hand is None or not self._taken_by & self._recorders:
                 return False
+            self._late = self._recorders - self._taken_by
             self._at_hand = None
             return True
 
@@ -123,6 +140,11 @@ class TapBuffer:
         """Of the copies that wait for their batch."""
         return self._n_bytes
 
+    @property
+    def is_filling(self) -> bool:
+        """Whether notes may soon be lost."""
+        return self._n_bytes > self._limit_bytes // 2
+
     def is_empty(self) -> bool:
         """Whether everything has been handed over and taken."""
         with self._lock:
@@ -137,7 +159,8 @@ class TapBuffer:
             n_bytes += len(copies[-1].payload)
         self._n_bytes -= n_bytes
         facts, self._new_facts = tuple(self._new_facts), []
-        published = tuple(Published(key=key, n=n) for key, n in self._published.items())
+        published = tuple(Published(key=key, n=n, since=self._since.get(key, n)) for key, n in self._published.items())
+        self._since |= {copy.key: copy.sequence + 1 for copy in copies}
         number, self._n_batches, self._taken_by = self._n_batches, self._n_batches + 1, set()
         is_final = final and not self._copies
 
@@ -235,7 +258,8 @@ class Tap:
                 return False
             if self._resend_at is not None and monotonic() < self._resend_at:
                 return False
-            if self._resend_at is None or (self._n_sent >= MAX_SENT and self.buffer.waive()):
+            is_long = self._n_sent >= MAX_SENT or (self._n_sent > 0 and self.buffer.is_filling)
+            if self._resend_at is None or (is_long and self.buffer.waive()):
                 self._n_sent = 0
             build = self.buffer.batch(final=final)
             if build is None:

@@ -17,7 +17,7 @@ ROGUES = {
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc", "import foxglove"),
     "Only tables import PyArrow": ("agent_proc", "import pyarrow"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
-    "Only two modules of legpush.recording import MCAP": ("legpush", "import mcap"),
+    "Only legpush.recording.mcap_* import MCAP": ("legpush", "import mcap"),
     "Only legpush.map_server imports Pillow and PyYAML": ("legpush", "import yaml"),
     "Only the agent's pictures import matplotlib": (
         "agent_proc",

@@ -197,7 +197,7 @@ MESSAGES: Mapping[str, Message] = {
         copies=(
             Copy(key="legpush/v5/test/sim/main/observation", sequence=9, time_ns=1700000000000000000, payload=b"0"),
         ),
-        published=(Published(key="legpush/v5/test/sim/main/observation", n=10),),
+        published=(Published(key="legpush/v5/test/sim/main/observation", n=10, since=9),),
         facts=(Fact(name="model.xml", media_type="application/xml", data=b"<mujoco/>"),),
         final=True,
     ),

@@ -41,13 +41,14 @@ def batch(
     origin: Origin, number: int, copies: Sequence[Copy], *, final: bool = False, facts: tuple[Fact, ...] = ()
 ) -> Copies:
     """A batch whose last copies are the last that were published."""
-    published: dict[str, int] = {each.key: each.sequence + 1 for each in copies}
+    published = {each.key: each.sequence + 1 for each in copies}
+    since = {each.key: each.sequence for each in reversed(copies)}
     return Copies(
         header=header(origin, number),
         origin=origin,
         batch=number,
         copies=tuple(copies),
-        published=tuple(Published(key=key, n=n) for key, n in published.items()),
+        published=tuple(Published(key=key, n=n, since=since[key]) for key, n in published.items()),
         facts=facts,
         final=final,
     )

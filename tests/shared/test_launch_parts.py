@@ -17,6 +17,7 @@ from legpush.launch.display import LiveDisplay, PlainDisplay, make_display
 from legpush.launch.folder import default_folder, run_folder
 from legpush.launch.options import RunOptions
 from legpush.launch.processes import describe_exit
+from legpush.launch.recorder import next_file
 from legpush.launch.run import Place, bus_flags, child_environment, process_arguments, resolve_scenario
 from legpush.launch.summary import ROWS, ReportError, print_summary, read_report
 from legpush.messages.common import Name
@@ -299,3 +300,14 @@ def test_processes_use_one_thread_per_library_and_keep_the_rest_of_the_environme
 @pytest.mark.parametrize(("code", "words"), [(3, "exited with 3"), (-9, "was killed by SIGKILL")])
 def test_how_a_process_ended_is_said_in_words(code: int, words: str) -> None:
     assert describe_exit(code) == words
+
+
+def test_what_goes_on_is_recorded_to_the_next_file_that_is_free(tmp_path: Path) -> None:
+    file = tmp_path / "m.mcap"
+    file.touch()
+    assert next_file(file).name == "m-2.mcap"
+    (tmp_path / "m-2.mcap").touch()
+    assert next_file(file).name == "m-3.mcap"
+    assert next_file(tmp_path / "m-2.mcap").name == "m-3.mcap"
+    (tmp_path / "seed-7.mcap").touch()
+    assert next_file(tmp_path / "seed-7.mcap").name == "seed-7-2.mcap"

@@ -13,7 +13,8 @@ from legpush.messages.tap import Copies
 from legpush.plan_desk import PlanningInterruptedError
 from legpush.recording.branch import BranchPoint, RecordedPast, parse_point
 from legpush.recording.episodes import read_episodes
-from legpush.recording.facts import read_facts, unpack_mission
+from legpush.recording.facts import CONTINUED, read_facts, unpack_mission
+from legpush.recording.info import lines
 from legpush.recording.mcap_reader import Recording, read_recording
 from legpush.recording.mcap_writer import RecordingFile
 from legpush.recording.plans import read_plans
@@ -143,6 +144,17 @@ def test_a_recording_that_is_no_mission_cannot_be_run_again(tmp_path: Path) -> N
         read_facts(recording)
     recording.about |= {"parent_sha256": "0", "parent_file": "p.mcap", "parent_episode": "0", "parent_step": "3"}
     with pytest.raises(RecordingError, match=r"got a branch of p.mcap at 0:3; it can be verified"):
+        unpack_mission(recording, tmp_path)
+
+
+def test_a_mission_that_was_interrupted_says_so_and_cannot_be_run_again_from_its_second_recording(
+    tmp_path: Path,
+) -> None:
+    recording = read_recording([a_recording(tmp_path / "a.mcap")])
+    assert not any("after an interruption" in line for line in lines(recording))
+    recording.about |= {CONTINUED: "yes"}
+    assert any("began         after an interruption" in line for line in lines(recording))
+    with pytest.raises(RecordingError, match="from its beginning on, got one that goes on after an interruption"):
         unpack_mission(recording, tmp_path)
 
 

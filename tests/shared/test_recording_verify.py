@@ -43,6 +43,14 @@ def test_what_the_wire_repeated_counts_once_whatever_the_order(tmp_path: Path) -
     assert verify([episode], FakeStepper().perform).divergence is None
 
 
+def test_answers_are_kept_as_they_were_recorded_since_traces_take_many_times_their_bytes(tmp_path: Path) -> None:
+    recording = read_recording([a_recording(tmp_path / "a.mcap")])
+    payloads = {id(message.copy.payload) for message in recording.messages}
+    answers = [asked.answer for episode in read_episodes(recording) for asked in episode.carried_out()]
+    assert len(answers) == len(mission())
+    assert all(id(answer) in payloads for answer in answers)
+
+
 def replace_copy(message: Recorded, **changes: object) -> Recorded:
     return Recorded(topic=message.topic, origin=message.origin, copy=replace(message.copy, **changes))
 

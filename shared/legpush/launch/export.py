@@ -36,7 +36,7 @@ class ExportOptions:
     """
 
     files: Files
-    """The recording, or its parts in order."""
+    """The recording, or its parts."""
     to: Annotated[Format | None, tyro.conf.arg(metavar="foxglove|csv|parquet|mp4|gif")] = None
     """What to make; told by the ending of --out as well (foxglove: .mcap)."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None

@@ -25,6 +25,11 @@ def default_folder(scenario: Scenario, seed: int, now: datetime) -> Path:
     return Path("runs") / f"{now:%Y%m%d-%H%M%S}-{scenario.name}-seed{seed}"
 
 
+def is_begun(folder: Path) -> bool:
+    """Whether a mission began in this folder before, which goes on now."""
+    return any(folder.glob("*.journal"))
+
+
 def run_name(folder: Path) -> str:
     """Name of a run on the bus: that of its folder, so that a run that goes on is the same run."""
     return re.sub(r"[^A-Za-z0-9_-]", "-", folder.name)[:64] or "run"

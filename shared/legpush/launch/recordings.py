@@ -63,7 +63,7 @@ class InfoOptions:
     """Show what is in a recording: channels, rates, episodes, completeness, result. Exit code 2 where it is none."""
 
     files: Files
-    """The recording, or its parts in order."""
+    """The recording, or its parts."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +85,7 @@ class ReplayOptions:
     """
 
     files: Files
-    """The recording, or its parts in order."""
+    """The recording, or its parts."""
     verify: bool = False
     """Ask a fresh simulator what was asked, and compare every answer bit for bit."""
     as_role: Annotated[
@@ -126,7 +126,7 @@ class BranchOptions:
     """
 
     files: Files
-    """The recording of a mission, or its parts in order."""
+    """The recording of a mission, or its parts."""
     at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
     """The first step that is not the recorded one, such as 0:12; `legpush info` lists both."""
     policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None

@@ -20,11 +20,11 @@ from legpush.endpoints import in_directory
 from legpush.errors import ConfigError
 from legpush.launch.crew import Crew
 from legpush.launch.display import make_display
-from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, run_folder, run_name
+from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder, run_name
 from legpush.launch.live_runs import LiveRun, shown, socket_directory
 from legpush.launch.options import RunOptions, split_command
 from legpush.launch.processes import Command
-from legpush.launch.recorder import MissionRecorder
+from legpush.launch.recorder import MissionRecorder, next_file
 from legpush.launch.summary import print_summary, read_report
 from legpush.launch.supervisor import (
     BAD_INPUT,
@@ -38,6 +38,7 @@ from legpush.launch.supervisor import (
 )
 from legpush.launch.video import film, film_arguments
 from legpush.messages.common import Role
+from legpush.recording.facts import CONTINUED
 from legpush.scenario import Scenario
 from legpush.scenario_file import load_scenario, override
 
@@ -111,7 +112,8 @@ def run_mission(
             sys.stderr.write(f"error: {verdict.reason}\n")
         elif verdict.exit_code == INTERRUPTED:
             again = programs.again(folder) if programs.again is not None else _again(options, folder)
-            console.print(Text(f"{verdict.reason}; to go on: {again}"), soft_wrap=True)
+            kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
+            console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
         else:
             if verdict.reason:
                 console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
@@ -180,7 +182,7 @@ def _run_in(
         if options.record is not None:
             log = place.folder / LOGS / "recorder.log"
             recorder = MissionRecorder(options.record, place.run, for_recorders, display)
-            recorder.start(crew, log, environment, about)
+            recorder.start(crew, log, environment, {**about, **({CONTINUED: "yes"} if is_begun(place.folder) else {})})
         commands = [
             Command(
                 role=role,
@@ -233,4 +235,6 @@ def _again(options: RunOptions, folder: Path) -> str:
         words += ["--inject-faults", str(options.inject_faults)]
     if options.deadline_s is not None:
         words += ["--deadline", str(options.deadline_s)]
+    if options.record is not None:
+        words += ["--record", str(next_file(options.record))]
     return shlex.join(words)

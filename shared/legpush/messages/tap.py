@@ -56,6 +56,9 @@ class Published(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     key: str
     n: Count
     """The sequence of the next message under this key."""
+    since: Count
+    """This batch and those after it have the messages under this key from this sequence on, but for what is lost: those
+    before it were in other batches, or published when nobody recorded."""
 
 
 class Fact(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -65,9 +65,10 @@ class RecordedPast:
                 f"step {step} of the recording: {instead([self._episode], step, motion)}; what was decided then "
                 "depended on something else than the recording tells, such as another version of legpush"
             )
-        if asked.outcome is None:
+        outcome = asked.outcome
+        if outcome is None:
             raise MotionError(asked.refusal or "not answered")
-        return self._with_trace(step, asked, asked.outcome) if with_trace else replace(asked.outcome, trace=None)
+        return self._with_trace(step, asked, outcome) if with_trace else replace(outcome, trace=None)
 
     def plan(self, query: PlanQuery) -> Plan:
         """The recorded answer; `RecordingError` where there is none."""
@@ -87,8 +88,9 @@ class RecordedPast:
         for episode in self._others:
             if _motions(episode, step) == _motions(self._episode, step):
                 for one in episode.steps[step]:
-                    if one.motion == asked.motion and one.outcome is not None and one.outcome.trace is not None:
-                        return one.outcome
+                    traced = one.outcome if one.motion == asked.motion else None
+                    if traced is not None and traced.trace is not None:
+                        return traced
         return outcome
 
 

@@ -2,14 +2,13 @@
 
 import shlex
 import sys
-from collections.abc import Iterator
-from itertools import chain, count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
 from legpush.launch.options import RunOptions
+from legpush.launch.recorder import next_file
 from legpush.launch.recordings import BranchOptions
 from legpush.launch.run import Place, Programs, process_arguments, run_mission
 from legpush.messages.common import Role
@@ -23,7 +22,7 @@ def branch(options: BranchOptions) -> int:
     at = parse_point(options.at)
     recording = read_recording(options.files)
     RecordedPast(recording, at)
-    flags = ["--branch-of", *(str(path.absolute()) for path in options.files), "--branch-at", str(at)]
+    flags = ["--branch-of", *(str(path.absolute()) for path in recording.files), "--branch-at", str(at)]
     for name in ("planner", "box_mass_kg", "box_friction"):
         if (value := getattr(options, name)) is not None:
             flags += [f"--branch-{name.replace('_', '-')}", str(value)]
@@ -32,8 +31,8 @@ def branch(options: BranchOptions) -> int:
         return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
 
     about = {
-        "parent_file": " ".join(path.name for path in options.files),
-        "parent_sha256": sha256_of(options.files),
+        "parent_file": " ".join(path.name for path in recording.files),
+        "parent_sha256": sha256_of(recording.files),
         "parent_episode": str(at.episode),
         "parent_step": str(at.step),
         "branch": shlex.join(sys.argv[1:]),
@@ -57,12 +56,8 @@ def branch(options: BranchOptions) -> int:
 def default_file(options: BranchOptions) -> Path:
     """Where the new recording goes: beside the old one, under a name that is free."""
     first, at = options.files[0], parse_point(options.at)
-    names = (f"{first.stem}-branch-{at.episode}-{at.step}{number}{first.suffix}" for number in chain([""], _numbers()))
-    return next(path for path in map(first.with_name, names) if not path.exists())
-
-
-def _numbers() -> Iterator[str]:
-    return (f"-{number}" for number in count(2))
+    file = first.with_name(f"{first.stem}-branch-{at.episode}-{at.step}{first.suffix}")
+    return next_file(file) if file.exists() else file
 
 
 def again(options: BranchOptions, folder: Path) -> str:

@@ -21,10 +21,20 @@ class Asked:
 
     motion: Motion
     with_trace: bool
-    outcome: Outcome | None = None
-    """None where it was not answered, or refused."""
+    answer: bytes | None = None
+    """The observation as it was recorded; None where it was not answered, or refused."""
     refusal: str | None = None
     """Why it could not be carried out, if so."""
+
+    @property
+    def is_told(self) -> bool:
+        """Whether it was answered or refused."""
+        return self.answer is not None or self.refusal is not None
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What the answer says; made each time, since traces take many times the memory of their bytes."""
+        return codec.decode(self.answer, Observation).outcome if self.answer is not None else None
 
 
 @dataclass(kw_only=True)
@@ -56,7 +66,7 @@ class EpisodeRecord:
         done: list[Asked] = []
         for number in range(len(self.steps)):
             asked = self.steps.get(number, [])
-            if not asked or asked[-1].outcome is None:
+            if not asked or asked[-1].answer is None:
                 break
             done.append(asked[-1])
         return done
@@ -122,21 +132,25 @@ class _Reader:
                         break
         elif asked:
             last = asked[-1]
-            if last.outcome is None:
-                last.outcome = answer.outcome
-            elif not same(last.outcome, answer.outcome):
-                path, expected, got = difference(last.outcome, answer.outcome)
+            before = last.outcome
+            if before is None:
+                last.answer = message.copy.payload
+            elif not same(before, answer.outcome):
+                path, expected, got = difference(before, answer.outcome)
                 damage = Damage(step=answer.step, field=path, expected=expected, got=f"{got}, answered again")
                 episode.damage.append(damage)
 
     def _decoded(self, message: Recorded, sim: str, kind: type[T], what: str) -> T | None:
-        """The message, or None where it is damaged, which is noted at the step where it has to be."""
+        """The message, or None where it is damaged, which is noted at its step.
+
+        Where no digest tells the step either, it is that after the last message that was in order.
+        """
         place: tuple[str, str] = (message.topic, message.origin.incarnation)
-        crc = self._recording.crcs.get((*place, message.copy.sequence))
+        mark = self._recording.mark(message)
         got = codec.checksum(message.copy.payload)
         decoded: T | None = None
         why = f"bytes with CRC {got:08x}"
-        if crc is None or crc == got:
+        if mark is None or mark.crc == got:
             try:
                 decoded = codec.decode(message.copy.payload, kind)
             except MessageError as error:
@@ -146,7 +160,9 @@ class _Reader:
             return decoded
         before = self._before.get(place)
         number, step = (before[0], before[1] + 1) if before is not None else (self._first_number(sim), 0)
-        expected = f"bytes with CRC {crc:08x}" if crc is not None else "a message"
+        if mark is not None and mark.place is not None:
+            number, step = mark.place
+        expected = f"bytes with CRC {mark.crc:08x}" if mark is not None else "a message"
         self._episode(sim, number).damage.append(Damage(step=step, field=what, expected=expected, got=why))
         return None
 
@@ -156,7 +172,7 @@ class _Reader:
 
 def _was_answered(episode: EpisodeRecord) -> bool:
     """Whether a simulator did, or refused to do, any of its steps, and not only asked to be led to them first."""
-    return any(one.outcome or one.refusal for asked in episode.steps.values() for one in asked)
+    return any(one.is_told for asked in episode.steps.values() for one in asked)
 
 
 def same(one: msgspec.Struct, other: msgspec.Struct) -> bool:

@@ -15,6 +15,9 @@ SCENARIO_FILE: Final = "scenario.toml"
 VERSIONS_FILE: Final = "versions.json"
 PUSH_MAP_FILE: Final = "push_map.json"
 
+CONTINUED: Final = "continued"
+"""In the metadata of a recording that goes on with a mission which was interrupted before."""
+
 
 class MissionFacts(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a mission is made of, besides its scenario and push map: `mission.json` of a recording."""
@@ -51,8 +54,13 @@ def read_facts(recording: Recording) -> MissionFacts:
 def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
     """Write the files of the recorded mission into a folder.
 
-    `RecordingError` where there was none, or where it is a branch, which began in another recording.
+    `RecordingError` where there was none, or where it began in another recording: a branch, or after an interruption.
     """
+    if CONTINUED in recording.about:
+        raise RecordingError(
+            "Expected the recording of a mission from its beginning on, got one that goes on after an interruption: "
+            "plans from before are not in it; it can be verified"
+        )
     if "parent_sha256" in recording.about:
         raise RecordingError(
             f"Expected the recording of a mission from its beginning on, got a branch of "

@@ -1,18 +1,20 @@
 """`legpush info`: what is in a recording, for people."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from legpush.errors import RecordingError
 from legpush.recording.episodes import read_episodes
+from legpush.recording.facts import CONTINUED
 from legpush.recording.mcap_reader import Recording
 from legpush.robot import CONTROL_PERIOD_S
 
 
-def lines(paths: tuple[Path, ...], recording: Recording) -> Iterator[str]:
+def lines(recording: Recording) -> Iterator[str]:
     """Line by line."""
+    paths = recording.files
     times = [message.copy.time_ns for message in recording.messages]
     duration_s = (max(times) - min(times)) / 1e9 if times else 0.0
     size = sum(path.stat().st_size for path in paths)
@@ -20,12 +22,14 @@ def lines(paths: tuple[Path, ...], recording: Recording) -> Iterator[str]:
     yield f"{', '.join(map(str, paths))}: run {about.get('run', '?')}, protocol {about.get('protocol', '?')}"
     yield f"duration      {duration_s:.1f} s"
     yield (
-        f"size          {size / 1e6:.1f} MB in {recording.n_files} files"
+        f"size          {size / 1e6:.1f} MB in {len(paths)} files"
         if len(paths) > 1
         else (f"size          {size / 1e6:.1f} MB")
     )
     yield f"messages      {len(recording.messages)}"
     yield from _completeness(recording)
+    if CONTINUED in about:
+        yield "began         after an interruption: steps from before are done again, plans from before are not in it"
     if about.get("topics"):
         yield f"filter        {about['topics']}"
     if "parent_sha256" in about:
@@ -41,12 +45,13 @@ def lines(paths: tuple[Path, ...], recording: Recording) -> Iterator[str]:
     if recording.attachments:
         yield "files"
         for attachment in recording.attachments.values():
-            yield f"  {attachment.name:<28}{len(attachment.data):>9} bytes  {attachment.media_type}"
+            state = "  DAMAGED" if attachment.name in recording.damaged_attachments else ""
+            yield f"  {attachment.name:<28}{len(attachment.data):>9} bytes  {attachment.media_type}{state}"
 
 
 def _completeness(recording: Recording) -> Iterator[str]:
     stated = recording.completeness
-    damaged = sum(not recording.is_as_recorded(message) for message in recording.messages)
+    damaged = recording.n_damaged
     word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not come to an end")
     word = "no" if recording.n_lost else word
     missing = stated.get("n_missing", "0")
@@ -57,18 +62,21 @@ def _completeness(recording: Recording) -> Iterator[str]:
         yield f"              {recording.n_lost} messages that were recorded cannot be read"
     if damaged:
         yield f"              {damaged} messages are damaged: their bytes are not those that were recorded"
+    if recording.damaged_attachments:
+        names = ", ".join(sorted(recording.damaged_attachments))
+        yield f"              {len(recording.damaged_attachments)} files are damaged: {names}"
     if recording.n_damaged_chunks:
         yield f"              {recording.n_damaged_chunks} pieces of the file have a bit that flipped"
 
 
 def _result(recording: Recording) -> Iterator[str]:
-    report = recording.attachment("report.json")
-    if report is None:
-        yield "result        none recorded"
-        return
     try:
+        report = recording.attachment("report.json")
+        if report is None:
+            yield "result        none recorded"
+            return
         numbers = msgspec.json.decode(report.data, type=dict[str, Any])
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except (RecordingError, msgspec.DecodeError, UnicodeDecodeError):
         yield "result        cannot be read: report.json is damaged"
         return
     yield f"result        {numbers.get('reason')}: {numbers.get('detail')}"

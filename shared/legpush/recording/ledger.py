@@ -9,6 +9,8 @@ from legpush.messages.tap import Copies, Copy, Origin
 
 WITNESSED: Final[tuple[Role, ...]] = ("planner",)
 """Of these others may hand over what they hear."""
+MAX_HEARD: Final = 10_000
+"""So far a witness may be behind the one it hears, or the other way round, in messages of a key."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,13 +29,32 @@ class Completeness:
 class _Account:
     """One key of one incarnation."""
 
-    first: int | None = None
+    first: int
+    """The first sequence that this recorder could have had."""
     n_recorded: int = 0
     n_published: int = 0
 
     def n_missing(self) -> int:
-        """Of those from the first one on that a recorder could have had."""
-        return self.n_published - (self.first or 0) - self.n_recorded if self.first is not None else 0
+        """Of those from the first one on."""
+        return max(0, self.n_published - self.first - self.n_recorded)
+
+
+class _Heard:
+    """Sequences of a key that are recorded; of the oldest only that there were some, so that they do not add up."""
+
+    def __init__(self) -> None:
+        self._below = 0
+        self._sequences: set[int] = set()
+
+    def __contains__(self, sequence: int) -> bool:
+        return sequence < self._below or sequence in self._sequences
+
+    def add(self, sequence: int) -> None:
+        """One more."""
+        self._sequences.add(sequence)
+        if len(self._sequences) > 2 * MAX_HEARD:
+            kept = sorted(self._sequences)[-MAX_HEARD:]
+            self._below, self._sequences = kept[0], set(kept)
 
 
 @dataclass
@@ -44,8 +65,8 @@ class _Source:
     accounts: dict[str, _Account] = field(default_factory=dict)
     n_batches: dict[str, int] = field(default_factory=dict)
     """By who handed them over: the source itself, or a witness."""
-    taken: set[tuple[str, int]] = field(default_factory=set)
-    """Keys and sequences, of a role that is witnessed: each message counts once, whoever hands it over."""
+    heard: dict[str, _Heard] = field(default_factory=dict)
+    """By key, of a role that is witnessed: each message counts once, whoever hands it over."""
     final: bool = False
 
 
@@ -71,7 +92,7 @@ class Ledger:
         source = self._sources.get(batch.origin.incarnation)
         if source is None or batch.origin.role not in WITNESSED:
             return batch.copies
-        return tuple(copy for copy in batch.copies if (copy.key, copy.sequence) not in source.taken)
+        return tuple(copy for copy in batch.copies if copy.sequence not in source.heard.get(copy.key, ()))
 
     def take(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
         """Note a batch, of which these copies, those under the keys `recorded`, are in the file."""
@@ -80,16 +101,15 @@ class Ledger:
         source = self._sources.setdefault(origin.incarnation, _Source(_label(origin)))
         source.n_batches[batch.header.incarnation] = batch.batch + 1
         source.final |= batch.final
-        for copy in copies:
-            account = source.accounts.setdefault(copy.key, _Account())
-            account.first = copy.sequence if account.first is None else min(account.first, copy.sequence)
-            account.n_recorded += 1
-            if origin.role in WITNESSED:
-                source.taken.add((copy.key, copy.sequence))
         for published in batch.published:
             if published.key in recorded:
-                account = source.accounts.setdefault(published.key, _Account())
+                account = source.accounts.setdefault(published.key, _Account(published.since))
+                account.first = min(account.first, published.since)
                 account.n_published = max(account.n_published, published.n)
+        for copy in copies:
+            source.accounts.setdefault(copy.key, _Account(copy.sequence)).n_recorded += 1
+            if origin.role in WITNESSED:
+                source.heard.setdefault(copy.key, _Heard()).add(copy.sequence)
 
     def unfinished(self) -> set[str]:
         """The incarnations that have not said farewell."""
@@ -107,16 +127,15 @@ class Ledger:
         n_recorded = n_missing = 0
         for incarnation, source in self._sources.items():
             for key, account in source.accounts.items():
-                first = account.n_published if account.first is None else account.first
                 n_recorded += account.n_recorded
                 n_missing += account.n_missing()
                 if account.n_missing():
-                    n_expected = account.n_published - first
+                    n_expected = account.n_published - account.first
                     losses.append(
                         f"{key} of {source.label}: {account.n_missing()} of {n_expected} messages are missing"
                     )
-                if first:
-                    before.append(f"{key} of {source.label}: {first} messages before the recording began")
+                if account.first:
+                    before.append(f"{key} of {source.label}: {account.first} messages before the recording began")
             if not source.final and incarnation not in live:
                 losses.append(f"{source.label} did not say farewell: its last messages may be missing")
         notes = (*losses, *before)

@@ -5,6 +5,7 @@ Chunks are not compressed, so that a bit that flips damages one message, and its
 
 import json
 import os
+import re
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -18,7 +19,7 @@ from legpush import codec
 from legpush.errors import RecordingError
 from legpush.messages import planning, stepping, tap
 from legpush.messages.tap import Copy, Origin
-from legpush.recording.digests import DIGEST_TOPIC, Digest, Digests
+from legpush.recording.digests import DIGEST_TOPIC, Digest, Digests, Key, Mark, mark_of
 from legpush.schemas import json_schema
 
 CHUNK_BYTES: Final = 64 * 1024
@@ -62,7 +63,7 @@ class RecordingFile:
     def __init__(self, path: Path, about: Mapping[str, str], split: Split = WHOLE, part: int = 0) -> None:
         """`about` becomes the metadata of every part, the first of which has the number `part`.
 
-        `RecordingError` where a file is there already.
+        `RecordingError` where a file is there already, be it that of a later part.
         """
         self._first_part = part
         self._path = path
@@ -71,6 +72,8 @@ class RecordingFile:
         self._attachments: dict[str, Attachment] = {}
         self.parts: list[Path] = []
         """The files, in order."""
+        if split != WHOLE:
+            self._require_no_parts()
         self._open()
 
     @property
@@ -78,14 +81,15 @@ class RecordingFile:
         """Size of the part that is being written, without what has not been flushed."""
         return self._stream.position
 
-    def write(self, origin: Origin, copies: tuple[Copy, ...]) -> None:
-        """Add messages of one sender, with the digests of their bytes."""
-        digests: dict[str, list[tuple[int, int]]] = {}
+    def write(self, origin: Origin, copies: tuple[Copy, ...], marks: Mapping[Key, Mark] | None = None) -> None:
+        """Add messages of one sender, with their digests: those in `marks`, where they were recorded before."""
+        digests: dict[str, list[tuple[int, Mark]]] = {}
         for copy in copies:
             topic = topic_of(copy.key)
             channel = self._channel(topic, copy.key, origin)
             self._writer.add_message(channel, copy.time_ns, copy.payload, copy.time_ns, copy.sequence % 2**32)
-            digests.setdefault(topic, []).append((copy.sequence, codec.checksum(copy.payload)))
+            mark = (marks or {}).get((topic, origin.incarnation, copy.sequence)) or mark_of(copy.payload)
+            digests.setdefault(topic, []).append((copy.sequence, mark))
         if copies:
             record = Digests(
                 digests=tuple(
@@ -93,7 +97,8 @@ class RecordingFile:
                         topic=topic,
                         incarnation=origin.incarnation,
                         sequences=tuple(sequence for sequence, _ in pairs),
-                        crcs=tuple(crc for _, crc in pairs),
+                        crcs=tuple(mark.crc for _, mark in pairs),
+                        places=tuple(mark.place for _, mark in pairs),
                     )
                     for topic, pairs in digests.items()
                 )
@@ -127,6 +132,15 @@ class RecordingFile:
     def abandon(self) -> None:
         """Close the file as it was when it was flushed last."""
         self._stream.close_at_kept()
+
+    def _require_no_parts(self) -> None:
+        """`RecordingError` where a file is in the way of a part that may come."""
+        name = re.compile(rf"{re.escape(self._path.stem)}-\d{{3,}}{re.escape(self._path.suffix)}")
+        there = sorted(path for path in self._path.parent.glob("*") if name.fullmatch(path.name))
+        if there:
+            raise RecordingError(
+                f"{there[0]}: expected new files for the parts of a recording, but there is one; choose another name"
+            )
 
     def _open(self) -> None:
         number = len(self.parts)

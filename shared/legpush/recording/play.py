@@ -34,7 +34,7 @@ class PlayConfig(ServiceConfig):
     """As any process, and the recording that it plays."""
 
     files: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """The recording, or its parts in order."""
+    """The recording, or its parts."""
 
 
 class RecordedSim:
@@ -53,22 +53,23 @@ class RecordedSim:
             (episode, asked)
             for episode in among
             for asked in episode.steps.get(step, [])
-            if asked.motion == motion and (asked.outcome or asked.refusal)
+            if asked.motion == motion and asked.is_told
         ]
-        outcomes = [asked.outcome for _, asked in fitting if asked.outcome is not None]
-        outcome = next((one for one in outcomes if one.trace is not None or not with_trace), None)
-        refusal = next((asked.refusal for _, asked in fitting if asked.outcome is None), None)
+        answered = [(episode, asked) for episode, asked in fitting if asked.answer is not None]
+        outcomes = (asked.outcome for _, asked in answered)
+        outcome = next((one for one in outcomes if one is not None and (one.trace or not with_trace)), None)
+        refusal = next((asked.refusal for _, asked in fitting if asked.answer is None), None)
         if outcome is None:
-            if refusal is not None and not outcomes:
+            if refusal is not None and not answered:
                 raise MotionError(refusal)
             raise RecordingError(f"step {step}: {instead(among, step, motion, with_trace=with_trace)}")
-        self._candidates, self._step = [episode for episode, asked in fitting if asked.outcome], step + 1
+        self._candidates, self._step = [episode for episode, _ in answered], step + 1
         return outcome if with_trace else replace(outcome, trace=None)
 
 
 def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_trace: bool = False) -> str:
     """What the recording has in the place of a motion."""
-    asked = [one for episode in among for one in episode.steps.get(step, []) if one.outcome or one.refusal]
+    asked = [one for episode in among for one in episode.steps.get(step, []) if one.is_told]
     if not asked:
         return f"the recording ends before it, got {type(motion).__name__.lower()}"
     recorded = asked[-1].motion

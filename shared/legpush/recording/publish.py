@@ -62,11 +62,12 @@ def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
 
 
 def _tap(bus: Bus, recording: Recording, origin: Origin, turn: int) -> Tap:
-    """The tap of a process that was recorded, with its files."""
+    """The tap of a process that was recorded, with its files but those that are damaged."""
     name = f"{origin.incarnation}-{turn}"[-NAME_LENGTH:] if turn else origin.incarnation
     tap = bus.taps.stand_in(Origin(role=origin.role, name=origin.name, incarnation=name))
     for attachment in recording.attachments.values():
-        if attachment.name.startswith(f"{origin.role}/{origin.name}/"):
+        is_whole = attachment.name not in recording.damaged_attachments
+        if is_whole and attachment.name.startswith(f"{origin.role}/{origin.name}/"):
             file = attachment.name.rpartition("/")[2]
             tap.buffer.attach(Fact(name=file, media_type=attachment.media_type, data=attachment.data))
     return tap

@@ -13,6 +13,7 @@ from legpush.bus import Bus
 from legpush.messages.common import Header, Role
 from legpush.messages.tap import Copies, Origin, Taken
 from legpush.ports import Publisher
+from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Completeness, Ledger
 from legpush.recording.mcap_writer import Attachment, RecordingFile, topic_of
 from legpush.status import StatusBeacon
@@ -68,7 +69,8 @@ class Recorder:
 
 def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event) -> Completeness:
     """Record until `stop`, or until the time that is wanted is over; `RecordingError` where the file cannot go on."""
-    batches = bus.subscribe(channels.copies(bus.run))
+    copies = channels.copies(bus.run)
+    batches = bus.subscribe(copies, BatchInbox(copies, bus.tally))
     answers: dict[tuple[Role, str], Publisher[Taken]] = {}
     recorder = Recorder(file, wanted)
     began = flushed_at = monotonic()

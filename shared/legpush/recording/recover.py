@@ -2,15 +2,22 @@
 
 from itertools import groupby
 from pathlib import Path
+from typing import Final
 
 from legpush.errors import RecordingError
 from legpush.messages.tap import Origin
 from legpush.recording.mcap_reader import RECOVERED_FROM, Recorded, Recording, Scan
 from legpush.recording.mcap_writer import RecordingFile
 
+DAMAGED: Final = ".damaged"
+"""What the name of a damaged file gets at its end."""
+
 
 def recover(path: Path, out: Path) -> Recording:
-    """Write to the new file `out` what `path` has, which stays as it is; `RecordingError` if nothing can be read."""
+    """Write to the new file `out` what `path` has, which stays as it is; `RecordingError` if nothing can be read.
+
+    Digests are those that were recorded, so that what is damaged is told as before; a damaged file gets another name.
+    """
     recording = Recording()
     scan = Scan(path)
     scan.read_into(recording)
@@ -20,9 +27,10 @@ def recover(path: Path, out: Path) -> Recording:
     file = RecordingFile(out, {**recording.about, RECOVERED_FROM: path.name}, part=recording.part)
     try:
         for attachment in recording.attachments.values():
-            file.attach(attachment)
+            is_damaged = attachment.name in recording.damaged_attachments
+            file.attach(attachment._replace(name=f"{attachment.name}{DAMAGED}") if is_damaged else attachment)
         for origin, messages in groupby(recording.messages, key=lambda message: message.origin):
-            file.write(origin, tuple(message.copy for message in messages))
+            file.write(origin, tuple(message.copy for message in messages), recording.marks)
         file.finish(recording.completeness)
     except BaseException:
         file.abandon()
@@ -32,8 +40,19 @@ def recover(path: Path, out: Path) -> Recording:
 
 def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
     """How complete the rest is: what comes after the cut is not known."""
-    n_missing, notes = gaps(recording.messages)
-    notes.insert(0, f"the recording was cut off at byte {scan.position} of {scan.size}: what came after it is missing")
+    n_missing, losses = gaps(recording.messages)
+    notes = [
+        f"the recording was cut off at byte {scan.position} of {scan.size}: what came after it is missing",
+        *losses,
+    ]
+    if recording.n_damaged:
+        notes.append(f"{recording.n_damaged} messages were damaged before it was recovered")
+    if recording.n_damaged_chunks:
+        notes.append(f"{recording.n_damaged_chunks} pieces of it had a bit that flipped before it was recovered")
+    notes += [
+        f"{name} was damaged before it was recovered, and is {name}{DAMAGED} now"
+        for name in sorted(recording.damaged_attachments)
+    ]
     return {
         "complete": "no",
         "n_recorded": str(len(recording.messages)),
@@ -43,15 +62,21 @@ def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
 
 
 def gaps(messages: list[Recorded]) -> tuple[int, list[str]]:
-    """How many messages are missing between the first and the last of each sender, and which."""
+    """How many messages are missing between the first and the last of each sender, and which; what was before is noted.
+
+    It is in another part, or from before the recording began, or lost: what is left of a file does not tell.
+    """
     sequences: dict[tuple[str, Origin], list[int]] = {}
     for message in messages:
         sequences.setdefault((message.topic, message.origin), []).append(message.copy.sequence)
-    n_missing, notes = 0, []
+    n_missing, losses, before = 0, [], []
     for (topic, origin), numbers in sequences.items():
-        n = max(numbers) + 1 - len(set(numbers))
+        first, n_expected = min(numbers), max(numbers) + 1 - min(numbers)
+        n = n_expected - len(set(numbers))
         n_missing += n
+        label = f"{topic} of {origin.role} {origin.name} ({origin.incarnation})"
         if n:
-            label = f"{topic} of {origin.role} {origin.name} ({origin.incarnation})"
-            notes.append(f"{label}: {n} of {max(numbers) + 1} messages are missing")
-    return n_missing, notes
+            losses.append(f"{label}: {n} of {n_expected} messages are missing")
+        if first:
+            before.append(f"{label}: {first} messages before the first one here")
+    return n_missing, [*losses, *before]

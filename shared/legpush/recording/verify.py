@@ -55,10 +55,11 @@ def verify(
             found = _damaged(episode, damage) if damage is not None else None
             for asked in episode.steps.get(number, []):
                 found = found or _compare(episode, number, asked, perform)
-                n_steps += asked.outcome is not None and found is None
+                n_steps += asked.answer is not None and found is None
             if found is not None:
                 return Verified(n_steps=n_steps, n_ticks=n_ticks, divergence=found)
-        n_ticks += max((one.outcome.world.tick for one in episode.carried_out() if one.outcome), default=0)
+        last = episode.carried_out()[-1:]
+        n_ticks += sum(one.outcome.world.tick for one in last if one.outcome is not None)
     return Verified(n_steps=n_steps, n_ticks=n_ticks, divergence=None)
 
 
@@ -88,14 +89,15 @@ def _compare(episode: EpisodeRecord, step: int, asked: Asked, perform: Perform) 
     def parted(field: str, expected: str, got: str) -> Divergence:
         return Divergence(episode=episode.index, step=step, field=field, expected=expected, got=got)
 
-    if asked.outcome is None and asked.refusal is None:
+    if not asked.is_told:
         return None
+    expected = asked.outcome
     try:
         outcome = perform(asked.motion, with_trace=asked.with_trace)
     except MotionError as error:
-        if asked.outcome is None and str(error).endswith(asked.refusal or ""):
+        if expected is None and str(error).endswith(asked.refusal or ""):
             return None
-        return parted("kind", "observation" if asked.outcome else f"refusal: {asked.refusal}", f"refusal: {error}")
-    if asked.outcome is None:
+        return parted("kind", "observation" if expected else f"refusal: {asked.refusal}", f"refusal: {error}")
+    if expected is None:
         return parted("kind", f"refusal: {asked.refusal}", "observation")
-    return None if same(asked.outcome, outcome) else parted(*difference(asked.outcome, outcome))
+    return None if same(expected, outcome) else parted(*difference(expected, outcome))
