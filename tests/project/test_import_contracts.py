@@ -20,7 +20,6 @@ ROGUES = {
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
     "Only legpush.recording.mcap_* import MCAP": ("legpush", "import mcap"),
     "Only legpush.map_server imports Pillow and PyYAML": ("legpush", "import yaml"),
-    "Only sim_proc.view imports viser": ("sim_proc", "import viser"),
     "Only the agent's pictures import matplotlib": (
         "agent_proc",
         "from matplotlib import pyplot",
