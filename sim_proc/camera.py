@@ -20,6 +20,9 @@ FRONT_RED: Final = (0.80, 0.24, 0.18, 0.6)
 REAR_BLUE: Final = (0.16, 0.36, 0.62, 0.6)
 PATH_WIDTH_M: Final = 0.012
 FOOTPRINT_RADIUS_M: Final = 0.025
+SUN_M: Final = 8.0
+SHADOWS_M: Final = 8.0
+"""There are shadows at least so far from what a camera looks at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +47,8 @@ class Camera:
             self._model.vis.headlight.diffuse[:] = 0.05
             self._model.vis.headlight.specular[:] = 0.0
             self._model.light_diffuse[:] *= 0.8
+        visible = self._model.vis.map
+        visible.shadowclip = max(visible.shadowclip, SHADOWS_M / self._model.stat.extent)
         visual.fovy = degrees(FIELD_OF_VIEW_RAD)
         visual.offwidth, visual.offheight = max(visual.offwidth, size.width), max(visual.offheight, size.height)
         self._data = mujoco.MjData(self._model)
@@ -56,8 +61,10 @@ class Camera:
         self._data.qpos[:] = film.qpos[row]
         for index, since in film.hidden_until.items():
             self._model.geom(wall_name(index)).rgba[3] = float(since is not None and since <= row)
-        mujoco.mj_forward(self._model, self._data)
         place = look(film, self._view, row, self._aspect)
+        # The sun's place tells only where there are shadows, and they are coarse at the border of that.
+        self._model.light_pos[0] = place.at_m - SUN_M * self._model.light_dir[0]
+        mujoco.mj_forward(self._model, self._data)
         self._camera.lookat[:] = place.at_m
         self._camera.distance = place.distance_m
         self._camera.azimuth, self._camera.elevation = degrees(place.azimuth_rad), degrees(place.elevation_rad)

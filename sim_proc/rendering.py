@@ -192,4 +192,5 @@ def _ffmpeg(*arguments: str) -> None:
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-nostdin", "-loglevel", "error", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise LegpushError(f"ffmpeg could not write {arguments[-1]}: {done.stderr.strip()}")
+        why = done.stderr.strip() or f"it ended with {done.returncode}"
+        raise LegpushError(f"ffmpeg could not write {Path(arguments[-1]).name}: {why}")

@@ -159,6 +159,12 @@ class Page:
             f"[...document.querySelectorAll('button')].find(b => b.innerText.trim() === {json.dumps(label)}).click()"
         )
 
+    def click_if(self, label: str) -> None:
+        """The same, if there is such a button."""
+        self.js(
+            f"[...document.querySelectorAll('button')].find(b => b.innerText.trim() === {json.dumps(label)})?.click()"
+        )
+
     def type_number(self, value: float) -> None:
         """Into the first field for numbers."""
         self.js(

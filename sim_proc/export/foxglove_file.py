@@ -5,7 +5,7 @@ about: what stands once, what appears later and what changes with every tick hav
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -53,6 +53,7 @@ from sim_proc.export.foxglove_scene import (
     vector,
 )
 from sim_proc.export.source import Exported, Source
+from sim_proc.export.steady import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
 from sim_proc.scenery import wall_name
 from sim_proc.shapes import parts_of
@@ -69,12 +70,12 @@ NOT_PLOTTED: Final = ("episode", "sim", "motion")
 def write_foxglove(
     source: Source, episode: Exported, about: Mapping[str, str], path: Path, say: Callable[[int, int], None]
 ) -> str:
-    """Write the file; what is in it, in a few words."""
+    """Write the file; what is in it, in a few words. `OSError` where that is not possible."""
     context = foxglove.Context()
-    with foxglove.open_mcap(path, context=context) as file:
-        facts = {"episode": str(episode.index), "scenario": episode.timeline.scenario.name, "times": TIMES}
+    writer = _Writer(source, episode, context)
+    facts = {"episode": str(episode.index), "scenario": episode.timeline.scenario.name, "times": TIMES}
+    with SteadyFile(path) as disk, foxglove.open_mcap(disk, context=context) as file:
         file.write_metadata("legpush", {**about, **facts})
-        writer = _Writer(source, episode, context)
         for name, attachment in source.recording.attachments.items():
             file.attach(
                 log_time=writer.time_ns(0),
@@ -83,7 +84,11 @@ def write_foxglove(
                 media_type=attachment.media_type,
                 data=attachment.data,
             )
-        writer.write(say)
+        for row in writer.rows():
+            if row % SAY_EVERY_ROWS == 0:
+                disk.check()
+                say(row, episode.timeline.n_rows)
+    say(episode.timeline.n_rows, episode.timeline.n_rows)
     return f"{writer.n_messages} messages, {episode.timeline.time_s[-1] - episode.timeline.time_s[0]:.1f} s"
 
 
@@ -97,8 +102,8 @@ class _Writer:
         self._parts = parts_of(episode.timeline.scenario)
         self.n_messages = 0
 
-    def write(self, say: Callable[[int, int], None]) -> None:
-        """All of them."""
+    def rows(self) -> Iterator[int]:
+        """Each row whose messages are written, and all before them."""
         timeline = self._timeline
         self._write_once()
         events = self._events()
@@ -115,9 +120,7 @@ class _Writer:
             self._write_feet(row)
             signals = {name: column[row] for name, column in zip(names, values, strict=True)}
             self._log_json("/signals", row, schema, {name: each for name, each in signals.items() if each == each})
-            if row % SAY_EVERY_ROWS == 0:
-                say(row, timeline.n_rows)
-        say(timeline.n_rows, timeline.n_rows)
+            yield row
 
     def time_ns(self, row: int) -> int:
         """Of a row."""

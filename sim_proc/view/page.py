@@ -23,9 +23,11 @@ from sim_proc.view.plots import Plots
 from sim_proc.view.scene import LAYERS, Scene
 from sim_proc.view.statuses import conditions
 
-PERIOD_S: Final = 1 / 30
+PERIOD_S: Final = 1 / 25
 """Of the scene."""
-SLOW_PERIOD_S: Final = 0.25
+TIME_PERIOD_S: Final = 0.12
+"""Of the slider, and what is written beside it."""
+SLOW_PERIOD_S: Final = 0.5
 """Of plots and statuses."""
 PUMP_S: Final = 0.02
 
@@ -98,7 +100,7 @@ class Page:
 
     def run(self, stop: threading.Event) -> None:
         """Until `stop`."""
-        shown_at = slow_at = monotonic()
+        shown_at = slow_at = time_shown_at = monotonic()
         while not stop.is_set():
             self._source.pump(self._timelines, PUMP_S)
             for command in self._panel.commands():
@@ -108,8 +110,11 @@ class Page:
             if self._timeline is not None:
                 self._player.advance(now - shown_at, self._timeline)
                 row = self._player.row(self._timeline)
-                self._scene.show(self._timelines, self._timeline, row, follow=self._follows_robot)
-                self._panel.show_time(self._timeline, row, self._player)
+                if self._server.get_clients():
+                    self._scene.show(self._timelines, self._timeline, row, follow=self._follows_robot)
+                if now - time_shown_at >= TIME_PERIOD_S:
+                    time_shown_at = now
+                    self._panel.show_time(self._timeline, row, self._player)
             shown_at = now
             if now - slow_at >= SLOW_PERIOD_S:
                 slow_at = now
@@ -144,6 +149,7 @@ class Page:
         self._timeline = timeline
         self._player.restart()
         self._scene.begin(timeline)
+        self._scene.show(self._timelines, timeline, self._player.row(timeline), follow=self._follows_robot)
 
     def _obey(self, command: Command) -> None:
         if command.name in LAYERS:

@@ -63,10 +63,9 @@ class Scene:
         # The default surroundings, a photograph that lights everything, cost a page without a GPU most of its time.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(enabled=False)
-        server.scene.add_light_hemisphere(
-            "/sky", sky_color=(255, 255, 255), ground_color=(170, 170, 180), intensity=3.6
-        )
-        server.scene.add_light_directional("/sun", intensity=2.2, position=(-2.0, -3.0, 6.0), cast_shadow=False)
+        server.scene.add_light_ambient("/sky", intensity=1.5)
+        server.scene.add_light_directional("/fill", intensity=0.7, position=(3.0, 4.0, 3.0), cast_shadow=False)
+        server.scene.add_light_directional("/sun", intensity=2.0, position=(-2.0, -3.0, 6.0), cast_shadow=False)
         self._world = server.scene.add_frame(WORLD, show_axes=False)
 
     def show_layer(self, name: str, shown: bool) -> None:
@@ -118,15 +117,16 @@ class Scene:
             self._follow(timeline.qpos[row, TRUNK][:2] if follow else np.zeros(2))
             self._show_push(timeline, row)
             self._show_paths(timelines, timeline, row)
-            if self._shown["traces"]:
-                self._traces.points = overlays.foot_traces(timeline, row).reshape(-1, 2, 3).astype(np.float32)
-                self._box_trace(timeline, row)
-            if self._shown["forces"]:
-                arrows = overlays.contact_arrows(timeline, row)
-                arrows[np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) < SHORTEST_M] = BELOW_M
-                self._forces.points = arrows.astype(np.float32)
-            if self._shown["support"]:
-                self._show_support(timeline, row)
+            self._box_trace(timeline, row)
+            for layer, show in (
+                ("traces", self._show_traces),
+                ("forces", self._show_forces),
+                ("support", self._show_support),
+            ):
+                if self._shown[layer]:
+                    with self._redrawn(layer, (id(timeline), row)) as draw:
+                        if draw:
+                            show(timeline, row)
         self._server.flush()
 
     def _move_bodies(self, timeline: Timeline, row: int) -> None:
@@ -177,6 +177,14 @@ class Scene:
             thickness=2.5,
             thickness_units="screen",
         )
+
+    def _show_traces(self, timeline: Timeline, row: int) -> None:
+        self._traces.points = overlays.foot_traces(timeline, row).reshape(-1, 2, 3).astype(np.float32)
+
+    def _show_forces(self, timeline: Timeline, row: int) -> None:
+        arrows = overlays.contact_arrows(timeline, row)
+        arrows[np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) < SHORTEST_M] = BELOW_M
+        self._forces.points = arrows.astype(np.float32)
 
     def _show_support(self, timeline: Timeline, row: int) -> None:
         corners = overlays.support_polygon(timeline, row)

@@ -15,6 +15,7 @@ ROGUES = {
     "Only planner_proc.ompl_search, steering and dubins import OMPL": ("planner_proc", "from ompl import base"),
     "Only the simulator's model, scenery, physics and pictures import MuJoCo": ("sim_proc", "import mujoco"),
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc", "import foxglove"),
+    "Only sim_proc.view imports viser": ("sim_proc", "import viser"),
     "Only tables import PyArrow": ("agent_proc", "import pyarrow"),
     "Only legpush.bus imports Zenoh": ("legpush", "import zenoh"),
     "Only legpush.recording.mcap_* import MCAP": ("legpush", "import mcap"),

@@ -90,7 +90,7 @@ def shows(page: Page, *words: str) -> None:
 def pause(page: Page) -> None:
     """Stay where it is, if it has not come to the end by itself."""
     shows(page, "box error")
-    page.js("[...document.querySelectorAll('button')].find(b => b.innerText.trim() === 'Pause')?.click()")
+    page.click_if("Pause")
     until(lambda: re.search(r"^Play$", page.text, re.MULTILINE), "a button to go on with")
 
 

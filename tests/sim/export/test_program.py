@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import resource
 import signal
 import subprocess
 import time
@@ -12,8 +13,9 @@ import pytest
 from pyarrow import parquet
 
 from legpush.errors import ConfigError
-from sim_proc.export.__main__ import whole_file
+from legpush.launch.export import ENDINGS, Format
 from sim_proc.export.columns import columns_of
+from sim_proc.export.program import whole_file
 from sim_proc.export.source import Source
 from sim_proc.rendering import working_backend
 from tests.sim.export.foxglove_reading import read
@@ -138,6 +140,20 @@ def test_bad_options_end_with_2_and_one_message(arguments: list[str], words: str
     assert "Traceback" not in done.stderr
     assert done.stdout == ""
     assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize("made", ["foxglove", "csv", "parquet"])
+def test_where_the_disk_is_full_nothing_is_left_behind(recorded: Path, made: Format, tmp_path: Path) -> None:
+    command = [*CLI, str(recorded), "--to", made, "--out", str(tmp_path / f"a{ENDINGS[made]}")]
+
+    def full() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
+
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, preexec_fn=full)
+    assert done.returncode == 2
+    assert f"a{ENDINGS[made]}: expected a new file that can be written" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_that_came_meanwhile_is_kept(tmp_path: Path) -> None:

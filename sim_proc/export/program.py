@@ -1,0 +1,129 @@
+"""`legpush export`: a recording as a file of another program."""
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final
+
+import tyro
+
+from legpush.errors import ConfigError, LegpushError
+from legpush.launch.export import FILMS, ExportOptions, Format
+from legpush.recording.branch import sha256_of
+from legpush.service import one_line
+from sim_proc.export.columns import columns_of
+from sim_proc.export.source import Source, longest, notes, read_source
+from sim_proc.export.table_csv import write_csv
+
+LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
+    "foxglove": ("foxglove", "foxglove-sdk"),
+    "parquet": ("pyarrow", "pyarrow"),
+}
+"""Module and package that a simulator's host may lack."""
+
+
+def main() -> int:
+    """Parse the command line and export; returns the exit code."""
+    try:
+        return export(tyro.cli(ExportOptions, prog="legpush export"))
+    except LegpushError as error:
+        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        return error.exit_code
+
+
+def export(options: ExportOptions) -> int:
+    """Write the file and say what it is; returns the exit code."""
+    made, target = options.format(), options.target()
+    _require_library(made)
+    source = read_source(options.files, options.episode, partial=options.partial)
+    if made in FILMS:
+        from sim_proc.rendering import NO_OPENGL, use_backend
+
+        if not use_backend("legpush export"):
+            return NO_OPENGL
+    with whole_file(target) as scratch:
+        what = _write(source, options, made, scratch)
+    sys.stdout.write(f"wrote {target}: {what}\n")
+    for note in notes(source):
+        sys.stderr.write(f"note: {one_line(note)}\n")
+    return 0
+
+
+@contextmanager
+def whole_file(target: Path) -> Iterator[Path]:
+    """Where to write what gets the name `target` once it is whole, and never in the place of another file."""
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.absolute().parent) as folder:
+            scratch = Path(folder) / f"whole{target.suffix}"
+            yield scratch
+            _name(scratch, target)
+    except OSError as error:
+        raise ConfigError(f"{target}: expected a new file that can be written ({error.strerror or error})") from error
+
+
+def _name(scratch: Path, target: Path) -> None:
+    """By a link, which fails where the name is taken; where there are no links the check comes just before."""
+    try:
+        os.link(scratch, target)
+    except FileExistsError:
+        raise
+    except OSError:
+        if os.path.lexists(target):
+            raise
+        scratch.rename(target)
+
+
+def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:
+    """Returns what was written, in a few words."""
+    if made in ("csv", "parquet"):
+        columns = columns_of(source.episodes)
+        if made == "csv":
+            write_csv(columns, scratch)
+        else:
+            from sim_proc.export.table_parquet import write_parquet
+
+            write_parquet(columns, about(source), scratch)
+        episodes = f"{len(source.episodes)} episode{'s' * (len(source.episodes) != 1)}"
+        return f"{len(columns[0].values)} rows, {len(columns)} columns, {episodes}"
+    episode = longest(source.episodes)
+    if made == "foxglove":
+        from sim_proc.export.foxglove_file import write_foxglove
+
+        return f"episode {episode.index}, {write_foxglove(source, episode, about(source), scratch, _say)}"
+    from sim_proc.export.films import film_episode
+
+    return f"episode {episode.index}, {film_episode(episode, options, source.name, scratch, _say)}"
+
+
+def about(source: Source) -> dict[str, str]:
+    """Where an exported file comes from."""
+    return {
+        "source": source.name,
+        "source_sha256": sha256_of(source.paths),
+        "run": source.recording.about.get("run", ""),
+        "protocol": source.recording.about.get("protocol", ""),
+        "version_legpush": version("legpush"),
+        "units": "SI: m, rad, s, N; frames: w is the world, its z axis normal to the floor",
+    }
+
+
+def _require_library(made: Format) -> None:
+    """`ConfigError` where it is not installed."""
+    module, package = LIBRARIES.get(made, ("", ""))
+    if module and find_spec(module) is None:
+        raise ConfigError(
+            f"Expected the library {package} for {made}, which is not installed; pip install '.[view]' in its checkout "
+            "installs it"
+        )
+
+
+def _say(n_done: int, n_all: int) -> None:
+    """Progress, for a person at a terminal."""
+    if sys.stderr.isatty():
+        sys.stderr.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
+        sys.stderr.flush()
