@@ -29,6 +29,8 @@ CLI = "import sys; from legpush.cli import main; sys.exit(main())"
 class Config:
     """How much to measure."""
 
+    query: str = "?fixedDpr=0.5"
+    """Of the address: half the pixels each way; empty for all of them."""
     openings: int = 5
     """Of a page, until the robot is there."""
     seconds: float = 10.0
@@ -36,7 +38,7 @@ class Config:
     missions: int = 5
     """With and without a page, each."""
     scenario: str = "default"
-    random_seed: int = 0
+    seed: int = 0
     """Of the missions."""
 
 
@@ -48,10 +50,10 @@ def main(config: Config) -> None:
         recording = folder / "mission.mcap"
         run(folder / "recorded", config, "--record", str(recording))
         with viewer(str(recording)) as url:
-            measure_openings(chrome, url, config.openings)
-            measure_frames(chrome, url, config.seconds)
+            measure_openings(chrome, f"{url}/{config.query}", config.openings)
+            measure_frames(chrome, f"{url}/{config.query}", config.seconds)
         with viewer() as url:
-            measure_missions(chrome, url, folder, config)
+            measure_missions(chrome, f"{url}/{config.query}", folder, config)
 
 
 def measure_openings(chrome: Browser, url: str, n: int) -> None:
@@ -114,7 +116,7 @@ def until_drawn(page: Page) -> None:
 
 def run(out: Path, config: Config, *flags: str) -> dict[str, float]:
     """The report of a mission."""
-    command = [sys.executable, "-c", CLI, "run", "--scenario", config.scenario, "--seed", str(config.random_seed)]
+    command = [sys.executable, "-c", CLI, "run", "--scenario", config.scenario, "--seed", str(config.seed)]
     subprocess.run([*command, "--out", str(out), "--no-video", *flags], check=True, capture_output=True)
     report: dict[str, float] = read_report(out)
     return report

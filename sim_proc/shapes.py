@@ -62,7 +62,11 @@ class Part:
 
 def parts_of(scenario: Scenario) -> list[Part]:
     """All bodies of a scenario's world, the world itself first, each behind its parent."""
-    model = build_model(scenario)
+    return parts_of_model(build_model(scenario))
+
+
+def parts_of_model(model: mujoco.MjModel) -> list[Part]:
+    """The same of a model."""
     return [_part(model, body) for body in range(model.nbody)]
 
 

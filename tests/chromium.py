@@ -25,6 +25,8 @@ FLAGS: Final = (
     "--no-sandbox",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    # What Chromium does by itself where there is no GPU, but not where it is told how to do without.
+    "--disable-gpu-compositing",
     "--no-first-run",
     "--disable-extensions",
     "--disable-background-networking",

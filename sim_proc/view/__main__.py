@@ -28,6 +28,7 @@ def main() -> int:
             if source.is_live:
                 os.nice(NICENESS)
             sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
+            sys.stdout.write(f"    without a GPU: {page.url}/?fixedDpr=0.5\n")
             sys.stdout.flush()
             if options.open:
                 webbrowser.open(page.url)

@@ -1,19 +1,26 @@
-"""The bodies of a scenario's MuJoCo model as meshes, and where they are for given joint positions."""
+"""The bodies of a scenario's MuJoCo model as meshes, and where they are for given joint positions.
+
+The meshes are coarse: a page that is drawn without a GPU spends its time on their corners.
+"""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import mujoco
 import numpy as np
-from mjviser.conversions import group_geoms_by_visual_compat, merge_geoms
+import trimesh
 from numpy.typing import NDArray
 
 from legpush.messages.stepping import Appearance
 from legpush.scenario import Scenario
 from sim_proc.model import build_model
 from sim_proc.scenery import wall_name
+from sim_proc.shapes import Part, Shape, parts_of_model
 
 Array = NDArray[np.float64]
+
+AROUND: Final = 14
+"""Corners of what is round."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,9 +30,8 @@ class Body:
     name: str
     index: int
     """In the arrays of `Bodies.poses`."""
-    meshes: tuple[Any, ...]
-    """`trimesh.Trimesh` each, in the frame of the body."""
-    moves: bool
+    mesh: Any
+    """A `trimesh.Trimesh` with colours, in the frame of the body."""
     appears: bool
     """Whether it is an obstacle that is not there from the beginning."""
 
@@ -37,11 +43,14 @@ class Bodies:
         """Compile the model."""
         self._model = build_model(scenario)
         self._data = mujoco.MjData(self._model)
-        mujoco.mj_kinematics(self._model, self._data)
-        self.all = tuple(filter(lambda body: body.meshes, map(self._body, range(self._model.nbody))))
-        """Those that can be seen; the floor is not among them."""
         later = (index for index, wall in enumerate(scenario.room.obstacles) if wall.appears_at_s > 0.0)
         self._appearing = {wall_name(index): index for index in later}
+        self.all = tuple(
+            Body(name=part.name, index=index, mesh=mesh_of(part), appears=part.name in self._appearing)
+            for index, part in enumerate(parts_of_model(self._model))
+            if any(map(_is_seen, part.shapes))
+        )
+        """Those that can be seen; the floor is not among them."""
 
     def poses(self, qpos: Array) -> tuple[Array, Array]:
         """Positions (n, 3) and quaternions (n, 4; w, x, y, z) of all bodies, world frame."""
@@ -55,18 +64,43 @@ class Bodies:
             each.obstacle == self._appearing[body.name] and each.tick <= tick for each in appeared
         )
 
-    def _body(self, index: int) -> Body:
-        model = self._model
-        geoms = [
-            int(geom)
-            for geom in np.flatnonzero(model.geom_bodyid == index)
-            if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE and model.geom_rgba[geom, 3] > 0.0
-        ]
-        is_mocap = bool(model.body_mocapid[index] >= 0)
-        return Body(
-            name=model.body(index).name,
-            index=index,
-            meshes=tuple(merge_geoms(model, group) for group in group_geoms_by_visual_compat(model, geoms)),
-            moves=bool(model.body_weldid[index]) and not is_mocap,
-            appears=is_mocap,
-        )
+
+def mesh_of(part: Part) -> trimesh.Trimesh:
+    """What can be seen of a body, in its frame, in one mesh."""
+    mesh = trimesh.util.concatenate([_mesh(shape) for shape in part.shapes if _is_seen(shape)])
+    if not isinstance(mesh, trimesh.Trimesh):
+        raise TypeError(f"Expected a mesh of {part.name}, got {type(mesh).__name__}")
+    return mesh
+
+
+def _is_seen(shape: Shape) -> bool:
+    return shape.kind != "plane" and shape.rgba[3] > 0.0
+
+
+def _mesh(shape: Shape) -> trimesh.Trimesh:
+    size = shape.size_m
+    match shape.kind:
+        case "sphere":
+            mesh = trimesh.creation.uv_sphere(radius=size[0], count=[AROUND // 2, AROUND])
+        case "capsule":
+            mesh = trimesh.creation.capsule(radius=size[0], height=2 * size[1], count=[AROUND // 2, AROUND])
+        case "cylinder":
+            mesh = trimesh.creation.cylinder(radius=size[0], height=2 * size[1], sections=2 * AROUND)
+        case "box":
+            mesh = trimesh.creation.box(extents=2 * size)
+        case _:
+            corners = shape.triangles_m.reshape(-1, 3)
+            mesh = trimesh.Trimesh(vertices=corners, faces=np.arange(len(corners)).reshape(-1, 3))
+    mesh.apply_transform(_pose(shape))
+    colors = np.tile((255 * np.array(shape.rgba)).astype(np.uint8), (len(mesh.vertices), 1))
+    mesh.visual = trimesh.visual.ColorVisuals(vertex_colors=colors)
+    return mesh
+
+
+def _pose(shape: Shape) -> Array:
+    """From the frame of a shape to that of its body, (4, 4)."""
+    matrix = np.eye(4)
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, shape.quaternion_wxyz)
+    matrix[:3, :3], matrix[:3, 3] = rotation.reshape(3, 3), shape.position_m
+    return matrix

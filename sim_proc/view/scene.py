@@ -102,8 +102,7 @@ class Scene:
             self._handles["floor"] = [floor]
             for body in self._bodies.all:
                 self._handles[body.name] = [
-                    scene.add_mesh_trimesh(f"{WORLD}/bodies/{body.name}/{k}", mesh, cast_shadow=False)
-                    for k, mesh in enumerate(body.meshes)
+                    scene.add_mesh_trimesh(f"{WORLD}/bodies/{body.name}", body.mesh, cast_shadow=False)
                 ]
             self._layers = {name: scene.add_frame(f"{WORLD}/{name}", show_axes=False) for name in LAYERS}
             for name, shown in self._shown.items():
