@@ -59,9 +59,8 @@ def chromium() -> str | None:
 class Browser:
     """A browser and its pages."""
 
-    def __init__(self, port: int, pid: int) -> None:
+    def __init__(self, port: int) -> None:
         self._port = port
-        self.pid = pid
 
     @contextmanager
     def page(self, url: str) -> Iterator["Page"]:
@@ -78,18 +77,26 @@ class Browser:
 
 
 @contextmanager
-def browser(size: tuple[int, int] = LAPTOP, flags: tuple[str, ...] = ()) -> Iterator[Browser]:
+def browser(size: tuple[int, int] = LAPTOP, niceness: int = 0) -> Iterator[Browser]:
     """Start one with a profile of its own, and end it."""
     program = chromium()
     if program is None:
         raise FileNotFoundError("Expected Chromium, such as Debian's package chromium, got none")
     with TemporaryDirectory(prefix="browser-", ignore_cleanup_errors=True) as profile:
-        command = [program, *FLAGS, *flags, f"--user-data-dir={profile}", f"--window-size={size[0]},{size[1]}"]
+        command = [
+            "nice",
+            "-n",
+            str(niceness),
+            program,
+            *FLAGS,
+            f"--user-data-dir={profile}",
+            f"--window-size={size[0]},{size[1]}",
+        ]
         process = subprocess.Popen([*command, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             port_file = Path(profile) / "DevToolsActivePort"
             until(lambda: port_file.exists() and port_file.read_text().count("\n") >= 1, "Chromium")
-            yield Browser(int(port_file.read_text().splitlines()[0]), process.pid)
+            yield Browser(int(port_file.read_text().splitlines()[0]))
         finally:
             process.terminate()
             process.wait(timeout=PATIENCE_S)

@@ -1,9 +1,7 @@
 """`python -m sim_proc.view`: the program behind `legpush view`."""
 
-import os
 import sys
 import webbrowser
-from typing import Final
 
 import tyro
 
@@ -12,9 +10,6 @@ from legpush.launch.viewing import ViewOptions
 from legpush.service import one_line, stop_on_signals
 from sim_proc.view.page import Page
 from sim_proc.view.sources import LiveRun, RecordedRun
-
-NICENESS: Final = 10
-"""Whom it watches goes first."""
 
 
 def main() -> int:
@@ -25,8 +20,6 @@ def main() -> int:
         source: RecordedRun | LiveRun
         source = RecordedRun(options.files) if options.files else LiveRun(options.run, options.connect)
         with Page(source, options.host, options.port) as page, source:
-            if source.is_live:
-                os.nice(NICENESS)
             sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
             sys.stdout.write(f"    without a GPU: {page.url}/?fixedDpr=0.5\n")
             sys.stdout.flush()
