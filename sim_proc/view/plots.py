@@ -132,6 +132,6 @@ class Plots:
 
 
 def begun(values: Array) -> Array:
-    """A curve that begins with a number, if it has any: charts find no scale for one that begins with none."""
-    known = np.flatnonzero(np.isfinite(values))
-    return values if not len(known) else np.concatenate([np.full(known[0], values[known[0]]), values[known[0] :]])
+    """A curve whose first value is a number, if any is: charts find no scale for one that begins with none."""
+    known = values[np.isfinite(values)]
+    return np.concatenate([known[:1], values[1:]]) if len(known) else values

