@@ -3,23 +3,18 @@
 import queue
 import threading
 from collections.abc import Callable
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Final
 
 from legpush import channels
 from legpush.bus import Bus
-from legpush.errors import ScenarioError
 from legpush.messages.common import Header, Role
-from legpush.messages.tap import Copies, Fact, Origin, Taken
+from legpush.messages.tap import Copies, Origin, Taken
 from legpush.ports import Publisher
-from legpush.recording.facts import SCENARIO_FILE
+from legpush.recording.facts import SCENARIO_FILE, scenario_in
 from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_writer import topic_of
-from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario
 from legpush.status import StatusBeacon
 from legpush.timelines import Timelines
 
@@ -54,7 +49,7 @@ class Listener:
                 return
             for fact in batch.facts:
                 if fact.name == SCENARIO_FILE:
-                    timelines.scenario = _scenario(fact)
+                    timelines.scenario = scenario_in(fact.data)
             for copy in self._ledger.fresh(batch):
                 timelines.take(topic_of(copy.key), batch.origin, copy)
             self._ledger.take(batch, batch.copies, set())
@@ -89,14 +84,3 @@ class Listener:
 def _taken(batch: Copies) -> Callable[[Header], Taken]:
     origin, number = batch.origin.incarnation, batch.batch
     return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)
-
-
-def _scenario(fact: Fact) -> Scenario | None:
-    """The scenario of a mission; None where this version cannot read it."""
-    with TemporaryDirectory(prefix="legpush-") as folder:
-        path = Path(folder) / SCENARIO_FILE
-        path.write_bytes(fact.data)
-        try:
-            return load_scenario(path)
-        except ScenarioError:
-            return None
