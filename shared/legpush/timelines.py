@@ -100,17 +100,19 @@ class Timelines:
             self.n_unreadable += 1
 
     def keep(self, n_episodes: int) -> None:
-        """Forget all but the newest episodes and the one that is held, and what was said and planned before them."""
+        """Forget all but the newest episodes and the one that is held, and what was said and planned at other times."""
         keys = list(self.episodes)
-        kept = {*keys[-n_episodes:], *self._held_keys()}
+        newest, held = keys[-n_episodes:], list(self._held_keys())
+        kept = {*newest, *held}
         forgotten = [key for key in keys if key not in kept]
         if not forgotten:
             return
         for key in forgotten:
             del self.episodes[key], self.indices[key]
-        began = min(timeline.steps[0].time_ns for timeline in self.episodes.values())
-        self.plans = [planned for planned in self.plans if planned.time_ns >= began]
-        self.said = [said for said in self.said if said.time_ns >= began]
+        newest_ns = min(self.episodes[key].steps[0].time_ns for key in newest)
+        began_ns, ended_ns = self.span_ns(self.episodes[held[0]]) if held else (newest_ns, newest_ns)
+        self.plans = [p for p in self.plans if p.time_ns >= newest_ns or began_ns <= p.time_ns <= ended_ns]
+        self.said = [s for s in self.said if s.time_ns >= newest_ns or began_ns <= s.time_ns <= ended_ns]
         going_on = {*self.episodes, *{sim: (sim, number) for sim, number, _ in self._asked}.values()}
         self._asked = {place: asked for place, asked in self._asked.items() if place[:2] in going_on}
         self._rewards = {place: value for place, value in self._rewards.items() if place[:2] in going_on}

@@ -107,6 +107,8 @@ def followed_path(timeline: Timeline, row: int) -> Array:
 
 def plan_at(timelines: Timelines, timeline: Timeline, row: int, kind: str) -> Plan | None:
     """The last plan of the `box` or the `trunk` that was there at a row, with a path in it."""
+    if not timelines.plans:
+        return None
     began, ended = timelines.span_ns(timeline)
     for planned in reversed(timelines.plans):
         is_wanted = isinstance(planned.query, BoxPathQuery) == (kind == "box") and planned.plan.waypoints

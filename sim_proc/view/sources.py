@@ -103,6 +103,7 @@ class LiveRun:
                 self._open.close()
                 self._watched = following
                 timelines.said.clear()
+                timelines.scenario = None
                 self._attach()
 
     def live(self) -> list[Origin]:

@@ -187,6 +187,15 @@ def test_of_a_run_that_goes_on_for_long_the_newest_episodes_are_kept_and_the_one
     for number in range(6):
         for message in nth(number, asked + answered):
             timelines.take(*message)
+        timelines.take(
+            "agent/main/status",
+            AGENT,
+            replace(
+                asked[0][2],
+                payload=codec.encode(MESSAGES["status"]),
+                time_ns=asked[0][2].time_ns + number * 10**12 + 10**11,
+            ),
+        )
         if number == 0:
             timelines.held = only(timelines)
     span = timelines.span_ns(only_held(timelines))
@@ -196,6 +205,7 @@ def test_of_a_run_that_goes_on_for_long_the_newest_episodes_are_kept_and_the_one
     assert [number - EPISODE for _, number in timelines.episodes] == [0, 1, 4, 5]
     assert list(timelines.indices.values()) == [0, 1, 4, 5]
     assert timelines.span_ns(only_held(timelines)) == span
+    assert [(said.time_ns - asked[0][2].time_ns) // 10**12 for said in timelines.said] == [0, 4, 5]
     timelines.held = None
     timelines.keep(2)
     assert list(timelines.indices.values()) == [4, 5]
