@@ -28,6 +28,8 @@ class Listener:
         self._bus = bus
         self._batches: queue.SimpleQueue[Copies] = queue.SimpleQueue()
         self._ledger = Ledger()
+        self._played: dict[tuple[Role, str], tuple[Origin, str]] = {}
+        """Whom a replay stands for, and its incarnation."""
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="listener", daemon=True)
 
@@ -47,18 +49,26 @@ class Listener:
                 batch = self._batches.get_nowait()
             except queue.Empty:
                 return
-            for fact in batch.facts:
-                if fact.name == SCENARIO_FILE:
-                    timelines.scenario = scenario_in(fact.data)
-            for copy in self._ledger.fresh(batch):
-                timelines.take(topic_of(copy.key), batch.origin, copy)
-            self._ledger.take(batch, batch.copies, set())
+            self.take(batch, timelines)
+
+    def take(self, batch: Copies, timelines: Timelines) -> None:
+        """Add what a batch has."""
+        if batch.header.role == "launcher":
+            self._played[batch.origin.role, batch.origin.name] = (batch.origin, batch.header.incarnation)
+        for fact in batch.facts:
+            if fact.name == SCENARIO_FILE:
+                timelines.scenario = scenario_in(fact.data)
+        for copy in self._ledger.fresh(batch):
+            timelines.take(topic_of(copy.key), batch.origin, copy)
+        self._ledger.take(batch, batch.copies, set())
 
     def live(self) -> list[Origin]:
-        """Who is there."""
-        return [
+        """Who is there, or played by a replay that is."""
+        there = [
             Origin(role=peer.role, name=peer.name, incarnation=peer.incarnation) for peer in self._bus.roster.live()
         ]
+        incarnations = {each.incarnation for each in there}
+        return there + [origin for origin, player in self._played.values() if player in incarnations]
 
     def _listen(self) -> None:
         copies = channels.copies(self._bus.run)
