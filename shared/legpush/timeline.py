@@ -130,18 +130,26 @@ class Timeline:
         """Signed distance of the CoM's ground projection to the border of the support polygon, inside positive."""
         return self._columns["support_margin_m"].view()
 
-    def box_error(self) -> Array:
+    def box_error(self, rows: slice | NDArray[np.intp] = slice(None)) -> Array:
         """Distance of the box from its goal [m] and the angle between their headings [rad], in [0, pi], (n, 2)."""
         pose = self.scenario.goal.pose.pose()
-        box = self.qpos[:, BOX]
+        box = self.qpos[rows, BOX]
         yaw = rpy_from_quaternion(box[:, 3:])[:, 2] - pose.yaw_rad
         away = np.hypot(box[:, 0] - pose.x_m, box[:, 1] - pose.y_m)
         return np.column_stack([away, np.abs((yaw + np.pi) % (2 * np.pi) - np.pi)])
 
     def step_at(self, row: int) -> TimelineStep:
         """The step that led to a row: of those that end there, the last."""
-        after = bisect_right(self.steps, row, key=lambda step: step.first_row)
-        return self.steps[after - 1]
+        return self.steps[self.step_index_at(row)]
+
+    def step_index_at(self, row: int) -> int:
+        """Where `step_at` is among the steps."""
+        return bisect_right(self.steps, row, key=lambda step: step.first_row) - 1
+
+    def rows_at(self, ticks: Array) -> NDArray[np.intp]:
+        """The last row up to each tick, or the first one there is."""
+        rows: NDArray[np.intp] = np.maximum(np.searchsorted(self.tick, ticks, side="right") - 1, 0)
+        return rows
 
     def row_at(self, time_ns: int) -> int:
         """The last row that was known at a time since 1970."""
@@ -150,11 +158,11 @@ class Timeline:
 
     def time_ns_at(self, row: int) -> int:
         """When a row was computed, since 1970: a step's rows are spread between the answer before and its own."""
-        step = self.step_at(row)
-        index = self.steps.index(step)
+        index = self.step_index_at(row)
+        step = self.steps[index]
         began = self.steps[index - 1].time_ns if index else step.time_ns
         share = (row - step.first_row + 1) / max(step.n_rows, 1)
-        return round(began + share * (step.time_ns - began))
+        return began + round(share * (step.time_ns - began))
 
     def _extend(self, trace: Trace) -> None:
         for name, column in self._columns.items():
@@ -182,6 +190,12 @@ class Timeline:
         for name, column in self._columns.items():
             shape = column.view().shape[1:]
             column.extend(np.broadcast_to(np.asarray(row[name], dtype=np.float64), shape)[None])
+
+
+def is_whole(trace: Trace) -> bool:
+    """Whether it has a whole row for each of its ticks."""
+    lengths = {len(getattr(trace, name)) for name in trace.__struct_fields__}
+    return len(lengths) == 1 and all(len(row) == BOX.stop for row in trace.qpos)
 
 
 class _Column:

@@ -13,7 +13,7 @@ from legpush.messages.planning import Plan, PlanQuery, PlanRequest, PlanResult
 from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal, Reset
 from legpush.messages.tap import Copy, Origin, Reward, Status
 from legpush.scenario import Scenario
-from legpush.timeline import Timeline
+from legpush.timeline import Timeline, is_whole
 
 Step = tuple[str, int, int]
 """Simulator, episode on the wire, step."""
@@ -45,7 +45,8 @@ class _Asked:
 
     motions: list[Motion] = field(default_factory=list)
     """That were asked for, one after the other: each but the last has to have been refused."""
-    n_refused: int = 0
+    refusals: set[str] = field(default_factory=set)
+    """Their reasons: an action that was sent again is refused again."""
     outcome: Outcome | None = None
     time_ns: int = 0
 
@@ -56,6 +57,10 @@ class Timelines:
     def __init__(self) -> None:
         self.episodes: dict[tuple[str, int], Timeline] = {}
         """By simulator and number on the wire, in the order in which they began."""
+        self.indices: dict[tuple[str, int], int] = {}
+        """Of the same episodes, counted from the first one that began."""
+        self.held: Timeline | None = None
+        """Is kept however old it is."""
         self.plans: list[Planned] = []
         """In the order in which they became known."""
         self.said: list[Said] = []
@@ -63,6 +68,7 @@ class Timelines:
         """Of episodes whose reset was before the first message that is known."""
         self.n_unreadable = 0
         """Messages that are none of this protocol."""
+        self._n_begun = 0
         self._asked: dict[Step, _Asked] = {}
         self._requests: dict[tuple[str, int], PlanRequest] = {}
         self._results: dict[tuple[str, int], list[tuple[int, PlanResult]]] = {}
@@ -94,16 +100,22 @@ class Timelines:
             self.n_unreadable += 1
 
     def keep(self, n_episodes: int) -> None:
-        """Forget all but the newest episodes, and what was said and planned before them."""
-        if len(self.episodes) <= n_episodes:
+        """Forget all but the newest episodes and the one that is held, and what was said and planned at other times."""
+        keys = list(self.episodes)
+        newest, held = keys[-n_episodes:], list(self._held_keys())
+        kept = {*newest, *held}
+        forgotten = [key for key in keys if key not in kept]
+        if not forgotten:
             return
-        for key in list(self.episodes)[:-n_episodes]:
-            del self.episodes[key]
-        began = min(timeline.steps[0].time_ns for timeline in self.episodes.values())
-        self.plans = [planned for planned in self.plans if planned.time_ns >= began]
-        self.said = [said for said in self.said if said.time_ns >= began]
-        self._asked = {place: asked for place, asked in self._asked.items() if place[:2] in self.episodes}
-        self._rewards = {place: value for place, value in self._rewards.items() if place[:2] in self.episodes}
+        for key in forgotten:
+            del self.episodes[key], self.indices[key]
+        newest_ns = min(self.episodes[key].steps[0].time_ns for key in newest)
+        began_ns, ended_ns = self.span_ns(self.episodes[held[0]]) if held else (newest_ns, newest_ns)
+        self.plans = [p for p in self.plans if p.time_ns >= newest_ns or began_ns <= p.time_ns <= ended_ns]
+        self.said = [s for s in self.said if s.time_ns >= newest_ns or began_ns <= s.time_ns <= ended_ns]
+        going_on = {*self.episodes, *{sim: (sim, number) for sim, number, _ in self._asked}.values()}
+        self._asked = {place: asked for place, asked in self._asked.items() if place[:2] in going_on}
+        self._rewards = {place: value for place, value in self._rewards.items() if place[:2] in going_on}
         self._requests.clear()
         self._results.clear()
 
@@ -118,13 +130,24 @@ class Timelines:
 
     def span_ns(self, timeline: Timeline) -> tuple[int, int]:
         """From when to when an episode lasted, since 1970: up to where the next one of its simulator begins."""
-        sim = next(sim for (sim, _), each in self.episodes.items() if each is timeline)
-        later = (
-            each.steps[0].time_ns
-            for (name, _), each in self.episodes.items()
-            if name == sim and each.steps and each.steps[0].time_ns > timeline.steps[0].time_ns
-        )
-        return timeline.steps[0].time_ns, min(later, default=2**63)
+        began = timeline.steps[0].time_ns
+        return began, min((each.steps[0].time_ns for _, each in self._later(timeline)), default=2**63)
+
+    def _later(self, timeline: Timeline) -> Iterator[tuple[tuple[str, int], Timeline]]:
+        """The episodes of the same simulator that began after it."""
+        began = timeline.steps[0].time_ns
+        sim = next((sim for (sim, _), each in self.episodes.items() if each is timeline), None)
+        for key, each in self.episodes.items():
+            if key[0] == sim and each.steps[0].time_ns > began:
+                yield key, each
+
+    def _held_keys(self) -> Iterator[tuple[str, int]]:
+        """Of the episode that is held, and of the one after it, which tells when it ended."""
+        if self.held is not None:
+            yield from (key for key, each in self.episodes.items() if each is self.held)
+            following = min(self._later(self.held), key=lambda each: each[1].steps[0].time_ns, default=None)
+            if following is not None:
+                yield following[0]
 
     def _take_action(self, sim: str, action: Action) -> None:
         asked = self._open((sim, action.episode, action.step))
@@ -133,11 +156,14 @@ class Timelines:
             self._advance((sim, action.episode, action.step))
 
     def _take_answer(self, sim: str, answer: Answer, time_ns: int) -> None:
+        if isinstance(answer, Observation) and answer.outcome.trace is not None and not is_whole(answer.outcome.trace):
+            raise MessageError(f"Expected a trace with a row for each tick of step {answer.step}")
         asked = self._open((sim, answer.episode, answer.step))
         if asked is None:
             return
         if isinstance(answer, Refusal):
-            asked.n_refused += answer.cause == "invalid"
+            if answer.cause == "invalid":
+                asked.refusals.add(answer.reason)
         elif asked.outcome is None or asked.outcome.trace is None:
             asked.outcome, asked.time_ns = answer.outcome, time_ns
         self._advance((sim, answer.episode, answer.step))
@@ -153,14 +179,16 @@ class Timelines:
         """Add the steps that are complete now, in order."""
         sim, episode, step = place
         while (asked := self._asked.get((sim, episode, step))) is not None:
-            if asked.outcome is None or len(asked.motions) <= asked.n_refused:
+            if asked.outcome is None or len(asked.motions) <= len(asked.refusals):
                 return
-            motion, timeline = asked.motions[asked.n_refused], self.episodes.get((sim, episode))
+            motion, timeline = asked.motions[len(asked.refusals)], self.episodes.get((sim, episode))
             if timeline is None:
                 scenario = motion.scenario if isinstance(motion, Reset) else self.scenario
                 if scenario is None:
                     return
                 timeline = self.episodes[sim, episode] = Timeline(scenario)
+                self.indices[sim, episode] = self._n_begun
+                self._n_begun += 1
             elif step != timeline.steps[-1].number + 1:
                 return
             del self._asked[sim, episode, step]

@@ -1,16 +1,13 @@
 """What is exported: the episodes of a recording, whole or refused."""
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from legpush.errors import RecordingError, ScenarioError
+from legpush.errors import RecordingError
 from legpush.recording.episodes import EpisodeRecord, read_episodes
-from legpush.recording.facts import SCENARIO_FILE
+from legpush.recording.facts import scenario_of
 from legpush.recording.mcap_reader import Recording, read_recording
-from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario
 from legpush.timeline import Timeline
 from legpush.timelines import Timelines
 
@@ -94,25 +91,11 @@ def notes(source: Source) -> Iterator[str]:
 def _timelines(recording: Recording) -> Timelines:
     """Of all messages that are as they were recorded."""
     timelines = Timelines()
-    timelines.scenario = _scenario(recording)
+    timelines.scenario = scenario_of(recording)
     for message in recording.messages:
         if recording.is_as_recorded(message):
             timelines.take(message.topic, message.origin, message.copy)
     return timelines
-
-
-def _scenario(recording: Recording) -> Scenario | None:
-    """The one among its files; None where there is none that can be read."""
-    attachment = recording.attachment(SCENARIO_FILE)
-    if attachment is None:
-        return None
-    with tempfile.TemporaryDirectory(prefix="legpush-") as folder:
-        file = Path(folder) / SCENARIO_FILE
-        file.write_bytes(attachment.data)
-        try:
-            return load_scenario(file)
-        except ScenarioError:
-            return None
 
 
 def _require_whole(record: EpisodeRecord, timeline: Timeline | None, where: str) -> None:

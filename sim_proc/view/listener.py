@@ -3,23 +3,18 @@
 import queue
 import threading
 from collections.abc import Callable
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Final
 
 from legpush import channels
 from legpush.bus import Bus
-from legpush.errors import ScenarioError
 from legpush.messages.common import Header, Role
-from legpush.messages.tap import Copies, Fact, Origin, Taken
+from legpush.messages.tap import Copies, Origin, Taken
 from legpush.ports import Publisher
-from legpush.recording.facts import SCENARIO_FILE
+from legpush.recording.facts import SCENARIO_FILE, scenario_in
 from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_writer import topic_of
-from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario
 from legpush.status import StatusBeacon
 from legpush.timelines import Timelines
 
@@ -33,6 +28,8 @@ class Listener:
         self._bus = bus
         self._batches: queue.SimpleQueue[Copies] = queue.SimpleQueue()
         self._ledger = Ledger()
+        self._played: dict[tuple[Role, str], tuple[Origin, str]] = {}
+        """Whom a replay stands for, and its incarnation."""
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="listener", daemon=True)
 
@@ -52,18 +49,26 @@ class Listener:
                 batch = self._batches.get_nowait()
             except queue.Empty:
                 return
-            for fact in batch.facts:
-                if fact.name == SCENARIO_FILE:
-                    timelines.scenario = _scenario(fact)
-            for copy in self._ledger.fresh(batch):
-                timelines.take(topic_of(copy.key), batch.origin, copy)
-            self._ledger.take(batch, batch.copies, set())
+            self.take(batch, timelines)
+
+    def take(self, batch: Copies, timelines: Timelines) -> None:
+        """Add what a batch has."""
+        if batch.header.role == "launcher":
+            self._played[batch.origin.role, batch.origin.name] = (batch.origin, batch.header.incarnation)
+        for fact in batch.facts:
+            if fact.name == SCENARIO_FILE:
+                timelines.scenario = scenario_in(fact.data)
+        for copy in self._ledger.fresh(batch):
+            timelines.take(topic_of(copy.key), batch.origin, copy)
+        self._ledger.take(batch, batch.copies, set())
 
     def live(self) -> list[Origin]:
-        """Who is there."""
-        return [
+        """Who is there, or played by a replay that is."""
+        there = [
             Origin(role=peer.role, name=peer.name, incarnation=peer.incarnation) for peer in self._bus.roster.live()
         ]
+        incarnations = {each.incarnation for each in there}
+        return there + [origin for origin, player in self._played.values() if player in incarnations]
 
     def _listen(self) -> None:
         copies = channels.copies(self._bus.run)
@@ -89,14 +94,3 @@ class Listener:
 def _taken(batch: Copies) -> Callable[[Header], Taken]:
     origin, number = batch.origin.incarnation, batch.batch
     return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)
-
-
-def _scenario(fact: Fact) -> Scenario | None:
-    """The scenario of a mission; None where this version cannot read it."""
-    with TemporaryDirectory(prefix="legpush-") as folder:
-        path = Path(folder) / SCENARIO_FILE
-        path.write_bytes(fact.data)
-        try:
-            return load_scenario(path)
-        except ScenarioError:
-            return None

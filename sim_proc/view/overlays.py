@@ -24,6 +24,9 @@ TRAIL_ROWS: Final = 240
 """Ticks of the foot traces."""
 TRAIL_STRIDE: Final = 4
 CURVE_POINTS: Final = 32
+BOX_TRACE_TICKS: Final = 10
+MAX_BOX_POINTS: Final = 1000
+"""Of the trace of the box, which is coarser the longer the episode is."""
 ON_FLOOR_M: Final = 0.006
 """Height at which paths are drawn, so that the floor does not hide them."""
 
@@ -68,15 +71,17 @@ def contact_arrows(timeline: Timeline, row: int) -> Array:
 def foot_traces(timeline: Timeline, row: int) -> Array:
     """Where the feet were in the last `TRAIL_ROWS` ticks, (4, n, 2, 3), n fixed: what is missing has no length."""
     n = TRAIL_ROWS // TRAIL_STRIDE
-    rows = np.maximum(row - TRAIL_STRIDE * np.arange(n, -1, -1), 0)
+    rows = timeline.rows_at(timeline.tick[row] - TRAIL_STRIDE * np.arange(n, -1, -1))
     tips = timeline.tips_m[rows]
     return np.stack([tips[:-1], tips[1:]], axis=2).transpose(1, 0, 2, 3)
 
 
 def box_trace(timeline: Timeline, row: int) -> Array:
     """Where the box was since the beginning, on the floor, (n, 3)."""
-    centres = timeline.qpos[: row + 1 : 10, BOX][:, :2]
-    return on_floor(np.vstack([centres, timeline.qpos[row, BOX][:2]]))
+    first, last = timeline.tick[0], timeline.tick[row]
+    stride = BOX_TRACE_TICKS * np.ceil((last - first) / (BOX_TRACE_TICKS * MAX_BOX_POINTS) or 1.0)
+    rows = np.unique(np.append(timeline.rows_at(np.arange(first, last, stride)), row))
+    return on_floor(timeline.qpos[rows, BOX][:, :2])
 
 
 def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
@@ -95,19 +100,21 @@ def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
 
 def followed_path(timeline: Timeline, row: int) -> Array:
     """The path of the trunk that the last `Follow` up to a row gave, (n, 3)."""
-    upto = timeline.steps[: timeline.steps.index(timeline.step_at(row)) + 1]
-    paths = (step.motion.waypoints for step in reversed(upto) if isinstance(step.motion, Follow))
+    motions = (timeline.steps[index].motion for index in range(timeline.step_index_at(row), -1, -1))
+    paths = (motion.waypoints for motion in motions if isinstance(motion, Follow))
     return _waypoints(next(paths, ()))
 
 
 def plan_at(timelines: Timelines, timeline: Timeline, row: int, kind: str) -> Plan | None:
     """The last plan of the `box` or the `trunk` that was there at a row, with a path in it."""
-    found = None
-    for at, planned in timelines.plans_of(timeline):
-        is_box = isinstance(planned.query, BoxPathQuery)
-        if at <= row and is_box == (kind == "box") and planned.plan.waypoints:
-            found = planned.plan
-    return found
+    if not timelines.plans:
+        return None
+    began, ended = timelines.span_ns(timeline)
+    for planned in reversed(timelines.plans):
+        is_wanted = isinstance(planned.query, BoxPathQuery) == (kind == "box") and planned.plan.waypoints
+        if is_wanted and began <= planned.time_ns <= ended and timeline.row_at(planned.time_ns) <= row:
+            return planned.plan
+    return None
 
 
 def plan_path(plan: Plan) -> Array:

@@ -51,6 +51,8 @@ class Source(Protocol):
     """Where timelines come from."""
 
     is_live: bool
+    is_reading: bool
+    """Whether there is more to come that was there already."""
 
     @property
     def title(self) -> str:
@@ -85,9 +87,10 @@ class Page:
         with panel.add_tab("Plots"):
             self._plots = Plots(self._server)
         panel.dock_left()
-        self._timelines = Timelines()
-        self._timeline: Timeline | None = None
-        self._player = Player(follows=source.is_live)
+        self.timelines = Timelines()
+        self.shown: Timeline | None = None
+        self._time_shown_at = self._slow_at = monotonic()
+        self.player = Player(follows=source.is_live)
         self._follows_newest = True
         self._follows_robot = True
 
@@ -100,58 +103,69 @@ class Page:
 
     def run(self, stop: threading.Event) -> None:
         """Until `stop`."""
-        shown_at = slow_at = time_shown_at = monotonic()
+        updated_at = monotonic()
         while not stop.is_set():
-            self._source.pump(self._timelines, PUMP_S)
-            for command in self._panel.commands():
-                self._obey(command)
-            self._choose()
-            now = monotonic()
-            if self._timeline is not None:
-                self._player.advance(now - shown_at, self._timeline)
-                row = self._player.row(self._timeline)
-                if self._server.get_clients():
-                    self._scene.show(self._timelines, self._timeline, row, follow=self._follows_robot)
-                if now - time_shown_at >= TIME_PERIOD_S:
-                    time_shown_at = now
-                    self._panel.show_time(self._timeline, row, self._player)
-            shown_at = now
-            if now - slow_at >= SLOW_PERIOD_S:
-                slow_at = now
-                self._show_slow()
-            stop.wait(max(0.0, PERIOD_S - (monotonic() - now)))
+            began = monotonic()
+            self.update(began - updated_at)
+            updated_at = began
+            stop.wait(max(0.0, PERIOD_S - (monotonic() - began)))
+
+    def update(self, seconds: float) -> None:
+        """Take what has come and show it, so long after the last time."""
+        self._source.pump(self.timelines, PUMP_S)
+        for command in self._panel.commands():
+            self.obey(command)
+        self._choose()
+        now = monotonic()
+        if self.shown is not None:
+            self.player.advance(seconds, self.shown, grows=self._source.is_reading)
+            row = self.player.row(self.shown)
+            if self._server.get_clients():
+                self._scene.show(self.timelines, self.shown, row, follow=self._follows_robot)
+            if now - self._time_shown_at >= TIME_PERIOD_S:
+                self._time_shown_at = now
+                self._panel.show_time(self.shown, row, self.player)
+        if now - self._slow_at >= SLOW_PERIOD_S:
+            self._slow_at = now
+            self._show_slow()
 
     def _show_slow(self) -> None:
         at_ns = time_ns()
-        if self._timeline is not None:
-            row = self._player.row(self._timeline)
-            self._plots.show(self._timeline, row)
-            if not self._player.follows:
-                at_ns = self._timeline.time_ns_at(row)
-        live = self._source.live() if self._player.follows or self._timeline is None else None
-        if self._timeline is None:
-            self._panel.show_waiting(self._source.is_live)
-        self._panel.show_processes(self._source.title, conditions(self._timelines.said, at_ns, live))
+        if self.shown is not None:
+            row = self.player.row(self.shown)
+            self._plots.show(self.shown, row)
+            if not self.player.follows:
+                at_ns = self.shown.time_ns_at(row)
+        live = self._source.live() if self.player.follows or self.shown is None else None
+        if self.shown is None:
+            self._panel.show_waiting(live=self._source.is_live, reading=self._source.is_reading)
+        self._show_episodes()
+        self._panel.show_processes(self._source.title, conditions(self.timelines.said, at_ns, live))
 
     def _choose(self) -> None:
         """Which episode is looked at: the newest of a live run until somebody chooses otherwise."""
-        episodes = self._timelines.episodes
+        episodes = self.timelines.episodes
         if not episodes:
             return
-        newest = list(episodes.values())[-1 if self._source.is_live else 0]
-        if self._timeline is None or (self._follows_newest and self._source.is_live and newest is not self._timeline):
+        newest = next(reversed(episodes.values()) if self._source.is_live else iter(episodes.values()))
+        if self.shown is None or (self._follows_newest and self._source.is_live and newest is not self.shown):
             self._begin(newest)
-        labels = [f"{index}: simulator {sim}" for index, (sim, _) in enumerate(episodes)]
-        chosen = next(index for index, each in enumerate(episodes.values()) if each is self._timeline)
-        self._panel.show_episodes(labels, labels[chosen])
+
+    def _show_episodes(self) -> None:
+        episodes, indices = self.timelines.episodes, self.timelines.indices
+        if self.shown is not None:
+            labels = {key: f"{indices[key]}: simulator {key[0]}" for key in episodes}
+            chosen = next(label for key, label in labels.items() if episodes[key] is self.shown)
+            self._panel.show_episodes(tuple(labels.values()), chosen)
 
     def _begin(self, timeline: Timeline) -> None:
-        self._timeline = timeline
-        self._player.restart()
+        self.shown = self.timelines.held = timeline
+        self.player.restart()
         self._scene.begin(timeline)
-        self._scene.show(self._timelines, timeline, self._player.row(timeline), follow=self._follows_robot)
+        self._scene.show(self.timelines, timeline, self.player.row(timeline), follow=self._follows_robot)
 
-    def _obey(self, command: Command) -> None:
+    def obey(self, command: Command) -> None:
+        """Do what somebody wants."""
         if command.name in LAYERS:
             self._scene.show_layer(command.name, bool(command.value))
         elif command.name == FOLLOW_ROBOT:
@@ -159,14 +173,14 @@ class Page:
         elif command.name == "camera":
             self._aim(command)
         elif command.name == "speed":
-            self._player.speed = speed_of(command.value)
-            if self._player.follows and self._timeline is not None:
-                self._player.play(self._timeline)
-        elif self._timeline is not None:
-            self._obey_in_time(command, self._timeline)
+            self.player.speed = speed_of(command.value)
+            if self.player.follows and self.shown is not None:
+                self.player.play(self.shown)
+        elif self.shown is not None:
+            self._obey_in_time(command, self.shown)
 
     def _obey_in_time(self, command: Command, timeline: Timeline) -> None:
-        player = self._player
+        player = self.player
         self._follows_newest = False
         match command.name:
             case "seek":
@@ -181,10 +195,17 @@ class Page:
                 n = -1 if "<" in command.value else 1
                 (player.move_steps if "|" in command.value else player.move_rows)(n, timeline)
             case "episode":
-                index = int(str(command.value).partition(":")[0])
-                self._begin(list(self._timelines.episodes.values())[index])
+                self._begin_chosen(int(str(command.value).partition(":")[0]))
             case _:
                 raise ConfigError(f"Expected a command of the page, got {command.name}")
+
+    def _begin_chosen(self, index: int) -> None:
+        """An episode that somebody chose; none where it was forgotten meanwhile."""
+        for key, each in self.timelines.indices.items():
+            if each == index:
+                self._begin(self.timelines.episodes[key])
+                if self.player.follows:
+                    self.player.play(self.timelines.episodes[key])
 
     def _aim(self, command: Command) -> None:
         """Of whoever asked for it, and nobody else."""
@@ -198,9 +219,9 @@ class Page:
 
     def _from_robot(self, point_m: tuple[float, float, float]) -> tuple[float, float, float]:
         """A point in the frame of the robot, on the floor below it, in that of the page."""
-        if self._timeline is None:
+        if self.shown is None:
             return point_m
-        trunk = self._timeline.qpos[self._player.row(self._timeline), TRUNK]
+        trunk = self.shown.qpos[self.player.row(self.shown), TRUNK]
         yaw = float(rpy_from_quaternion(trunk[3:])[2])
         away_x, away_y = (0.0, 0.0) if self._follows_robot else (float(trunk[0]), float(trunk[1]))
         x, y, z = point_m

@@ -77,10 +77,10 @@ class Panel:
         rows = "".join(map(_process_row, conditions))
         self._set(self._processes, f"<div style='padding:.4em .8em 0'><b>{escape(title)}</b>{rows}</div>")
 
-    def show_episodes(self, labels: Sequence[str], chosen: str) -> None:
+    def show_episodes(self, labels: tuple[str, ...], chosen: str) -> None:
         """Which episodes there are."""
-        if tuple(labels) != self._episode.options:
-            self._episode.options = tuple(labels)
+        if labels != self._episode.options:
+            self._episode.options = labels
             self._episode.visible = len(labels) > 1
         if self._episode.value != chosen:
             self._episode.value = chosen
@@ -101,9 +101,11 @@ class Panel:
             self._live.disabled = player.follows
         self._set(self._now, now_html(timeline, row))
 
-    def show_waiting(self, live: bool) -> None:
-        """That there is nothing to see yet."""
-        text = "Nothing has moved yet. <code>legpush run</code> in a terminal begins a run." if live else "Reading."
+    def show_waiting(self, *, live: bool, reading: bool) -> None:
+        """That there is nothing to see yet, or at all."""
+        text = "Nothing has moved yet. <code>legpush run</code> in a terminal begins a run."
+        if not live:
+            text = "Reading." if reading else "No episode is in it whose beginning, or scenario, was recorded."
         self._set(self._now, f"<div style='padding:.2em .8em;{SMALL}'>{text}</div>")
 
     def _set(self, handle: Any, content: str) -> None:
@@ -139,7 +141,7 @@ def speed_of(label: str) -> float:
 def now_html(timeline: Timeline, row: int) -> str:
     """What goes on at a row, and how far the box is."""
     step = timeline.step_at(row)
-    error_m, angle_rad = timeline.box_error()[row]
+    error_m, angle_rad = timeline.box_error(slice(row, row + 1))[0]
     lines = [
         ("step", f"{step.number}: {_motion(step.motion)}"),
         ("box error", f"{100 * error_m:.1f} cm, {57.29578 * angle_rad:.1f}&deg;"),

@@ -35,8 +35,8 @@ class Player:
         """Whether there is nothing more to show."""
         return self.row(timeline) >= timeline.n_rows - 1
 
-    def advance(self, seconds: float, timeline: Timeline) -> None:
-        """Time passes."""
+    def advance(self, seconds: float, timeline: Timeline, *, grows: bool = False) -> None:
+        """Time passes; at its end it waits where the timeline `grows`, else it stops."""
         if not self.is_playing:
             return
         last = timeline.n_rows - 1
@@ -47,7 +47,7 @@ class Player:
         else:
             now_s += seconds * self.speed
         self._go_to(now_s, timeline)
-        if self._row >= last and not self.follows:
+        if self._row >= last and not self.follows and not grows:
             self.is_playing = False
 
     def follow(self) -> None:

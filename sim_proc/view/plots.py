@@ -46,7 +46,7 @@ def chosen_rows(n_rows: int) -> Rows:
 
 def box_errors(timeline: Timeline, rows: Rows) -> tuple[Array, ...]:
     """Position [cm] and angle [deg]."""
-    error = timeline.box_error()[rows]
+    error = timeline.box_error(rows)
     return 100.0 * error[:, 0], np.degrees(error[:, 1])
 
 

@@ -228,7 +228,7 @@ class Scene:
 
     def _box_trace(self, timeline: Timeline, row: int) -> None:
         every = round(0.5 / CONTROL_PERIOD_S)
-        with self._redrawn("box trace", (id(timeline), row // every)) as draw:
+        with self._redrawn("box trace", (id(timeline), timeline.tick[row] // every)) as draw:
             if draw:
                 trace = overlays.segments(overlays.box_trace(timeline, row))
                 self._lines_or_none("traces/box", trace, BOX_PURPLE, 2.0)

@@ -8,11 +8,13 @@ from time import monotonic
 from typing import Final
 
 from legpush.bus import Bus
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, RecordingError
 from legpush.launch.live_runs import find_live_runs
 from legpush.launch.watched import Watched, choose_run, find_run
 from legpush.messages.tap import Origin
-from legpush.recording.mcap_reader import Recorded, read_recording
+from legpush.recording.facts import scenario_of
+from legpush.recording.mcap_reader import Recorded, Recording, read_recording
+from legpush.scenario import Scenario
 from legpush.timelines import Timelines
 from sim_proc.view.listener import Listener
 
@@ -23,7 +25,7 @@ KEEP_EPISODES: Final = 100
 
 
 class RecordedRun:
-    """All messages of a recording; a context manager as the others are."""
+    """All messages of a recording that are as they were recorded; a context manager as the others are."""
 
     is_live = False
 
@@ -31,7 +33,9 @@ class RecordedRun:
         """`RecordingError` where it cannot be read."""
         recording = read_recording(files)
         self.title = f"Recording {', '.join(path.name for path in files)}"
-        self._left: Iterator[Recorded] = iter(recording.messages)
+        self.is_reading = True
+        self._scenario = _scenario(recording)
+        self._left: Iterator[Recorded] = filter(recording.is_as_recorded, recording.messages)
 
     def __enter__(self) -> "RecordedRun":
         return self
@@ -41,14 +45,24 @@ class RecordedRun:
 
     def pump(self, timelines: Timelines, budget_s: float) -> None:
         """Add messages for so long at most."""
+        timelines.scenario = self._scenario
         until = monotonic() + budget_s
         for message in self._left:
             timelines.take(message.topic, message.origin, message.copy)
             if monotonic() >= until:
                 return
+        self.is_reading = False
 
     def live(self) -> list[Origin] | None:
         """Nobody is there any more."""
+        return None
+
+
+def _scenario(recording: Recording) -> Scenario | None:
+    """The one among its files; None where there is none that can be read."""
+    try:
+        return scenario_of(recording)
+    except RecordingError:  # it is damaged; most episodes bring their own
         return None
 
 
@@ -56,6 +70,7 @@ class LiveRun:
     """The run that goes on, or the next one that begins; when it is over, the one after it."""
 
     is_live = True
+    is_reading = False
 
     def __init__(self, run: str | None, connect: tuple[str, ...]) -> None:
         """What the command line says; `ConfigError` where several runs are meant."""
@@ -88,6 +103,7 @@ class LiveRun:
                 self._open.close()
                 self._watched = following
                 timelines.said.clear()
+                timelines.scenario = None
                 self._attach()
 
     def live(self) -> list[Origin]:

@@ -2,13 +2,14 @@
 
 import random
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from legpush import codec
-from legpush.messages.stepping import Action, Observation, Outcome, Push
+from legpush.messages.stepping import Action, Observation, Outcome, Push, Trace
 from legpush.messages.tap import Copy, Origin, Reward, RewardTerm
 from legpush.scenario import Scenario
 from legpush.timeline import Timeline
@@ -106,6 +107,44 @@ def test_a_motion_that_was_refused_is_not_the_one_that_led_to_the_answer() -> No
     assert [step.motion for step in timeline.steps] == [RESET, done]
 
 
+def test_a_motion_that_was_refused_twice_as_it_was_sent_twice_is_one_motion() -> None:
+    asked, answered = heard(*traffic(mission()))
+    refused = Push(w1=0.1, w2=0.2, leg="FL", depth_m=0.1)
+    action = Action(header=header(AGENT, 50), episode=EPISODE, step=3, motion=refused)
+    refusal = replace(MESSAGES["refusal"], episode=EPISODE, step=3, cause="invalid")
+    denied = ("sim/main/observation", SIM, copy("answers", 50, codec.encode(refusal)))
+
+    timeline = only(
+        made([("sim/main/action", AGENT, copy(ACTIONS, 50, codec.encode(action))), denied, denied, *asked, *answered])
+    )
+
+    assert numbers(timeline) == list(range(len(asked)))
+    assert refused not in [step.motion for step in timeline.steps]
+
+
+@pytest.mark.parametrize("lacking", [{"qpos": ((0.0,) * 25,)}, {"zmp_m": ()}])
+def test_an_answer_whose_trace_lacks_numbers_is_none(lacking: dict[str, Any]) -> None:
+    asked, answered = heard(*traffic(mission()))
+    topic, origin, last = answered[-1]
+    message, point = codec.decode(last.payload, Observation), (0.0, 0.0, 0.0)
+    trace = Trace(
+        tick=(message.outcome.world.tick,),
+        qpos=((0.0,) * 26,),
+        roll_pitch_rad=((0.0, 0.0),),
+        tips_m=((point,) * 4,),
+        contact_forces_n=((point,) * 4,),
+        com_m=(point,),
+        zmp_m=((0.0, 0.0),),
+        support_margin_m=(0.0,),
+    )
+
+    for each, n_unreadable in ((trace, 0), (replace(trace, **lacking), 1)):
+        answer = replace(message, outcome=replace(message.outcome, trace=each))
+        timelines = made([*asked, *answered[:-1], (topic, origin, replace(last, payload=codec.encode(answer)))])
+        assert timelines.n_unreadable == n_unreadable
+        assert len(only(timelines).steps) == len(asked) - n_unreadable
+
+
 def test_rewards_find_their_step_whether_they_come_before_it_or_after() -> None:
     asked, answered = heard(*traffic(mission()))
 
@@ -132,14 +171,66 @@ def test_bytes_that_are_no_message_are_counted_and_passed_over() -> None:
     assert numbers(only(timelines)) == list(range(len(asked)))
 
 
-def test_of_a_run_that_goes_on_for_long_the_newest_episodes_are_kept() -> None:
+def nth(number: int, messages: Heard) -> Heard:
+    """The same as a later episode."""
+    moved = []
+    for topic, origin, each in messages:
+        message = codec.decode(each.payload, Action if topic.endswith("action") else Observation)
+        payload = codec.encode(replace(message, episode=EPISODE + number))
+        moved.append((topic, origin, replace(each, payload=payload, time_ns=each.time_ns + number * 10**12)))
+    return moved
+
+
+def test_of_a_run_that_goes_on_for_long_the_newest_episodes_are_kept_and_the_one_that_is_held() -> None:
     timelines = Timelines()
+    asked, answered = heard(*traffic(mission(2)))
     for number in range(6):
-        asked, answered = heard(*traffic(mission(2)))
-        for topic, origin, each in asked + answered:
-            message = codec.decode(each.payload, Action if topic.endswith("action") else Observation)
-            moved = replace(message, episode=EPISODE + number)
-            later = replace(each, payload=codec.encode(moved), time_ns=each.time_ns + number * 10**12)
-            timelines.take(topic, origin, later)
+        for message in nth(number, asked + answered):
+            timelines.take(*message)
+        timelines.take(
+            "agent/main/status",
+            AGENT,
+            replace(
+                asked[0][2],
+                payload=codec.encode(MESSAGES["status"]),
+                time_ns=asked[0][2].time_ns + number * 10**12 + 10**11,
+            ),
+        )
+        if number == 0:
+            timelines.held = only(timelines)
+    span = timelines.span_ns(only_held(timelines))
+
     timelines.keep(2)
-    assert [number for _, number in timelines.episodes] == [EPISODE + 4, EPISODE + 5]
+
+    assert [number - EPISODE for _, number in timelines.episodes] == [0, 1, 4, 5]
+    assert list(timelines.indices.values()) == [0, 1, 4, 5]
+    assert timelines.span_ns(only_held(timelines)) == span
+    assert [(said.time_ns - asked[0][2].time_ns) // 10**12 for said in timelines.said] == [0, 4, 5]
+    timelines.held = None
+    timelines.keep(2)
+    assert list(timelines.indices.values()) == [4, 5]
+
+
+def only_held(timelines: Timelines) -> Timeline:
+    assert timelines.held is not None
+    return timelines.held
+
+
+def test_an_episode_that_has_just_begun_is_not_forgotten_with_old_ones() -> None:
+    timelines = Timelines()
+    asked, answered = heard(*traffic(mission(2)))
+    for number in range(2):
+        for message in nth(number, asked + answered):
+            timelines.take(*message)
+    for message in nth(2, asked):
+        timelines.take(*message)
+    timelines.keep(1)
+    for message in nth(2, answered):
+        timelines.take(*message)
+    assert list(timelines.indices.values()) == [1, 2]
+
+
+def test_of_an_episode_that_is_not_known_plans_are_sought_in_vain() -> None:
+    asked, answered = heard(*traffic(mission()))
+    timelines, other = made([]), only(made([*asked, *answered]))
+    assert list(timelines.plans_of(other)) == []

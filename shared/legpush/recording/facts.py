@@ -1,14 +1,17 @@
 """What a recording knows of its mission besides the messages: enough to run it again."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Final, NamedTuple
 
 import msgspec
 from msgspec import Struct
 
-from legpush.errors import RecordingError
+from legpush.errors import RecordingError, ScenarioError
 from legpush.messages.common import Count
 from legpush.recording.mcap_reader import Recording
+from legpush.scenario import Scenario
+from legpush.scenario_file import load_scenario
 
 MISSION_FILE: Final = "mission.json"
 SCENARIO_FILE: Final = "scenario.toml"
@@ -49,6 +52,23 @@ def read_facts(recording: Recording) -> MissionFacts:
         return msgspec.json.decode(mission.data, type=MissionFacts)
     except msgspec.MsgspecError as error:
         raise RecordingError(f"{MISSION_FILE} of the recording: {error}") from error
+
+
+def scenario_of(recording: Recording) -> Scenario | None:
+    """The one among its files; None where there is none that this version can read."""
+    attachment = recording.attachment(SCENARIO_FILE)
+    return None if attachment is None else scenario_in(attachment.data)
+
+
+def scenario_in(data: bytes) -> Scenario | None:
+    """The scenario of a mission; None where this version cannot read it."""
+    with TemporaryDirectory(prefix="legpush-") as folder:
+        file = Path(folder) / SCENARIO_FILE
+        file.write_bytes(data)
+        try:
+            return load_scenario(file)
+        except ScenarioError:
+            return None
 
 
 def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
-from legpush.messages.stepping import Push
+from legpush.messages.stepping import Outcome, Push
 from legpush.robot import LEGS
-from legpush.timeline import Timeline
+from legpush.timeline import BOX, Timeline
 from legpush.timelines import Timelines
 from sim_proc.balance import support_margin
 from sim_proc.view import overlays
@@ -72,3 +73,36 @@ def test_foot_traces_end_at_the_feet_and_have_the_same_size_from_the_first_row_o
 def test_without_a_plan_no_path_and_no_tree_is_drawn(timelines: Timelines, timeline: Timeline) -> None:
     assert overlays.plan_at(timelines, timeline, timeline.n_rows - 1, "box") is None
     assert overlays.followed_path(timeline, timeline.n_rows - 1).shape == (0, 3)
+
+
+def test_without_ticks_the_box_has_a_trace_too_from_push_to_push(timeline: Timeline) -> None:
+    ends = Timeline(timeline.scenario)
+    for step in timeline.steps:
+        ends.add(step.number, step.motion, Outcome(world=step.world, state_crc=1), step.time_ns)
+    assert ends.n_rows == len(timeline.steps)
+    for row in range(ends.n_rows):
+        trace = overlays.box_trace(ends, row)
+        np.testing.assert_allclose(trace[:, :2], ends.qpos[: row + 1, BOX][:, :2])
+
+
+def test_the_trace_of_the_box_goes_on_to_the_box_and_has_no_more_points_the_longer_it_is(timeline: Timeline) -> None:
+    last = timeline.n_rows - 1
+    assert len(overlays.box_trace(timeline, last)) == pytest.approx(last / overlays.BOX_TRACE_TICKS, abs=2)
+    long = Timeline(timeline.scenario)
+    for number, tick in enumerate(range(0, 300_000, 100)):
+        world = replace(timeline.steps[-1].world, tick=tick)
+        long.add(number, timeline.steps[-1].motion, Outcome(world=world, state_crc=1), number)
+    trace = overlays.box_trace(long, long.n_rows - 1)
+    assert len(trace) <= overlays.MAX_BOX_POINTS + 1
+    np.testing.assert_array_equal(trace[-1, :2], long.qpos[-1, BOX][:2])
+
+
+def test_the_error_of_the_box_at_some_rows_is_that_of_all_at_these(timeline: Timeline) -> None:
+    rows = np.array([0, 7, timeline.n_rows - 1])
+    np.testing.assert_array_equal(timeline.box_error(rows), timeline.box_error()[rows])
+
+
+def test_when_rows_were_computed_never_goes_back(timeline: Timeline) -> None:
+    times = [timeline.time_ns_at(row) for row in range(timeline.n_rows)]
+    assert all(np.diff(times) >= 0)
+    assert times[-1] == timeline.steps[-1].time_ns

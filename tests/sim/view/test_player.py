@@ -89,3 +89,10 @@ def test_ticks_and_steps_are_counted_and_end_where_there_are_no_more(timeline: T
     player.move_steps(-1, timeline)
     assert player.row(timeline) == ends[-2]
     assert not player.is_playing
+
+
+def test_at_the_end_of_what_is_still_read_it_waits_for_more(timeline: Timeline) -> None:
+    player = Player(follows=False)
+    player.advance(1e6, timeline, grows=True)
+    assert player.is_at_end(timeline)
+    assert player.is_playing

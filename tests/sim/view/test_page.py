@@ -1,0 +1,97 @@
+"""The page without a browser: what is looked at, and what people do to it."""
+
+from collections.abc import Iterator
+
+import pytest
+from msgspec.structs import replace
+
+from legpush import codec
+from legpush.messages.stepping import Action, Observation
+from legpush.messages.tap import Copy, Origin
+from legpush.timelines import Timelines
+from sim_proc.view.page import Page
+from sim_proc.view.panel import Command
+from tests.shared.recordings import AGENT, EPISODE, SIM
+
+
+class Training:
+    """A live run that keeps few episodes, and whoever adds them."""
+
+    is_live = True
+    is_reading = False
+    title = "Run of a test"
+
+    def __init__(self, messages: tuple[list[Copy], list[Copy]]) -> None:
+        self._messages = messages
+        self._left: list[int] = []
+        self._n = 0
+
+    def add(self, n_episodes: int) -> None:
+        self._left += range(self._n, self._n + n_episodes)
+        self._n += n_episodes
+
+    def pump(self, timelines: Timelines, budget_s: float) -> None:
+        assert budget_s > 0.0
+        for number in self._left:
+            for topic, origin, copies, kind in (
+                ("sim/main/action", AGENT, self._messages[0], Action),
+                ("sim/main/observation", SIM, self._messages[1], Observation),
+            ):
+                for each in copies:
+                    message = replace(codec.decode(each.payload, kind), episode=EPISODE + number)
+                    payload, at_ns = codec.encode(message), each.time_ns + number * 10**12
+                    timelines.take(topic, origin, replace(each, payload=payload, time_ns=at_ns))
+        self._left.clear()
+        timelines.keep(2)
+
+    def live(self) -> list[Origin]:
+        return []
+
+
+@pytest.fixture
+def training(messages: tuple[list[Copy], list[Copy]]) -> Training:
+    return Training(messages)
+
+
+@pytest.fixture
+def page(training: Training) -> Iterator[Page]:
+    with Page(training, "127.0.0.1", 0) as opened:
+        yield opened
+
+
+def test_an_old_episode_can_be_looked_at_for_as_long_as_one_likes(page: Page, training: Training) -> None:
+    training.add(2)
+    page.update(0.04)
+    page.obey(Command("episode", "0: simulator main"))
+    first = page.shown
+    for _ in range(4):
+        training.add(3)
+        page.update(0.04)
+    assert page.shown is first
+    assert page.shown in page.timelines.episodes.values()
+
+
+def test_whoever_chose_an_episode_of_a_live_run_can_follow_it_again(page: Page, training: Training) -> None:
+    training.add(2)
+    page.update(0.04)
+    assert page.player.follows
+    page.obey(Command("episode", "0: simulator main"))
+    assert not page.player.follows
+    page.obey(Command("live"))
+    page.update(0.04)
+    assert page.shown is list(page.timelines.episodes.values())[-1]
+
+
+def test_an_episode_that_was_forgotten_meanwhile_is_not_shown(page: Page, training: Training) -> None:
+    training.add(5)
+    page.update(0.04)
+    before = page.shown
+    page.obey(Command("episode", "0: simulator main"))
+    assert page.shown is before
+
+
+def test_before_there_is_anything_controls_do_nothing(page: Page) -> None:
+    for name, value in (("play", None), ("seek", 1.0), ("jump", "<"), ("episode", "0: x"), ("camera", "Top")):
+        page.obey(Command(name, value))
+    page.update(0.04)
+    assert page.shown is None

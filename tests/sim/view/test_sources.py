@@ -1,0 +1,37 @@
+"""Recordings as the page reads them."""
+
+from pathlib import Path
+
+from legpush.messages.stepping import Reset
+from legpush.messages.tap import Copy, Fact
+from legpush.recording.facts import SCENARIO_FILE
+from legpush.scenario_file import dump_scenario
+from legpush.timelines import Timelines
+from sim_proc.view.sources import RecordedRun
+from tests.shared.recordings import write
+from tests.sim.view.conftest import MOTIONS
+
+
+def read(path: Path) -> Timelines:
+    timelines = Timelines()
+    with RecordedRun([path]) as run:
+        while run.is_reading:
+            run.pump(timelines, 0.02)
+    return timelines
+
+
+def test_a_recording_that_began_late_has_the_scenario_of_its_files(
+    tmp_path: Path, messages: tuple[list[Copy], list[Copy]]
+) -> None:
+    reset = MOTIONS[0]
+    assert isinstance(reset, Reset)
+    late = messages[0][1:], messages[1][1:]
+    scenario = Fact(name=SCENARIO_FILE, media_type="application/toml", data=dump_scenario(reset.scenario).encode())
+
+    write(tmp_path / "without.mcap", *late)
+    write(tmp_path / "with.mcap", *late, facts=(scenario,))
+
+    assert read(tmp_path / "without.mcap").episodes == {}
+    (timeline,) = read(tmp_path / "with.mcap").episodes.values()
+    assert timeline.scenario == reset.scenario
+    assert [step.number for step in timeline.steps] == [1, 2]
