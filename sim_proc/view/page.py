@@ -75,9 +75,8 @@ class Page:
         with redirect_stdout(StringIO()):  # viser announces itself
             self._server = viser.ViserServer(host=host, port=port, label="legpush", verbose=False)
         self.url = f"http://{host}:{self._server.get_port()}"
-        self._server.gui.configure_theme(
-            control_layout="fixed", control_width="medium", show_logo=False, show_share_button=False
-        )
+        self._server.gui.configure_theme(control_width="medium", show_logo=False, show_share_button=False)
+        self._server.gui.main_panel.dock_right()
         self._server.initial_camera.position = CAMERAS["Behind"].position_m
         self._server.initial_camera.look_at = CAMERAS["Behind"].look_at_m
         self._server.initial_camera.fov = 0.75
@@ -174,8 +173,6 @@ class Page:
             self._aim(command)
         elif command.name == "speed":
             self.player.speed = speed_of(command.value)
-            if self.player.follows and self.shown is not None:
-                self.player.play(self.shown)
         elif self.shown is not None:
             self._obey_in_time(command, self.shown)
 

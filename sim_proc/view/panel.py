@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from math import isfinite
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 
@@ -122,10 +123,19 @@ class Panel:
 
     def _listen(self, register: Callable[[Callable[[Any], None]], object], name: str) -> None:
         def take(event: Any) -> None:
-            if event.client_id is not None:  # not what this program set itself
+            # Not what this program set itself, nor what no control of it can say.
+            if event.client_id is not None and is_possible(event.target):
                 self._commands.put(Command(name, event.target.value, event.client))
 
         register(take)
+
+
+def is_possible(handle: Any) -> bool:
+    """Whether a control has a value that people can choose; whoever reaches the port can send others."""
+    options = getattr(handle, "options", None)
+    if options is not None:
+        return handle.value in options
+    return isinstance(handle.value, bool) or (isinstance(handle.value, int | float) and isfinite(handle.value))
 
 
 def speed_label(speed: float) -> str:
