@@ -20,10 +20,12 @@ from sim_proc.world_state import LOADED_N
 Array = NDArray[np.float64]
 
 FORCE_M_PER_N: Final = 0.0025
-TRAIL_ROWS: Final = 240
+TRAIL_ROWS: Final = 160
 """Ticks of the foot traces."""
 TRAIL_STRIDE: Final = 4
-CURVE_POINTS: Final = 32
+PATH_POINTS: Final = 80
+"""Of a path, at most: wide lines are what a page without a GPU draws most slowly."""
+CURVE_POINTS: Final = 24
 BOX_TRACE_TICKS: Final = 10
 MAX_BOX_POINTS: Final = 1000
 """Of the trace of the box, which is coarser the longer the episode is."""
@@ -132,7 +134,9 @@ def plan_tree(plan: Plan) -> Array:
 
 def _waypoints(waypoints: tuple[Pose2, ...]) -> Array:
     points = np.array([[pose.x_m, pose.y_m] for pose in waypoints]).reshape(-1, 2)
-    return on_floor(points)
+    if not len(points):
+        return np.empty((0, 3))
+    return on_floor(points[np.unique(np.linspace(0, len(points) - 1, PATH_POINTS).round().astype(np.intp))])
 
 
 def hull(points: Array) -> list[int]:

@@ -106,3 +106,11 @@ def test_when_rows_were_computed_never_goes_back(timeline: Timeline) -> None:
     times = [timeline.time_ns_at(row) for row in range(timeline.n_rows)]
     assert all(np.diff(times) >= 0)
     assert times[-1] == timeline.steps[-1].time_ns
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, overlays.PATH_POINTS, 10 * overlays.PATH_POINTS])
+def test_a_path_keeps_its_ends_however_many_waypoints_it_has(n: int) -> None:
+    waypoints = tuple(Pose2(x_m=float(index), y_m=0.0, yaw_rad=0.0) for index in range(n))
+    path = overlays.plan_path(Plan(status="exact", reason="", waypoints=waypoints))
+    assert len(path) == min(n, overlays.PATH_POINTS)
+    assert list(path[:1, 0]) + list(path[-1:, 0]) == ([0.0, n - 1.0] if n else [])
