@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from legpush.geometry import Pose2
+from legpush.messages.planning import Plan
 from legpush.messages.stepping import Outcome, Push
 from legpush.robot import LEGS
 from legpush.timeline import BOX, Timeline
