@@ -6,7 +6,8 @@ import sys
 
 def main() -> int:
     """Export; an interrupt is no traceback, even while libraries are loaded."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):  # a shell's job in the background would ignore the first
+        signal.signal(number, signal.default_int_handler)
     try:
         from sim_proc.export import program
 
