@@ -14,14 +14,12 @@ from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Trace, WorldState
 from legpush.reference import reference_curve
-from legpush.robot import CONTROL_PERIOD_S, LEGS
+from legpush.robot import BOX_QPOS, CONTROL_PERIOD_S, LEGS
 from legpush.scenario import Scenario
 
 Floats = NDArray[np.float64]
 
 N_QPOS: Final = 26
-BOX_QPOS: Final = slice(19, 26)
-"""Where a row of `Trace.qpos` has the free joint of the box: position, then quaternion; the trunk's comes first."""
 
 
 @dataclass(frozen=True, kw_only=True)

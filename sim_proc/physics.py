@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
-from legpush.robot import CONTROL_PERIOD_S, LEGS
+from legpush.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scenario import Scenario
 from sim_proc.appearing import Waiting
 from sim_proc.model import PHYSICS_STEP_S, POSITION_GAIN_N_M_RAD, STANDING_HEIGHT_M, build_model, standing_joints_rad
@@ -26,9 +26,6 @@ PARKED_M: Final = 1000.0
 """So far below the floor is what has not appeared: nothing touches it, no ray and no camera meets it."""
 STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
 
-TRUNK_QPOS: Final = slice(0, 7)
-JOINT_QPOS: Final = slice(7, 19)
-BOX_QPOS: Final = slice(19, 26)
 JOINT_QVEL: Final = slice(6, 18)
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.robot import CONTROL_PERIOD_S
+from legpush.robot import CONTROL_PERIOD_S, JOINT_QPOS
 from sim_proc.balance import foot_forces
 from sim_proc.incline import GRAVITY_M_S2
 from sim_proc.leg_kinematics import HIPS_B, SIDE, inverse, jacobian
 from sim_proc.model import STANDING_HEIGHT_M, VELOCITY_GAIN_N_M_S_RAD
-from sim_proc.physics import JOINT_QPOS, Physics, Recording
+from sim_proc.physics import Physics, Recording
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
+from legpush.robot import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from sim_proc.balance import support_margin
-from sim_proc.physics import BOX_QPOS, JOINT_QPOS, JOINT_QVEL, TRUNK_QPOS, Physics, Recording
+from sim_proc.physics import JOINT_QVEL, Physics, Recording
 
 Array = NDArray[np.float64]
 

@@ -59,3 +59,9 @@ def foot_rectangle_b() -> NDArray[np.float64]:
             [-half_length, -half_width],
         ]
     )
+
+
+TRUNK_QPOS: Final = slice(0, 7)
+JOINT_QPOS: Final = slice(7, 19)
+BOX_QPOS: Final = slice(19, 26)
+"""Columns of MuJoCo's `qpos`: position and quaternion (w, x, y, z) of trunk and box, world frame; joints between."""

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import Motion, Outcome, Trace, WorldState
-from legpush.robot import CONTROL_PERIOD_S
+from legpush.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, TRUNK_QPOS
 from legpush.scenario import Scenario
 
 Array = NDArray[np.float64]
 
-TRUNK: Final = slice(0, 7)
-JOINTS: Final = slice(7, 19)
-BOX: Final = slice(19, 26)
-"""Columns of `qpos`: position and quaternion (w, x, y, z) of trunk and box, world frame, and the joints between."""
+TRUNK: Final = TRUNK_QPOS
+JOINTS: Final = JOINT_QPOS
+BOX: Final = BOX_QPOS
+"""Columns of `Timeline.qpos`."""
 
 
 @dataclass(frozen=True, kw_only=True)

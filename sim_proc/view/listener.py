@@ -2,19 +2,19 @@
 
 import queue
 import threading
-from collections.abc import Callable
 from time import monotonic
 from typing import Final
 
 from legpush import channels
 from legpush.bus import Bus
-from legpush.messages.common import Header, Role
+from legpush.messages.common import Role
 from legpush.messages.tap import Copies, Origin, Taken
 from legpush.ports import Publisher
 from legpush.recording.facts import SCENARIO_FILE, scenario_in
 from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_writer import topic_of
+from legpush.recording.recorder import taken_by
 from legpush.status import StatusBeacon
 from legpush.timelines import Timelines
 
@@ -84,13 +84,8 @@ class Listener:
                 sender = (batch.header.role, batch.header.name)
                 if sender not in answers:
                     answers[sender] = self._bus.publisher(channels.taken(self._bus.run, *sender))
-                answers[sender].send(_taken(batch))
+                answers[sender].send(taken_by(batch))
                 place = (batch.header.incarnation, batch.origin.incarnation)
                 if batch.batch >= taken.get(place, 0):
                     taken[place] = batch.batch + 1
                     self._batches.put(batch)
-
-
-def _taken(batch: Copies) -> Callable[[Header], Taken]:
-    origin, number = batch.origin.incarnation, batch.batch
-    return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)

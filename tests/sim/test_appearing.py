@@ -9,10 +9,10 @@ from msgspec.structs import replace
 
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Reset, Walk
-from legpush.robot import CONTROL_PERIOD_S
+from legpush.robot import CONTROL_PERIOD_S, JOINT_QPOS
 from legpush.scenario import Rectangle, Room, Scenario
 from sim_proc.appearing import BOX_CLEARANCE_M, NEVER, ROBOT_CLEARANCE_M, Waiting
-from sim_proc.physics import JOINT_QPOS, Physics
+from sim_proc.physics import Physics
 from sim_proc.simulator import Simulator
 
 AWAY = Pose2(x_m=9.0, y_m=9.0, yaw_rad=0.0)

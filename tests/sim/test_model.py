@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.robot import JOINT_LIMITS_RAD, JOINTS, LEGS
+from legpush.robot import BOX_QPOS, JOINT_LIMITS_RAD, JOINT_QPOS, JOINTS, LEGS, TRUNK_QPOS
 from legpush.scenario import Rectangle, Room, Scenario
 from sim_proc.model import build_model, leg_joint_names
-from sim_proc.physics import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS, Physics
+from sim_proc.physics import Physics
 
 
 def test_joints_and_actuators_come_in_the_order_of_the_legs(at_the_box: Scenario) -> None:

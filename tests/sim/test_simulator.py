@@ -11,9 +11,8 @@ from legpush import codec
 from legpush.errors import MotionError
 from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
-from legpush.robot import FRONT_LEGS, FrontLeg, foot_rectangle_b
+from legpush.robot import FRONT_LEGS, JOINT_QPOS, FrontLeg, foot_rectangle_b
 from legpush.scenario import Randomization, Rectangle, Room, Scenario
-from sim_proc.physics import JOINT_QPOS
 from sim_proc.simulator import Simulator, drawn_poses
 
 

@@ -89,7 +89,7 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
                 sender = (batch.header.role, batch.header.name)
                 if sender not in answers:
                     answers[sender] = bus.publisher(channels.taken(bus.run, *sender))
-                answers[sender].send(_taken(batch))
+                answers[sender].send(taken_by(batch))
             if now - flushed_at >= FLUSH_S:
                 file.flush()
                 flushed_at = now
@@ -122,7 +122,8 @@ def statement(completeness: Completeness) -> dict[str, str]:
     }
 
 
-def _taken(batch: Copies) -> Callable[[Header], Taken]:
+def taken_by(batch: Copies) -> Callable[[Header], Taken]:
+    """What tells the sender of a batch that a recorder has it."""
     origin, number = batch.origin.incarnation, batch.batch
     return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)
 
