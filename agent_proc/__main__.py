@@ -2,7 +2,7 @@
 
 import sys
 
-from agent_proc.service import AgentConfig, work
+from agent_proc.mission.process import AgentConfig, work
 from legpush.service import run_process
 
 if __name__ == "__main__":

@@ -10,4 +10,4 @@ import gymnasium
 
 PUSH_ID: Final = "legpush/Push-v1"
 
-gymnasium.register(PUSH_ID, entry_point="agent_proc.env:PushEnv", nondeterministic=False)
+gymnasium.register(PUSH_ID, entry_point="agent_proc.learning.env:PushEnv", nondeterministic=False)

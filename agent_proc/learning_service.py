@@ -9,11 +9,11 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Final
 
-from agent_proc.simulators import joined_simulators, own_simulators
-from agent_proc.worlds import BusWorld
-from legpush.endpoints import Endpoints
+from agent_proc.simulators.bus_world import BusWorld
+from agent_proc.simulators.pools import joined_simulators, own_simulators
+from legpush.bus.endpoints import Endpoints
 from legpush.errors import ConfigError, LegpushError
-from legpush.launch.learning import SimulatorOptions
+from legpush.options.learning import SimulatorOptions
 from legpush.service import one_line, start_log
 
 LOGS: Final = "logs"

@@ -15,15 +15,15 @@ import tyro
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.draw_room import solvable_by
-from agent_proc.push_estimate import PushEstimate
-from agent_proc.routes import query_for_box
-from legpush.faces import FACES, pushed_box
+from agent_proc.programs.draw_room import solvable_by
+from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.walking.queries import query_for_box
 from legpush.messages.planning import BoxPathQuery, Plan
-from legpush.random_room import RandomRoom
-from legpush.random_scenario import random_scenario
-from legpush.room_shapes import distance_m, distance_to_border_m, obstacle_footprint
-from legpush.scenario import Room
+from legpush.scenarios.random_room import RandomRoom
+from legpush.scenarios.random_scenario import random_scenario
+from legpush.scene.faces import FACES, pushed_box
+from legpush.scene.footprints import distance_m, distance_to_border_m, obstacle_footprint
+from legpush.scene.scenario import Room
 from planner_proc.planning import make_plan
 
 ROUNDING_M: Final = 1e-6

@@ -16,10 +16,10 @@ import numpy as np
 import tyro
 from numpy.typing import NDArray
 
-from agent_proc.simulators import own_simulators
-from agent_proc.task import TaskConfig
-from agent_proc.vec_env import PushVecEnv
-from agent_proc.worlds import LocalWorld, SteppingWorld
+from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.simulators.bus_world import LocalWorld, SteppingWorld
+from agent_proc.simulators.pools import own_simulators
+from agent_proc.task.config import TaskConfig
 from sim_proc.simulator import Simulator
 
 

@@ -12,9 +12,9 @@ import numpy as np
 import tyro
 
 from legpush.messages.stepping import Push, Reset
-from legpush.robot import CONTROL_PERIOD_S, FRONT_LEGS
-from legpush.scenario_file import load_scenario
-from sim_proc import physics
+from legpush.scenarios.file import load_scenario
+from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
+from sim_proc.physics import physics
 from sim_proc.simulator import Simulator
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

@@ -18,13 +18,13 @@ from pathlib import Path
 
 import tyro
 
-from legpush.bus import Bus
-from legpush.endpoints import in_directory
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import in_directory
 from legpush.launch.summary import read_report
-from legpush.lockstep_client import PastStep, SimLink
+from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.stepping import Alter, Motion, Reset
-from legpush.recording.mcap_reader import read_recording
-from legpush.scenario_file import load_scenario
+from legpush.recording.mcap_file.reader import read_recording
+from legpush.scenarios.file import load_scenario
 
 RUN = "benchmark"
 CLI = "import sys; from legpush.cli import main; sys.exit(main())"
@@ -141,9 +141,9 @@ class Lockstep:
 
 SIM = """
 import sys, threading
-from legpush.bus import Bus
-from legpush.endpoints import in_directory
-from legpush.lockstep_server import serve_actions
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import in_directory
+from legpush.lockstep.server import serve_actions
 from legpush.messages.stepping import Reset
 from legpush.service import stop_on_signals
 from pathlib import Path
@@ -168,7 +168,7 @@ def process(role: str, folder: Path, *arguments: str) -> Iterator[subprocess.Pop
         command = [sys.executable, "-c", SIM, str(folder)]
     else:
         connect = in_directory(folder, "recorder").connect
-        command = [sys.executable, "-m", "legpush.recording.service", *arguments, "--run", RUN, "--connect", *connect]
+        command = [sys.executable, "-m", "legpush.launch.record", *arguments, "--run", RUN, "--connect", *connect]
     started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield started

@@ -16,10 +16,13 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from legpush import geometry, reference, room_shapes, scenario
-from legpush.messages import common, planning, stepping, tap
+from legpush import geometry
+from legpush.messages import common, planning, stepping
+from legpush.messages import telemetry as tap
 from legpush.messages.common import PROTOCOL_VERSION
-from legpush.schemas import MESSAGES, json_schema
+from legpush.messages.schemas import MESSAGES, json_schema
+from legpush.scene import footprints as room_shapes
+from legpush.scene import reference, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from rich.progress import track
 from scipy.optimize import curve_fit, least_squares
 
-from agent_proc.poses import planar_pose
+from agent_proc.frames.poses import planar_pose
 from experiments.circles_plot import draw
 from experiments.evaluations import RESULTS, write_table
 from legpush.messages.stepping import Push, Reset
-from legpush.robot import CONTROL_PERIOD_S, FrontLeg
-from legpush.scenario import STATION_M, Box, Goal, PoseDeg, Randomization, Room, Scenario
+from legpush.scene.robot import CONTROL_PERIOD_S, FrontLeg
+from legpush.scene.scenario import STATION_M, Box, Goal, PoseDeg, Randomization, Room, Scenario
 from sim_proc.simulator import Simulator
 
 Floats = NDArray[np.float64]

@@ -8,11 +8,11 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from agent_proc.record import MissionRecord, read_record
-from legpush.episode import read_episode
-from legpush.launch.folder import PICTURE_FILE
-from legpush.scenario import Scenario
-from legpush.scenario_file import write_scenario
+from agent_proc.reporting.mission_record import MissionRecord, read_record
+from legpush.lockstep.episode import read_episode
+from legpush.runs.folder import PICTURE_FILE
+from legpush.scenarios.file import write_scenario
+from legpush.scene.scenario import Scenario
 
 
 def run_scenario(scenario: Scenario, seed: int, failed: Path | None = None) -> tuple[dict[str, Any], MissionRecord]:

@@ -23,7 +23,7 @@ from agent_proc.statistics import mean_interval, wilson
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.random_rooms_plot import draw
 from experiments.room_missions import drawn_room, run_mission
-from legpush.scenario import Mission
+from legpush.scene.scenario import Mission
 
 TABLE: Final = RESULTS / "random_rooms.csv"
 TRACKS: Final = RESULTS / "random_rooms_tracks.csv.gz"

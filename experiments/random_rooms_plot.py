@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from experiments.evaluations import RESULTS
-from legpush.room_shapes import box_footprint, obstacle_footprint
-from legpush.scenario import Scenario
+from legpush.scene.footprints import box_footprint, obstacle_footprint
+from legpush.scene.scenario import Scenario
 
 N_COLUMNS: Final = 12
 GOOD, BAD = "#2b8a4b", "#c0392b"

@@ -9,14 +9,14 @@ from typing import Any, Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.draw_room import solvable_by
-from agent_proc.record import MissionRecord
+from agent_proc.programs.draw_room import solvable_by
+from agent_proc.reporting.mission_record import MissionRecord
 from experiments.mission_runs import run_scenario
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Push
-from legpush.random_room import RandomRoom
-from legpush.random_scenario import random_scenario
-from legpush.scenario import Scenario
+from legpush.scenarios.random_room import RandomRoom
+from legpush.scenarios.random_scenario import random_scenario
+from legpush.scene.scenario import Scenario
 from planner_proc.planning import make_plan
 
 MASSES_KG: Final = (0.1, 0.5, 0.9)

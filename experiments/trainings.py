@@ -19,9 +19,9 @@ from msgspec.structs import replace
 from rich.console import Console
 from rich.progress import Progress
 
-from agent_proc.policy_folder import CARD_FILE, Card, read_card
-from agent_proc.profiles import dump_profile, load_profile
-from agent_proc.training import CHECKPOINT_FILE, LAST
+from agent_proc.learning.training import CHECKPOINT_FILE, LAST
+from agent_proc.policies.folder import CARD_FILE, Card, read_card
+from agent_proc.profiles.profile import dump_profile, load_profile
 from experiments.evaluations import RESULTS, read_table, write_table
 
 EPISODES_FILE: Final = RESULTS / "trainings_episodes.csv.gz"

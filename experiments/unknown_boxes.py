@@ -14,18 +14,18 @@ from matplotlib.figure import Figure
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.calibration import calibrate, cells, open_floor
-from agent_proc.poses import planar_pose
-from agent_proc.push_estimate import USUAL_DEPTH_M, PushEstimate
-from agent_proc.push_map import make_push_map, measured_faces
-from agent_proc.push_model import NOMINAL
-from agent_proc.pushing import CALIBRATION_LEGS
-from agent_proc.worlds import LocalWorld
+from agent_proc.frames.poses import planar_pose
+from agent_proc.push_model.calibration import calibrate, cells, open_floor
+from agent_proc.push_model.estimate import USUAL_DEPTH_M, PushEstimate
+from agent_proc.push_model.map import make_push_map, measured_faces
+from agent_proc.push_model.model import NOMINAL
+from agent_proc.pushing.pushing import CALIBRATION_LEGS
+from agent_proc.simulators.bus_world import LocalWorld
 from experiments.evaluations import RESULTS, write_table
-from legpush.faces import pushed_box, pushed_pose
 from legpush.messages.stepping import Push, Reset
-from legpush.robot import FRONT_LEGS
-from legpush.scenario import Box, Face
+from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.robot import FRONT_LEGS
+from legpush.scene.scenario import Box, Face
 from sim_proc.simulator import Simulator
 
 BOXES: Final[dict[str, Box]] = {

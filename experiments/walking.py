@@ -17,9 +17,9 @@ from msgspec.structs import replace
 
 from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
 from legpush.messages.stepping import Follow, PathProgress, Reset, Trace, Walk
-from legpush.robot import CONTROL_PERIOD_S
-from legpush.scenario import Room, Scenario
-from legpush.scenario_file import load_scenario
+from legpush.scenarios.file import load_scenario
+from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.scenario import Room, Scenario
 from sim_proc.simulator import Simulator
 
 TABLE: Final = Path(__file__).parent / "results" / "walking.csv"

@@ -3,8 +3,8 @@
 import sys
 import threading
 
-from legpush.bus import Bus
-from legpush.plan_server import serve_plans
+from legpush.bus.bus import Bus
+from legpush.plans.server import serve_plans
 from legpush.service import ServiceConfig, run_process
 
 

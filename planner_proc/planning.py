@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.common import MAX_CELLS, MAX_WAYPOINTS, Point2
 from legpush.messages.planning import BoxPathQuery, OccupancyGrid, Plan, PlanQuery, Tree, TrunkPathQuery
-from legpush.plan_desk import Interrupted
-from planner_proc import polylines
-from planner_proc.box_path import make_box_plan
-from planner_proc.occupancy import NEAR_M, ROUNDING_M, ClearanceField
-from planner_proc.route import Route
-from planner_proc.search import routes, search_fault
-from planner_proc.shortcut import shortcut
-from planner_proc.smoothing import smooth
-from planner_proc.tube import Tube
+from legpush.plans.request_queue import Interrupted
+from planner_proc.box_plan import make_box_plan
+from planner_proc.clearance.field import NEAR_M, ROUNDING_M, ClearanceField
+from planner_proc.search.registry import routes, search_fault
+from planner_proc.search.route import Route
+from planner_proc.smoothing import polylines
+from planner_proc.smoothing.shortcut import shortcut
+from planner_proc.smoothing.spline import smooth
+from planner_proc.smoothing.tube import Tube
 
 Floats = NDArray[np.float64]
 

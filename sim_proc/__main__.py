@@ -3,14 +3,14 @@
 import sys
 import threading
 
-from legpush.bus import Bus
-from legpush.lockstep_server import serve_actions
+from legpush.bus.bus import Bus
+from legpush.lockstep.server import serve_actions
 from legpush.service import ServiceConfig, run_process
 
 
 def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
     """Carry out actions until asked to stop."""
-    from sim_proc.described import DescribedSimulator
+    from sim_proc.described_simulator import DescribedSimulator
 
     serve_actions(bus, DescribedSimulator(bus), stop)
 

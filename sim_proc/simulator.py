@@ -9,13 +9,13 @@ from threadpoolctl import threadpool_limits
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
-from legpush.scenario import Scenario
-from sim_proc.gait import PathWalk
-from sim_proc.physics import Physics, Recording
-from sim_proc.posture import Posture
-from sim_proc.pusher import Pusher
-from sim_proc.steps import Steps
-from sim_proc.world_state import trace, world_state
+from legpush.scene.scenario import Scenario
+from sim_proc.control.gait import PathWalk
+from sim_proc.control.posture import Posture
+from sim_proc.control.push_cycle import Pusher
+from sim_proc.control.steps import Steps
+from sim_proc.observation import trace, world_state
+from sim_proc.physics.physics import Physics, Recording
 
 
 class Simulator:

@@ -9,11 +9,11 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.clearance import clearance
-from agent_proc.plan_check.truth import SAME_M, faults
 from agent_proc.statistics import wilson
 from benchmarks.planners.random_requests import random_request
 from benchmarks.planners.tables import RESULTS, Row, fill, numbers
+from legpush.scene.clearance import clearance
+from planner_proc.conformance.truth import SAME_M, faults
 from planner_proc.planning import make_plans
 
 TABLE: Final = RESULTS / "planner_collisions.csv.gz"

@@ -16,7 +16,7 @@ from benchmarks.planners.random_requests import PLANNERS
 from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
 from experiments.evaluations import write_table
 from legpush.messages.planning import Plan
-from legpush.scenario import Anytime
+from legpush.scene.scenario import Anytime
 from planner_proc.planning import make_plans
 
 TABLE: Final = RESULTS / "planner_compare.csv.gz"

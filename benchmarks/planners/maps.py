@@ -6,11 +6,11 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.clearance import clearance
-from agent_proc.plan_check import cases
-from agent_proc.routes import query_to_nominal_box
+from agent_proc.walking.queries import query_to_nominal_box
 from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
-from legpush.scenario_file import load_scenario
+from legpush.scenarios.file import load_scenario
+from legpush.scene.clearance import clearance
+from planner_proc.conformance import cases
 from planner_proc.planning import make_plan
 
 GOLDEN: Final = ("open floor", "around a wall", "maze", "narrow gate")

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.clearance import clearance
-from agent_proc.plan_check.truth import SAME_M
 from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.scene.clearance import clearance
+from planner_proc.conformance.truth import SAME_M
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from python_motion_planning.common import TYPES, Grid
 from python_motion_planning.path_planner import RRT, RRTStar
 
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scenario_file_grid import merged_cells
+from legpush.scenarios.grid import merged_cells
 
 Floats = NDArray[np.float64]
 Peer = Callable[[TrunkPathQuery, int], Floats | None]

@@ -21,9 +21,9 @@ from benchmarks.planners.peers_plot import draw
 from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
 from experiments.evaluations import read_table, write_table
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scenario import Anytime, PlannerName, Smoothing
-from planner_proc import polylines
+from legpush.scene.scenario import Anytime, PlannerName, Smoothing
 from planner_proc.planning import make_plans
+from planner_proc.smoothing import polylines
 
 Floats = NDArray[np.float64]
 Planner = Callable[[TrunkPathQuery, int], Floats | None]

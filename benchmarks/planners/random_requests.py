@@ -6,11 +6,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.clearance import clearance
-from agent_proc.plan_check import cases
 from legpush.messages.planning import OccupancyGrid, TrunkPathQuery
-from legpush.scenario import Anytime, PlannerName, Smoothing, Steering
-from planner_proc.search import NOT_STEERED
+from legpush.scene.clearance import clearance
+from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
+from planner_proc.conformance import cases
+from planner_proc.search.registry import NOT_STEERED
 
 Flags = NDArray[np.bool_]
 

@@ -16,16 +16,16 @@ import numpy as np
 import psutil
 from msgspec.structs import replace
 
-from agent_proc.plan_check.client import RUN, PlannerProcess
 from benchmarks.planners.maps import HUGE, LARGE, question
 from benchmarks.planners.tables import RESULTS, Row, median_interval
-from legpush import codec
-from legpush.bus import Bus
+from legpush.bus.bus import Bus
+from legpush.messages import codec
 from legpush.messages.planning import Plan, TrunkPathQuery
-from legpush.plan_client import PlanLink
-from planner_proc.occupancy import ClearanceField
+from legpush.plans.client import PlanLink
+from planner_proc.clearance.field import ClearanceField
+from planner_proc.conformance.client import RUN, PlannerProcess
 from planner_proc.planning import make_plan
-from planner_proc.search import routes
+from planner_proc.search.registry import routes
 
 SUMMARY: Final = RESULTS / "planner_speed.json"
 MB: Final = 1e6

@@ -12,14 +12,14 @@ from typing import Annotated, Final, get_args
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.launch.export import ExportOptions, View
-from legpush.launch.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
-from legpush.launch.maps import MapOptions
-from legpush.launch.options import RunOptions
-from legpush.launch.plan_check import PlanCheckOptions, split_at_dashes
-from legpush.launch.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.launch.rooms import RandomScenario
-from legpush.launch.viewing import ViewOptions, start_view
+from legpush.options.conformance import PlanCheckOptions, split_at_dashes
+from legpush.options.export import ExportOptions, View
+from legpush.options.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
+from legpush.options.maps import MapOptions
+from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
+from legpush.options.run import RunOptions
+from legpush.options.view import ViewOptions, start_view
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -73,10 +73,10 @@ class Render:
 
 
 PROGRAMS: Final[dict[type, Program]] = {
-    TrainOptions: "train",
-    EvaluateOptions: "evaluate",
-    CalibrateOptions: "calibrate",
-    MapOptions: "show_map",
+    TrainOptions: "agent_proc.programs.train",
+    EvaluateOptions: "agent_proc.programs.evaluate",
+    CalibrateOptions: "agent_proc.programs.calibrate",
+    MapOptions: "agent_proc.programs.show_map",
     ExportOptions: "sim_proc.export",
 }
 """What is done by a program, in a process of its own."""
@@ -150,7 +150,7 @@ def _plan_check(argv: Sequence[str]) -> int:
     try:
         flags, _ = split_at_dashes(argv)
         tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-        start_program("plan_check", argv)
+        start_program("planner_proc.conformance", argv)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")
         return error.exit_code
@@ -178,7 +178,7 @@ def _scenarios(command: Scenarios) -> int:
 
 @execute.register
 def _list_scenarios(_: ListScenarios) -> int:
-    from legpush.scenario_file import load_scenario, scenario_names
+    from legpush.scenarios.file import load_scenario, scenario_names
 
     for name in scenario_names():
         sys.stdout.write(f"{name:<18}{load_scenario(name).description}\n")
@@ -187,7 +187,7 @@ def _list_scenarios(_: ListScenarios) -> int:
 
 @execute.register
 def _show_scenario(command: ShowScenario) -> int:
-    from legpush.scenario_file import dump_scenario, load_scenario
+    from legpush.scenarios.file import dump_scenario, load_scenario
 
     sys.stdout.write(dump_scenario(load_scenario(command.scenario)))
     return 0
@@ -195,7 +195,7 @@ def _show_scenario(command: ShowScenario) -> int:
 
 @execute.register
 def _copy_scenario(command: CopyScenario) -> int:
-    from legpush.scenario_file import copy_scenario
+    from legpush.scenarios.file import copy_scenario
 
     for path in copy_scenario(command.name, command.file):
         sys.stdout.write(f"wrote {path}\n")
@@ -204,12 +204,12 @@ def _copy_scenario(command: CopyScenario) -> int:
 
 @execute.register
 def _random_scenario(command: RandomScenario) -> int:
-    start_program("draw_room", command.flags())
+    start_program("agent_proc.programs.draw_room", command.flags())
 
 
 @execute.register
 def _render(command: Render) -> int:
-    from legpush.launch.video import film_arguments
+    from legpush.launch.film import film_arguments
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
@@ -219,7 +219,7 @@ def _render(command: Render) -> int:
 
 @execute.register
 def _record(command: RecordOptions) -> int:
-    from legpush.recording.service import run_recorder
+    from legpush.launch.record import run_recorder
 
     return run_recorder(command)
 
@@ -227,7 +227,7 @@ def _record(command: RecordOptions) -> int:
 @execute.register
 def _info(command: InfoOptions) -> int:
     from legpush.recording.info import lines
-    from legpush.recording.mcap_reader import read_recording
+    from legpush.recording.mcap_file.reader import read_recording
 
     sys.stdout.write("".join(f"{line}\n" for line in lines(read_recording(command.files))))
     return 0
@@ -246,13 +246,13 @@ def _recover(command: RecoverOptions) -> int:
 
 @execute.register
 def _replay(command: ReplayOptions) -> int:
-    from legpush.recording.replay import replay
+    from legpush.launch.replay import replay
 
     return replay(command)
 
 
 @execute.register
 def _branch(command: BranchOptions) -> int:
-    from legpush.recording.branch_run import branch
+    from legpush.launch.branch import branch
 
     return branch(command)

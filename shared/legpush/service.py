@@ -17,11 +17,11 @@ from typing import Final, Literal, TypeVar
 
 import tyro
 
-from legpush import endpoints
-from legpush.bus import Bus
-from legpush.endpoints import Endpoints
+from legpush.bus import endpoints
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import Endpoints
+from legpush.bus.faults import Faults
 from legpush.errors import ConfigError, LegpushError
-from legpush.faults import Faults
 from legpush.messages.common import Role
 
 log = logging.getLogger(__name__)

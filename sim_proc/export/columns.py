@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.robot import JOINTS as JOINT_NAMES
-from legpush.robot import LEGS
-from legpush.timeline import BOX, JOINTS, TRUNK, Timeline
+from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
+from legpush.scene.robot import JOINTS as JOINT_NAMES
+from legpush.scene.robot import LEGS
 from sim_proc.export.source import Exported
 
 Array = NDArray[np.float64]

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError
-from legpush.launch.export import ExportOptions
-from legpush.robot import CONTROL_PERIOD_S
+from legpush.options.export import ExportOptions
+from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.export.source import Exported
-from sim_proc.film import Film, film_of
-from sim_proc.rendering import Take, frame_rows, render, usual_speed
+from sim_proc.render.film import Film, film_of
+from sim_proc.render.rendering import Take, frame_rows, render, usual_speed
 
 FILM_FPS: Final = 20.0
 FILM_SIZE: Final = (854, 480)

@@ -34,11 +34,11 @@ from foxglove.messages import (
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
+from legpush.history.run_history import Planned, Said
+from legpush.history.timeline import BOX, JOINTS, TRUNK, TimelineStep
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Reset
-from legpush.robot import CONTROL_PERIOD_S
-from legpush.timeline import BOX, JOINTS, TRUNK, TimelineStep
-from legpush.timelines import Planned, Said
+from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.export.columns import LEG_JOINTS, Column, columns_of
 from sim_proc.export.foxglove_scene import (
     BOX_BROWN,
@@ -53,10 +53,10 @@ from sim_proc.export.foxglove_scene import (
     vector,
 )
 from sim_proc.export.source import Exported, Source
-from sim_proc.export.steady import SteadyFile
+from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
-from sim_proc.scenery import wall_name
-from sim_proc.shapes import parts_of
+from sim_proc.model.scenery import wall_name
+from sim_proc.model.shapes import parts_of
 
 Array = NDArray[np.float64]
 

@@ -22,10 +22,10 @@ from foxglove.messages import (
 )
 from numpy.typing import NDArray
 
-from legpush.robot import LEGS
+from legpush.scene.robot import LEGS
 from sim_proc.export.transforms import WORLD, product, turn_to
-from sim_proc.shapes import Part, Shape
-from sim_proc.world_state import LOADED_N
+from sim_proc.model.shapes import Part, Shape
+from sim_proc.observation import LOADED_N
 
 Array = NDArray[np.float64]
 Rgba = tuple[float, float, float, float]

@@ -13,7 +13,7 @@ from typing import Final
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.launch.export import FILMS, ExportOptions, Format
+from legpush.options.export import FILMS, ExportOptions, Format
 from legpush.recording.branch import sha256_of
 from legpush.service import one_line
 from sim_proc.export.columns import columns_of
@@ -42,7 +42,7 @@ def export(options: ExportOptions) -> int:
     _require_library(made)
     source = read_source(options.files, options.episode, partial=options.partial)
     if made in FILMS:
-        from sim_proc.rendering import NO_OPENGL, use_backend
+        from sim_proc.render.rendering import NO_OPENGL, use_backend
 
         if not use_backend("legpush export"):
             return NO_OPENGL

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from legpush.errors import RecordingError
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import Timeline
 from legpush.recording.episodes import EpisodeRecord, read_episodes
 from legpush.recording.facts import scenario_of
-from legpush.recording.mcap_reader import Recording, read_recording
-from legpush.timeline import Timeline
-from legpush.timelines import Timelines
+from legpush.recording.mcap_file.reader import Recording, read_recording
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_proc.shapes import Part
+from sim_proc.model.shapes import Part
 
 Array = NDArray[np.float64]
 WORLD = "world"

@@ -6,7 +6,7 @@ import webbrowser
 import tyro
 
 from legpush.errors import LegpushError
-from legpush.launch.viewing import ViewOptions
+from legpush.options.view import ViewOptions
 from legpush.service import one_line, stop_on_signals
 from sim_proc.view.page import Page
 from sim_proc.view.sources import LiveRun, RecordedRun

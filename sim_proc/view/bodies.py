@@ -12,10 +12,10 @@ import trimesh
 from numpy.typing import NDArray
 
 from legpush.messages.stepping import Appearance
-from legpush.scenario import Scenario
-from sim_proc.model import build_model
-from sim_proc.scenery import wall_name
-from sim_proc.shapes import Part, Shape, parts_of_model
+from legpush.scene.scenario import Scenario
+from sim_proc.model.scenery import wall_name
+from sim_proc.model.shapes import Part, Shape, parts_of_model
+from sim_proc.model.world import build_model
 
 Array = NDArray[np.float64]
 

@@ -5,18 +5,18 @@ import threading
 from time import monotonic
 from typing import Final
 
-from legpush import channels
-from legpush.bus import Bus
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.bus.ports import Publisher
+from legpush.bus.status import StatusBeacon
+from legpush.history.run_history import Timelines
 from legpush.messages.common import Role
-from legpush.messages.tap import Copies, Origin, Taken
-from legpush.ports import Publisher
+from legpush.messages.telemetry import Copies, Origin, Taken
 from legpush.recording.facts import SCENARIO_FILE, scenario_in
 from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Ledger
-from legpush.recording.mcap_writer import topic_of
+from legpush.recording.mcap_file.writer import topic_of
 from legpush.recording.recorder import taken_by
-from legpush.status import StatusBeacon
-from legpush.timelines import Timelines
 
 LOOK_S: Final = 0.05
 

@@ -6,16 +6,16 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.faces import pushed_box, pushed_pose
 from legpush.geometry import Pose2, rpy_from_quaternion
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import BOX, Timeline, TimelineStep
 from legpush.messages.planning import BoxPathQuery, Plan
 from legpush.messages.stepping import Follow, Push
-from legpush.robot import FOOT_RADIUS_M, LEGS
-from legpush.timeline import BOX, Timeline, TimelineStep
-from legpush.timelines import Timelines
-from sim_proc.pusher import PUSH_SHIFT_TICKS, contact_point
-from sim_proc.swing import bezier, control_points
-from sim_proc.world_state import LOADED_N
+from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.robot import FOOT_RADIUS_M, LEGS
+from sim_proc.control.push_cycle import PUSH_SHIFT_TICKS, contact_point
+from sim_proc.control.swing import bezier, control_points
+from sim_proc.observation import LOADED_N
 
 Array = NDArray[np.float64]
 

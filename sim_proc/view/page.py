@@ -14,9 +14,9 @@ import viser
 
 from legpush.errors import ConfigError
 from legpush.geometry import rpy_from_quaternion
-from legpush.messages.tap import Origin
-from legpush.timeline import TRUNK, Timeline
-from legpush.timelines import Timelines
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import TRUNK, Timeline
+from legpush.messages.telemetry import Origin
 from sim_proc.view.panel import FOLLOW_ROBOT, Command, Panel, speed_of
 from sim_proc.view.player import Player
 from sim_proc.view.plots import Plots

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import viser
 
+from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Push, Walk
-from legpush.timeline import Timeline
 from sim_proc.view.player import SPEEDS, Player
 from sim_proc.view.scene import LAYERS
 from sim_proc.view.statuses import Condition

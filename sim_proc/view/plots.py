@@ -8,7 +8,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from legpush.timeline import Timeline
+from legpush.history.timeline import Timeline
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]

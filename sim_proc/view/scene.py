@@ -8,9 +8,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from legpush.robot import CONTROL_PERIOD_S
-from legpush.timeline import TRUNK, Timeline
-from legpush.timelines import Timelines
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import TRUNK, Timeline
+from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.view import overlays
 from sim_proc.view.bodies import Bodies
 

@@ -7,15 +7,15 @@ from secrets import token_hex
 from time import monotonic
 from typing import Final
 
-from legpush.bus import Bus
+from legpush.bus.bus import Bus
 from legpush.errors import ConfigError, RecordingError
-from legpush.launch.live_runs import find_live_runs
-from legpush.launch.watched import Watched, choose_run, find_run
-from legpush.messages.tap import Origin
+from legpush.history.run_history import Timelines
+from legpush.messages.telemetry import Origin
 from legpush.recording.facts import scenario_of
-from legpush.recording.mcap_reader import Recorded, Recording, read_recording
-from legpush.scenario import Scenario
-from legpush.timelines import Timelines
+from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
+from legpush.runs.choose_run import Watched, choose_run, find_run
+from legpush.runs.live_runs import find_live_runs
+from legpush.scene.scenario import Scenario
 from sim_proc.view.listener import Listener
 
 LOOK_S: Final = 0.3

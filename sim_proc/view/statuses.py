@@ -4,9 +4,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from legpush.history.run_history import Said
 from legpush.messages.common import Role
-from legpush.messages.tap import Origin
-from legpush.timelines import Said
+from legpush.messages.telemetry import Origin
 
 SILENT_S: Final = 3.0
 """Statuses come at least once a second; whoever said nothing for this long is not well."""

@@ -10,13 +10,12 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from agent_proc.push_model import nearest_model
-from agent_proc.scripted import MIRROR
-from agent_proc.station import station
-from legpush import codec
-from legpush.episode import PlanRecord, StepRecord
-from legpush.faces import TURN_RAD, pushed_box, pushed_pose
+from agent_proc.frames.station import station
+from agent_proc.policies.scripted import MIRROR
+from agent_proc.push_model.model import nearest_model
 from legpush.geometry import Pose2
+from legpush.lockstep.episode import PlanRecord, StepRecord
+from legpush.messages import codec
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import (
     Alter,
@@ -34,8 +33,9 @@ from legpush.messages.stepping import (
     Walk,
     WorldState,
 )
-from legpush.robot import CONTROL_PERIOD_S, foot_rectangle_b
-from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
+from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.robot import CONTROL_PERIOD_S, foot_rectangle_b
+from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 
 STRIDE_M = 0.4
 WALK_TICKS = 80

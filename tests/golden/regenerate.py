@@ -7,8 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from legpush import codec
-from tests.shared.examples import MESSAGES
+from legpush.messages import codec
+from tests.legpush.examples import MESSAGES
 
 if __name__ == "__main__":
     folder = Path(__file__).parent

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
 from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
-from legpush.scenario import Smoothing
+from legpush.scene.scenario import Smoothing
 
 CLEARANCE_M = 0.44
 NOT_SMOOTHED = Smoothing(method="none", shorten=False)

@@ -6,12 +6,12 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.messages.planning import PlanQuery
-from legpush.plan_desk import PlanningInterruptedError
-from legpush.scenario import Anytime, PlannerName, Rectangle
+from legpush.plans.request_queue import PlanningInterruptedError
+from legpush.scene.scenario import Anytime, PlannerName, Rectangle
 from planner_proc.planning import make_plan, make_plans
 from tests.planner import maps
-from tests.planner.test_box_path import OPEN, pose
-from tests.planner.test_box_path import query as box_query
+from tests.planner.test_box_plan import OPEN, pose
+from tests.planner.test_box_plan import query as box_query
 
 MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
 PLANNERS: tuple[PlannerName, ...] = get_args(PlannerName)

@@ -10,11 +10,11 @@ import msgspec
 import numpy as np
 import pytest
 
-from legpush.codec import decode, encode
 from legpush.geometry import wrap_angle
+from legpush.messages.codec import decode, encode
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.scenario import PlannerName
-from planner_proc.occupancy import ClearanceField
+from legpush.scene.scenario import PlannerName
+from planner_proc.clearance.field import ClearanceField
 from planner_proc.planning import make_plan
 from tests.planner import maps
 
@@ -97,7 +97,7 @@ def test_equal_queries_get_equal_plans_here_and_in_another_process(planner: Plan
     script = """
 import sys
 from pathlib import Path
-from legpush.codec import decode, encode
+from legpush.messages.codec import decode, encode
 from legpush.messages.planning import PlanQuery
 from planner_proc.planning import make_plan
 folder = Path(sys.argv[1])

@@ -2,8 +2,8 @@
 
 import pytest
 
-from legpush.robot import FOOT_RECTANGLE_LENGTH_M, PUSH_GAP_M
-from legpush.scenario import Box, Goal, PoseDeg, Room, Scenario
+from legpush.scene.robot import FOOT_RECTANGLE_LENGTH_M, PUSH_GAP_M
+from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 
 BOX_X_M = 2.0 + 0.2 + PUSH_GAP_M + FOOT_RECTANGLE_LENGTH_M / 2
 

@@ -9,7 +9,7 @@ from math import cos, sin
 import numpy
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Follow, Push, Reset, Walk
-from legpush.scenario_file import load_scenario
+from legpush.scenarios.file import load_scenario
 from sim_proc.simulator import Simulator
 
 def after(scenario, *motions):

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush import codec
 from legpush.errors import MotionError
 from legpush.geometry import Pose2, rpy_from_quaternion
+from legpush.messages import codec
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
-from legpush.robot import FRONT_LEGS, JOINT_QPOS, FrontLeg, foot_rectangle_b
-from legpush.scenario import Randomization, Rectangle, Room, Scenario
+from legpush.scene.robot import FRONT_LEGS, JOINT_QPOS, FrontLeg, foot_rectangle_b
+from legpush.scene.scenario import Randomization, Rectangle, Room, Scenario
 from sim_proc.simulator import Simulator, drawn_poses
 
 

@@ -13,18 +13,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from legpush.bus import Bus
-from legpush.episode import Episode
-from legpush.journal import Journal
-from legpush.lockstep_client import PastStep, SimLink
-from legpush.lockstep_server import serve_actions
+from legpush.bus.bus import Bus
+from legpush.history.journal import Journal
+from legpush.lockstep.client import PastStep, SimLink
+from legpush.lockstep.episode import Episode
+from legpush.lockstep.server import serve_actions
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
-from legpush.plan_client import PlanLink
-from legpush.plan_server import serve_plans
+from legpush.plans.client import PlanLink
+from legpush.plans.server import serve_plans
 from legpush.service import ServiceConfig, run_process
-from tests.shared.examples import QUERY
-from tests.shared.fakes import FakeStepper, fake_plan, mission, one_plan, opened
+from tests.legpush.examples import QUERY
+from tests.legpush.fakes import FakeStepper, fake_plan, mission, one_plan, opened
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -71,7 +71,7 @@ def break_plans(fault: str, planner: ModuleType) -> None:
 
 def steered(query: dict[str, Any]) -> dict[str, Any]:
     """What the built-in planner finds, loaded where it is wanted: it takes long."""
-    from legpush import codec
+    from legpush.messages import codec
     from legpush.messages.planning import TrunkPathQuery
     from planner_proc.planning import make_plan
 

@@ -7,16 +7,16 @@ from threading import Event
 import pytest
 from msgspec.structs import replace
 
-from legpush import channels
-from legpush.episode import Episode, PlanRecord, read_episode
+from legpush.bus import channels
+from legpush.bus.faults import Faults
 from legpush.errors import JournalError
-from legpush.faults import Faults
-from legpush.journal import Journal
+from legpush.history.journal import Journal
+from legpush.lockstep.episode import Episode, PlanRecord, read_episode
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.plan_desk import Interrupted, PlanningInterruptedError
-from legpush.scenario import Anytime
-from tests.shared.examples import QUERY
-from tests.shared.fakes import agent, eventually, fake_plan, opened, planner, sim
+from legpush.plans.request_queue import Interrupted, PlanningInterruptedError
+from legpush.scene.scenario import Anytime
+from tests.legpush.examples import QUERY
+from tests.legpush.fakes import agent, eventually, fake_plan, opened, planner, sim
 
 N = 5
 ASKED = replace(QUERY, anytime=Anytime(n_improvements=N, improvement_iterations=10))

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from legpush.episode import PlanRecord, StepRecord, read_episode
+from legpush.lockstep.episode import PlanRecord, StepRecord, read_episode
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scenario_file import dump_scenario, load_scenario, override
+from legpush.scenarios.file import dump_scenario, load_scenario, override
 from sim_proc.simulator import Simulator
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))

@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from legpush.episode import Episode
 from legpush.errors import PeerError
-from legpush.journal import Journal
+from legpush.history.journal import Journal
+from legpush.lockstep.episode import Episode
 from legpush.messages.stepping import Motion, Outcome, Push
 from legpush.recording.branch import BranchPoint, RecordedPast
-from legpush.recording.mcap_reader import read_recording
-from tests.shared.fakes import FakeStepper, agent, crc_after, mission, opened, sim
-from tests.shared.recordings import a_recording
+from legpush.recording.mcap_file.reader import read_recording
+from tests.legpush.fakes import FakeStepper, agent, crc_after, mission, opened, sim
+from tests.legpush.recording.recordings import a_recording
 
 BRANCH_AT = 8
 OTHER = [Push(w1=0.9, w2=0.1, leg="FR", depth_m=0.05 + 0.01 * index) for index in range(4)]

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from agent_proc.push_map import load_push_map
-from legpush.scenario_file import load_scenario
+from agent_proc.push_model.map import load_push_map
+from legpush.scenarios.file import load_scenario
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))
 

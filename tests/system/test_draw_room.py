@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from agent_proc.draw_room import solvable_by
+from agent_proc.programs.draw_room import solvable_by
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
-from legpush.random_room import RandomRoom
-from legpush.random_scenario import random_scenario
-from legpush.scenario_file import load_scenario
+from legpush.scenarios.file import load_scenario
+from legpush.scenarios.random_room import RandomRoom
+from legpush.scenarios.random_scenario import random_scenario
 from planner_proc.planning import make_plan
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))

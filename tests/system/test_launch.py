@@ -13,19 +13,19 @@ import psutil
 import pytest
 from rich.console import Console
 
-from legpush.launch.options import RunOptions
 from legpush.launch.run import Place, Programs, run_mission
 from legpush.launch.summary import ReportError
 from legpush.messages.common import Role
-from legpush.scenario_file import load_scenario
+from legpush.options.run import RunOptions
+from legpush.scenarios.file import load_scenario
 
 PROCESS = r"""
 import json, os, sys, threading
 from dataclasses import dataclass
 from pathlib import Path
-from legpush.bus import Bus
+from legpush.bus.bus import Bus
 from legpush.service import ServiceConfig, run_process
-from legpush.status import StatusBeacon
+from legpush.bus.status import StatusBeacon
 
 role = sys.argv.pop(1)
 
@@ -60,7 +60,7 @@ from pathlib import Path
 from rich.console import Console
 sys.path.insert(0, sys.argv[1])
 from test_launch import programs
-from legpush.launch.options import RunOptions
+from legpush.options.run import RunOptions
 from legpush.launch.run import run_mission
 sys.exit(run_mission(RunOptions(scenario="push", out=Path(sys.argv[2])), Console(), programs("waits")))
 """

@@ -6,17 +6,17 @@ from threading import Event, Thread
 import pytest
 from msgspec.structs import replace
 
-from legpush import channels
-from legpush.bus import Bus
-from legpush.endpoints import Endpoints, in_directory
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import Endpoints, in_directory
+from legpush.bus.faults import Faults
 from legpush.errors import MotionError, PeerError, StopRequestedError
-from legpush.faults import Faults
-from legpush.lockstep_client import PastStep
+from legpush.lockstep.client import PastStep
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Action, Motion, Observation, Outcome, Walk
 from legpush.patience import Patience
-from tests.shared.examples import QUERY, RESET, TRACE, WORLD
-from tests.shared.fakes import (
+from tests.legpush.examples import QUERY, RESET, TRACE, WORLD
+from tests.legpush.fakes import (
     IMPATIENT,
     RUN,
     Agent,

@@ -10,11 +10,12 @@ import msgpack
 import pytest
 import zenoh
 
-from legpush import codec, keys
-from legpush.endpoints import in_directory
+from legpush.bus import keys
+from legpush.bus.endpoints import in_directory
+from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION
-from tests.shared.examples import MESSAGES, QUERY
-from tests.shared.fakes import RUN, Agent, agent, crc_after, eventually, fake_plan, mission, planner, sim
+from tests.legpush.examples import MESSAGES, QUERY
+from tests.legpush.fakes import RUN, Agent, agent, crc_after, eventually, fake_plan, mission, planner, sim
 
 MISSION = mission(8)
 CAUSES = ("malformed", "oversize", "not_finite", "version", "foreign_run", "sender")

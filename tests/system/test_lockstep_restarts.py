@@ -12,18 +12,18 @@ from threading import Event, Thread
 import psutil
 import pytest
 
-from legpush import endpoints
-from legpush.episode import Episode, PlanRecord, StepRecord, read_episode
+from legpush.bus import endpoints
+from legpush.bus.faults import Faults
+from legpush.bus.liveliness import LEASE_S
 from legpush.errors import JournalError, MotionError, PeerError
-from legpush.faults import Faults
-from legpush.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
+from legpush.history.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
+from legpush.lockstep.episode import Episode, PlanRecord, StepRecord, read_episode
 from legpush.messages.common import Role
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome, Walk
 from legpush.patience import Patience
-from legpush.roster import LEASE_S
-from tests.shared.examples import QUERY, RESET
-from tests.shared.fakes import (
+from tests.legpush.examples import QUERY, RESET
+from tests.legpush.fakes import (
     RUN,
     FakeStepper,
     agent,

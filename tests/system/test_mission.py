@@ -15,12 +15,12 @@ from typing import Any
 import psutil
 import pytest
 
-from legpush import endpoints
-from legpush.episode import StepRecord, read_episode
-from legpush.journal import Acted, Entry, Queried, read_entries
+from legpush.bus import endpoints
+from legpush.history.journal import Acted, Entry, Queried, read_entries
+from legpush.lockstep.episode import StepRecord, read_episode
 from legpush.messages.common import Role
 from legpush.messages.stepping import Push, Walk
-from legpush.scenario_file import dump_scenario, load_scenario, override
+from legpush.scenarios.file import dump_scenario, load_scenario, override
 from sim_proc.simulator import Simulator
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))

@@ -4,8 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from agent_proc.record import read_record
-from legpush.episode import read_episode
+from agent_proc.reporting.mission_record import read_record
+from legpush.lockstep.episode import read_episode
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))
 EXAMPLE = Path(__file__).parents[2] / "examples" / "grid_planner.py"

@@ -11,9 +11,9 @@ from pathlib import Path
 import psutil
 import pytest
 
-from legpush.launch.live_runs import RUN_FILE
-from legpush.recording.mcap_reader import Recording, read_recording
-from tests.shared.fakes import eventually
+from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.runs.live_runs import RUN_FILE
+from tests.legpush.fakes import eventually
 
 CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
 Start = Callable[..., subprocess.Popen[str]]

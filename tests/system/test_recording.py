@@ -21,14 +21,14 @@ import pytest
 import zenoh
 from msgspec.structs import replace
 
-from legpush import keys
-from legpush.endpoints import in_directory
+from legpush.bus import keys
+from legpush.bus.endpoints import in_directory
 from legpush.messages.stepping import Alter, Walk
 from legpush.recording.episodes import read_episodes
-from legpush.recording.mcap_reader import Recorded, Recording, read_recording
+from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
 from legpush.recording.recover import recover
-from tests.shared.examples import QUERY
-from tests.shared.fakes import IMPATIENT, RUN, Agent, agent, bus, crc_after, eventually, mission, planner, sim
+from tests.legpush.examples import QUERY
+from tests.legpush.fakes import IMPATIENT, RUN, Agent, agent, bus, crc_after, eventually, mission, planner, sim
 
 CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
 
@@ -270,7 +270,7 @@ def test_a_mission_goes_on_without_its_recorder_and_says_so(tmp_path: Path) -> N
 
 def _records(process: psutil.Process) -> bool:
     try:
-        return "legpush.recording.service" in process.cmdline()
+        return "legpush.launch.record" in process.cmdline()
     except psutil.NoSuchProcess:
         return False
 

@@ -8,7 +8,7 @@ import sys
 import threading
 from pathlib import Path
 
-from legpush.recording.mcap_reader import read_recording
+from legpush.recording.mcap_file.reader import read_recording
 
 CLI = [sys.executable, "-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
 

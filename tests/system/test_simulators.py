@@ -16,17 +16,17 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_env_sb3
 
-from agent_proc.env import PushEnv
-from agent_proc.simulators import joined_simulators, own_simulators
-from agent_proc.task import TaskConfig
-from agent_proc.vec_env import PushVecEnv
-from agent_proc.worlds import LocalWorld, SteppingWorld
-from legpush.endpoints import Endpoints, in_directory
+from agent_proc.learning.env import PushEnv
+from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.simulators.bus_world import LocalWorld, SteppingWorld
+from agent_proc.simulators.pools import joined_simulators, own_simulators
+from agent_proc.task.config import TaskConfig
+from legpush.bus.endpoints import Endpoints, in_directory
 from legpush.errors import ConfigError, PeerError, StopRequestedError
-from legpush.launch.sims import MAX_RESTARTS, SimPool
 from legpush.patience import Patience
+from legpush.processes.pool import MAX_RESTARTS, SimPool
 from sim_proc.simulator import Simulator
-from tests.shared.fakes import eventually
+from tests.legpush.fakes import eventually
 
 TASK = TaskConfig(max_steps=6)
 N_STEPS = 16
@@ -125,7 +125,7 @@ LEARNER = """
 import sys
 from pathlib import Path
 from threading import Event
-from legpush.launch.sims import SimPool
+from legpush.processes.pool import SimPool
 with SimPool(2, Path(sys.argv[1]), Event()):
     Event().wait()
 """

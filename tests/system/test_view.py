@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from legpush.recording.mcap_reader import read_recording
-from legpush.timeline import Timeline
-from legpush.timelines import Timelines
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import Timeline
+from legpush.recording.mcap_file.reader import read_recording
 from sim_proc.simulator import Simulator
 from tests.chromium import Browser, Page, browser, chromium, until
-from tests.shared.recordings import traffic, write
+from tests.legpush.recording.recordings import traffic, write
 from tests.sim.view.conftest import MOTIONS
 
 CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]

@@ -7,7 +7,7 @@ from typing import Annotated
 import tyro
 
 from legpush.errors import ConfigError
-from legpush.random_room import RandomRoom
+from legpush.scenarios.random_room import RandomRoom
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,17 +14,13 @@ from typing import Final
 from rich.console import Console
 from rich.text import Text
 
-from legpush import channels
-from legpush.bus import Bus
-from legpush.endpoints import in_directory
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import in_directory
 from legpush.errors import ConfigError
-from legpush.launch.crew import Crew
 from legpush.launch.display import make_display
-from legpush.launch.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder, run_name
-from legpush.launch.live_runs import LiveRun, shown, socket_directory
-from legpush.launch.options import RunOptions, split_command
-from legpush.launch.processes import Command
-from legpush.launch.recorder import MissionRecorder, next_file
+from legpush.launch.film import film, film_arguments
+from legpush.launch.mission_recorder import MissionRecorder, next_file
 from legpush.launch.summary import print_summary, read_report
 from legpush.launch.supervisor import (
     BAD_INPUT,
@@ -36,11 +32,15 @@ from legpush.launch.supervisor import (
     Supervisor,
     Verdict,
 )
-from legpush.launch.video import film, film_arguments
 from legpush.messages.common import Role
+from legpush.options.run import RunOptions, split_command
+from legpush.processes.child import Command
+from legpush.processes.crew import Crew
 from legpush.recording.facts import CONTINUED
-from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario, override
+from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder, run_name
+from legpush.runs.live_runs import LiveRun, shown, socket_directory
+from legpush.scenarios.file import load_scenario, override
+from legpush.scene.scenario import Scenario
 
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}

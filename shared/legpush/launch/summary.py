@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from legpush.errors import LegpushError
-from legpush.launch.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
+from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
 
 def _recorded(recording: dict[str, Any]) -> str:

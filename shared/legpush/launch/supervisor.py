@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import Final
 
-from legpush.launch.crew import Crew, Interrupted
 from legpush.launch.display import Display
-from legpush.launch.processes import TAIL_LINES, Command, Process, describe_exit
-from legpush.messages.tap import Status
+from legpush.messages.telemetry import Status
 from legpush.patience import SLICE_S, Stopwatch
+from legpush.processes.child import TAIL_LINES, Command, Process, describe_exit
+from legpush.processes.crew import Crew, Interrupted
 
 SUCCESS: Final = 0
 NO_SUCCESS: Final = 1

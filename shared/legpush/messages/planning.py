@@ -6,8 +6,8 @@ from msgspec import Meta, Struct
 
 from legpush.geometry import Pose2
 from legpush.messages.common import MAX_CELLS, MAX_WAYPOINTS, Count, Header, Name, Point2, Unit
-from legpush.room_shapes import Footprint
-from legpush.scenario import Anytime, PlannerName, Smoothing, Steering
+from legpush.scene.footprints import Footprint
+from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
 
 
 class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -6,8 +6,8 @@ from msgspec import Meta, Struct
 
 from legpush.geometry import Pose2
 from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Count, Header, Name, Point2, Point3, Quaternion, Unit
-from legpush.robot import FrontLeg
-from legpush.scenario import Face, Scenario
+from legpush.scene.robot import FrontLeg
+from legpush.scene.scenario import Face, Scenario
 
 
 class Reset(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="reset"):

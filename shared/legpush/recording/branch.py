@@ -12,7 +12,7 @@ from legpush.errors import ConfigError, MotionError, RecordingError
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
-from legpush.recording.mcap_reader import Recording
+from legpush.recording.mcap_file.reader import Recording
 from legpush.recording.plans import query_bytes, read_plans
 from legpush.recording.play import RecordedPlanner, instead
 

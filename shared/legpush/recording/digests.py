@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import msgspec
 from msgspec import Struct
 
-from legpush import codec
+from legpush.messages import codec
 from legpush.messages.common import Count, Name
 
 DIGEST_TOPIC: Final = "recording/digests"

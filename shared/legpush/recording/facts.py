@@ -9,9 +9,9 @@ from msgspec import Struct
 
 from legpush.errors import RecordingError, ScenarioError
 from legpush.messages.common import Count
-from legpush.recording.mcap_reader import Recording
-from legpush.scenario import Scenario
-from legpush.scenario_file import load_scenario
+from legpush.recording.mcap_file.reader import Recording
+from legpush.scenarios.file import load_scenario
+from legpush.scene.scenario import Scenario
 
 MISSION_FILE: Final = "mission.json"
 SCENARIO_FILE: Final = "scenario.toml"

@@ -3,10 +3,10 @@
 import threading
 from typing import Final
 
-from legpush.channels import Channel
-from legpush.messages.tap import Copies
-from legpush.ports import INBOX_SIZE, Subscription
-from legpush.tally import Tally
+from legpush.bus.channels import Channel
+from legpush.bus.ports import INBOX_SIZE, Subscription
+from legpush.bus.tally import Tally
+from legpush.messages.telemetry import Copies
 
 LIMIT_BYTES: Final = 128 * 1024 * 1024
 """Beyond that batches are refused: whoever waits for this recorder sends them again, others' are missing."""

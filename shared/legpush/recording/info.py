@@ -8,8 +8,8 @@ import msgspec
 from legpush.errors import RecordingError
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import CONTINUED
-from legpush.recording.mcap_reader import Recording
-from legpush.robot import CONTROL_PERIOD_S
+from legpush.recording.mcap_file.reader import Recording
+from legpush.scene.robot import CONTROL_PERIOD_S
 
 
 def lines(recording: Recording) -> Iterator[str]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from legpush.messages.common import Role
-from legpush.messages.tap import Copies, Copy, Origin
+from legpush.messages.telemetry import Copies, Copy, Origin
 
 WITNESSED: Final[tuple[Role, ...]] = ("planner",)
 """Of these others may hand over what they hear."""

@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from legpush import codec
 from legpush.errors import MessageError, RecordingError
+from legpush.messages import codec
 from legpush.messages.planning import Plan, PlanQuery, PlanRequest, PlanResult
-from legpush.recording.mcap_reader import Recording
+from legpush.recording.mcap_file.reader import Recording
 
 
 @dataclass(kw_only=True)

@@ -14,15 +14,15 @@ from typing import Final, Literal
 import tyro
 from msgspec.structs import replace
 
-from legpush.bus import Bus
+from legpush.bus.bus import Bus
 from legpush.errors import MotionError, RecordingError
-from legpush.lockstep_server import serve_actions
+from legpush.lockstep.server import serve_actions
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome, Reset
-from legpush.plan_desk import Interrupted, PlanningInterruptedError
-from legpush.plan_server import serve_plans
+from legpush.plans.request_queue import Interrupted, PlanningInterruptedError
+from legpush.plans.server import serve_plans
 from legpush.recording.episodes import EpisodeRecord, difference, read_episodes
-from legpush.recording.mcap_reader import read_recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import PlanRecord, query_bytes, read_plans
 from legpush.service import ServiceConfig, run_process
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from time import monotonic
 from typing import Final
 
-from legpush.bus import Bus
+from legpush.bus.bus import Bus
+from legpush.bus.tap_sender import Tap
 from legpush.errors import RecordingError
-from legpush.messages.tap import Fact, Origin
-from legpush.recording.mcap_reader import Recorded, Recording
-from legpush.tap import Tap
+from legpush.messages.telemetry import Fact, Origin
+from legpush.recording.mcap_file.reader import Recorded, Recording
 
 NAME_LENGTH: Final = 64
 

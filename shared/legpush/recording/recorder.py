@@ -8,15 +8,15 @@ from fnmatch import fnmatchcase
 from time import monotonic
 from typing import Final
 
-from legpush import channels
-from legpush.bus import Bus
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.bus.ports import Publisher
+from legpush.bus.status import StatusBeacon
 from legpush.messages.common import Header, Role
-from legpush.messages.tap import Copies, Origin, Taken
-from legpush.ports import Publisher
+from legpush.messages.telemetry import Copies, Origin, Taken
 from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Completeness, Ledger
-from legpush.recording.mcap_writer import Attachment, RecordingFile, topic_of
-from legpush.status import StatusBeacon
+from legpush.recording.mcap_file.writer import Attachment, RecordingFile, topic_of
 
 log = logging.getLogger(__name__)
 

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import RecordingError
-from legpush.messages.tap import Origin
-from legpush.recording.mcap_reader import RECOVERED_FROM, Recorded, Recording, Scan
-from legpush.recording.mcap_writer import RecordingFile
+from legpush.messages.telemetry import Origin
+from legpush.recording.mcap_file.reader import RECOVERED_FROM, Recorded, Recording, Scan
+from legpush.recording.mcap_file.writer import RecordingFile
 
 DAMAGED: Final = ".damaged"
 """What the name of a damaged file gets at its end."""

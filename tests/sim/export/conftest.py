@@ -6,17 +6,18 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from legpush import codec, keys
+from legpush.bus import keys
 from legpush.geometry import Pose2
+from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
 from legpush.messages.stepping import Action, Follow, Motion, Observation, Push, Reset, Walk
-from legpush.messages.tap import Copy, Fact, Reward, RewardTerm, Status
-from legpush.scenario import Rectangle, Room, Scenario
+from legpush.messages.telemetry import Copy, Fact, Reward, RewardTerm, Status
+from legpush.scene.scenario import Rectangle, Room, Scenario
 from sim_proc.export.source import Source, read_source
 from sim_proc.simulator import Simulator
-from tests.shared.examples import PLAN, QUERY
-from tests.shared.fakes import RUN
-from tests.shared.recordings import ACTIONS, AGENT, ANSWERS, EPISODE, SIM, copy, header, write
+from tests.legpush.examples import PLAN, QUERY
+from tests.legpush.fakes import RUN
+from tests.legpush.recording.recordings import ACTIONS, AGENT, ANSWERS, EPISODE, SIM, copy, header, write
 
 Messages = tuple[list[Copy], list[Copy]]
 """Of the agent, with what the planner answered it, and of the simulator."""

@@ -8,11 +8,11 @@ import pytest
 from PIL import Image
 
 from legpush.errors import ConfigError
-from legpush.launch.export import ExportOptions
+from legpush.options.export import ExportOptions
 from sim_proc.export.films import take_of
 from sim_proc.export.source import Source
-from sim_proc.film import Film, film_of
-from sim_proc.rendering import working_backend
+from sim_proc.render.film import Film, film_of
+from sim_proc.render.rendering import working_backend
 from tests.sim.export.program import export
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from legpush.robot import LEGS
-from legpush.timeline import BOX, JOINTS, TRUNK, Timeline
+from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
+from legpush.scene.robot import LEGS
 from sim_proc.export.columns import columns_of
 from sim_proc.export.foxglove_file import write_foxglove
 from sim_proc.export.source import Source
-from sim_proc.model import build_model
+from sim_proc.model.world import build_model
 from tests.sim.export.foxglove_reading import Read, read
 
 QUATERNION = ("w", "x", "y", "z")

@@ -13,11 +13,11 @@ import pytest
 from pyarrow import parquet
 
 from legpush.errors import ConfigError
-from legpush.launch.export import ENDINGS, Format
+from legpush.options.export import ENDINGS, Format
 from sim_proc.export.columns import columns_of
 from sim_proc.export.program import whole_file
 from sim_proc.export.source import Source
-from sim_proc.rendering import working_backend
+from sim_proc.render.rendering import working_backend
 from tests.sim.export.foxglove_reading import read
 from tests.sim.export.program import CLI, export
 

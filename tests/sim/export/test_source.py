@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from legpush.errors import RecordingError
-from legpush.messages.tap import Copy, Fact
-from legpush.scenario_file import dump_scenario
+from legpush.messages.telemetry import Copy, Fact
+from legpush.scenarios.file import dump_scenario
 from sim_proc.export.source import longest, notes, read_source
-from tests.shared.recordings import ACTIONS, write
+from tests.legpush.recording.recordings import ACTIONS, write
 from tests.sim.conftest import standing_at_the_box
 from tests.sim.export.conftest import Messages, room
 

@@ -2,13 +2,13 @@
 
 import pytest
 
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Motion, Push, Reset
-from legpush.messages.tap import Copy
-from legpush.scenario_file import load_scenario
-from legpush.timeline import Timeline
-from legpush.timelines import Timelines
+from legpush.messages.telemetry import Copy
+from legpush.scenarios.file import load_scenario
 from sim_proc.simulator import Simulator
-from tests.shared.recordings import ACTIONS, AGENT, ANSWERS, SIM, traffic
+from tests.legpush.recording.recordings import ACTIONS, AGENT, ANSWERS, SIM, traffic
 
 MOTIONS: tuple[Motion, ...] = (
     Reset(scenario=load_scenario("push"), seed=3),

@@ -5,10 +5,10 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from legpush.messages.tap import Origin
-from legpush.timelines import Timelines
+from legpush.history.run_history import Timelines
+from legpush.messages.telemetry import Origin
 from sim_proc.view.listener import Listener
-from tests.shared.recordings import SIM, batch
+from tests.legpush.recording.recordings import SIM, batch
 
 REPLAY = Origin(role="launcher", name="replay", incarnation="replay-1")
 

@@ -5,12 +5,12 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2
+from legpush.history.run_history import Timelines
+from legpush.history.timeline import BOX, Timeline
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Outcome, Push
-from legpush.robot import LEGS
-from legpush.timeline import BOX, Timeline
-from legpush.timelines import Timelines
-from sim_proc.balance import support_margin
+from legpush.scene.robot import LEGS
+from sim_proc.control.balance import support_margin
 from sim_proc.view import overlays
 
 

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import pytest
 from msgspec.structs import replace
 
-from legpush import codec
+from legpush.history.run_history import Timelines
+from legpush.messages import codec
 from legpush.messages.stepping import Action, Observation
-from legpush.messages.tap import Copy, Origin
-from legpush.timelines import Timelines
+from legpush.messages.telemetry import Copy, Origin
 from sim_proc.view.page import Page
 from sim_proc.view.panel import Command
-from tests.shared.recordings import AGENT, EPISODE, SIM
+from tests.legpush.recording.recordings import AGENT, EPISODE, SIM
 
 
 class Training:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from legpush.robot import CONTROL_PERIOD_S
-from legpush.timeline import Timeline
+from legpush.history.timeline import Timeline
+from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.view.player import Player
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from legpush.timeline import Timeline
+from legpush.history.timeline import Timeline
 from sim_proc.view.plots import MAX_POINTS, PLOTS, begun, chosen_rows, rewards
 
 

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
+from legpush.history.run_history import Timelines
 from legpush.messages.stepping import Reset
-from legpush.messages.tap import Copy, Fact
+from legpush.messages.telemetry import Copy, Fact
 from legpush.recording.facts import SCENARIO_FILE
-from legpush.scenario_file import dump_scenario
-from legpush.timelines import Timelines
+from legpush.scenarios.file import dump_scenario
 from sim_proc.view.sources import RecordedRun
-from tests.shared.recordings import write
+from tests.legpush.recording.recordings import write
 from tests.sim.view.conftest import MOTIONS
 
 

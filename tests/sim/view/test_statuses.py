@@ -1,10 +1,10 @@
 """Who is alive, who says nothing and who is gone."""
 
+from legpush.history.run_history import Said
 from legpush.messages.common import Role
-from legpush.messages.tap import Origin, Status
-from legpush.timelines import Said
+from legpush.messages.telemetry import Origin, Status
 from sim_proc.view.statuses import Condition, conditions
-from tests.shared.recordings import header
+from tests.legpush.recording.recordings import header
 
 S = 1_000_000_000
 

@@ -1,0 +1,1 @@
+"""Episodes from seeded starts, sweeps over them, and intervals of their results."""

@@ -1,0 +1,182 @@
+"""Evaluation of a policy: episodes from seeded initial conditions, and what they show with 95 % intervals."""
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+from math import degrees, inf
+from queue import SimpleQueue
+from typing import Literal, Protocol
+
+import numpy as np
+
+from agent_proc.frames.poses import box_error
+from agent_proc.policies.policy import Policy
+from agent_proc.statistics import Estimate, mean_interval, wilson
+from legpush.errors import StopRequestedError
+from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.scene.scenario import Scenario
+
+Ending = Literal["done", "fell", "max_cycles"]
+
+
+class TracingWorld(Protocol):
+    """Carries out motions and can tell what happened at every tick of them."""
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+        """Carry out one motion."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One episode."""
+
+    case: str
+    """What was changed in the scenario, such as `box.mass_kg=0.5`; empty where nothing was."""
+    seed: int
+    """Draws the initial offsets."""
+    ending: Ending
+    """The policy was `done`, the robot `fell`, or `max_cycles` were not enough."""
+    success: bool
+    """The box ended within the goal's tolerances, and the robot stands."""
+    position_error_m: float
+    angle_error_deg: float
+    n_cycles: int
+    max_abs_roll_deg: float
+    max_abs_pitch_deg: float
+    min_support_margin_m: float
+    """Of the robot's CoM inside its support polygon, any tick; infinite where nothing was pushed."""
+
+
+def run_episode(
+    world: TracingWorld,
+    scenario: Scenario,
+    seed: int,
+    policy: Policy,
+    case: str = "",
+    stop: threading.Event | None = None,
+) -> Row:
+    """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up.
+
+    `StopRequestedError` after the cycle in which `stop` is set.
+    """
+    outcome = world.step(Reset(scenario=scenario, seed=seed))
+    n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
+    ending: Ending = "max_cycles"
+    while True:
+        if stop is not None and stop.is_set():
+            raise StopRequestedError("Asked to stop in an episode")
+        if outcome.trace is not None and outcome.trace.roll_pitch_rad:
+            most = np.abs(outcome.trace.roll_pitch_rad).max(axis=0).tolist()
+            roll_rad, pitch_rad = max(roll_rad, most[0]), max(pitch_rad, most[1])
+            margin_m = min(margin_m, *outcome.trace.support_margin_m)
+        if outcome.world.fallen:
+            ending = "fell"
+            break
+        push = policy.decide(outcome.world, scenario)
+        if push is None:
+            ending = "done"
+            break
+        if n_cycles == scenario.mission.max_push_cycles:
+            break
+        outcome = world.step(push, with_trace=True)
+        n_cycles += 1
+    error = box_error(outcome.world, scenario)
+    return Row(
+        case=case,
+        seed=seed,
+        ending=ending,
+        success=ending != "fell" and error.within(scenario.goal),
+        position_error_m=error.position_m,
+        angle_error_deg=degrees(error.angle_rad),
+        n_cycles=n_cycles,
+        max_abs_roll_deg=degrees(roll_rad),
+        max_abs_pitch_deg=degrees(pitch_rad),
+        min_support_margin_m=margin_m,
+    )
+
+
+def evaluate(
+    worlds: Sequence[TracingWorld],
+    cases: Mapping[str, Scenario],
+    seeds: Sequence[int],
+    policy: Policy,
+    on_row: Callable[[Row], None] = lambda _: None,
+    stop: threading.Event | None = None,
+) -> list[Row]:
+    """Each case with each seed, as many at once as there are worlds; rows in the order of cases, then seeds.
+
+    `on_row` gets each row as it comes, in that order, on the caller's thread. `StopRequestedError` once `stop` is set.
+    """
+    free: SimpleQueue[TracingWorld] = SimpleQueue()
+    for world in worlds:
+        free.put(world)
+
+    def one(case: str, seed: int) -> Row:
+        world = free.get()
+        try:
+            return run_episode(world, cases[case], seed, policy, case, stop)
+        finally:
+            free.put(world)
+
+    pool = ThreadPoolExecutor(len(worlds))
+    try:
+        futures = [pool.submit(one, case, seed) for case, seed in product(cases, seeds)]
+        rows = []
+        for future in futures:
+            rows.append(future.result())
+            on_row(rows[-1])
+        return rows
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """What the episodes of one case show."""
+
+    n: int
+    success_rate: Estimate
+    """Interval by Wilson."""
+    position_error_m: Estimate
+    """Mean; intervals of means by bootstrap."""
+    angle_error_deg: Estimate
+    n_cycles: Estimate
+    n_falls: int
+    max_abs_roll_deg: float
+    max_abs_pitch_deg: float
+    min_support_margin_m: float
+    largest_position_error_m: float
+    largest_angle_error_deg: float
+
+    def __str__(self) -> str:
+        """For people."""
+        position, angle, rate = self.position_error_m, self.angle_error_deg, self.success_rate
+        return (
+            f"{100 * position.value:.2f} cm [{100 * position.low:.2f}, {100 * position.high:.2f}], "
+            f"{angle.value:.2f}° [{angle.low:.2f}, {angle.high:.2f}], "
+            f"success {rate.value:.0%} [{rate.low:.0%}, {rate.high:.0%}], "
+            f"{self.n_cycles.value:.1f} cycles, {self.n_falls} falls, n = {self.n}"
+        )
+
+
+def summarize(rows: Sequence[Row]) -> dict[str, Summary]:
+    """The summary of each case."""
+    return {case: _summary([row for row in rows if row.case == case]) for case in dict.fromkeys(r.case for r in rows)}
+
+
+def _summary(rows: Sequence[Row]) -> Summary:
+    return Summary(
+        n=len(rows),
+        success_rate=wilson(sum(row.success for row in rows), len(rows)),
+        position_error_m=mean_interval([row.position_error_m for row in rows]),
+        angle_error_deg=mean_interval([row.angle_error_deg for row in rows]),
+        n_cycles=mean_interval([float(row.n_cycles) for row in rows]),
+        n_falls=sum(row.ending == "fell" for row in rows),
+        max_abs_roll_deg=max(row.max_abs_roll_deg for row in rows),
+        max_abs_pitch_deg=max(row.max_abs_pitch_deg for row in rows),
+        min_support_margin_m=min(row.min_support_margin_m for row in rows),
+        largest_position_error_m=max(row.position_error_m for row in rows),
+        largest_angle_error_deg=max(row.angle_error_deg for row in rows),
+    )

@@ -1,0 +1,99 @@
+"""What an evaluation varies: fields of the scenario, one after the other or in a grid."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import reduce
+from itertools import product
+from typing import Any
+
+from msgspec.structs import replace
+
+from agent_proc.frames.station import at_station, station
+from legpush.errors import ConfigError
+from legpush.scenarios.checks import check_scenario
+from legpush.scenarios.file import change_fields
+from legpush.scene.scenario import PoseDeg, Scenario
+
+Value = float | str | tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """Scenarios by what was changed in them, such as `box.mass_kg=0.5`; empty where nothing was."""
+
+    fields: tuple[str, ...]
+    """The swept ones."""
+    cases: Mapping[str, Scenario]
+    grid: bool
+    """Whether the cases are all combinations of the values."""
+
+    def columns(self, case: str) -> dict[str, float | str]:
+        """What the swept fields are in a case."""
+        return {field: _shown(_at(self.cases[case], field)) for field in self.fields}
+
+
+def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep:
+    """The scenarios of all sweeps, such as `box.mass_kg=0.1,0.5` or `box.size_m=0.4x0.5x0.4,0.8x0.4x0.4`.
+
+    Without a sweep it is the scenario itself. A robot that stands ready to push does so before a box of another size,
+    too. `ConfigError` or `ScenarioError` where a sweep, a field or a value cannot be used.
+    """
+    parsed = [_parse(text) for text in texts]
+    names = tuple(field for field, _ in parsed)
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise ConfigError(f"Expected each field once in --sweep, got {', '.join(sorted(twice))} twice")
+    if not parsed:
+        return Sweep(fields=(), cases={"": scenario}, grid=False)
+    single = [[(field, value) for value in values] for field, values in parsed]
+    changes = list(product(*single)) if grid else [((field, value),) for row in single for field, value in row]
+    cases = {_name(change): _changed(scenario, dict(change)) for change in changes}
+    return Sweep(fields=names, cases=cases, grid=grid)
+
+
+def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
+    """Field and values; `ConfigError` where it is none."""
+    field, equals, values = text.partition("=")
+    parts = [part.strip() for part in values.split(",")]
+    if not (field and equals and all(parts)):
+        raise ConfigError(f"Expected FIELD=VALUE,VALUE,... for --sweep, such as box.mass_kg=0.1,0.5, got {text!r}")
+    return field.strip(), tuple(_value(part) for part in parts)
+
+
+def _changed(scenario: Scenario, changes: dict[str, Value]) -> Scenario:
+    where = f"--sweep {_name(changes.items())}"
+    try:
+        changed = change_fields(scenario, changes)
+    except (KeyError, TypeError) as error:
+        raise ConfigError(f"Expected a field of the scenario for --sweep, got {', '.join(changes)}") from error
+    if changed.box.size_m != scenario.box.size_m and _ready(scenario):
+        place = station(changed.box, changed.box.pose.pose())
+        start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
+        changed = replace(changed, start=start)
+    check_scenario(changed, where)
+    return changed
+
+
+def _ready(scenario: Scenario) -> bool:
+    """Whether the robot starts where it can push from."""
+    return at_station(scenario.start.pose(), scenario.box, scenario.box.pose.pose())
+
+
+def _name(change: Iterable[tuple[str, Value]]) -> str:
+    return " ".join(f"{field}={_shown(value)}" for field, value in change)
+
+
+def _at(record: Any, path: str) -> Any:
+    return reduce(getattr, path.split("."), record)
+
+
+def _shown(value: Value) -> float | str:
+    return "x".join(f"{part:g}" for part in value) if isinstance(value, tuple) else value
+
+
+def _value(text: str) -> Value:
+    """A number, several joined by `x`, or a word."""
+    try:
+        numbers = tuple(float(part) for part in text.split("x"))
+    except ValueError:
+        return text
+    return numbers[0] if len(numbers) == 1 else numbers

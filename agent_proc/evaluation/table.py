@@ -1,0 +1,36 @@
+"""The episodes of an evaluation as a table: one row each, the swept fields beside what was measured."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pyarrow
+from pyarrow import parquet
+
+from agent_proc.evaluation.episodes import Row
+from agent_proc.evaluation.sweep import Sweep
+from legpush.files import write_whole
+
+
+def table(rows: Sequence[Row], sweep: Sweep) -> list[Mapping[str, Any]]:
+    """Each row by column: the case, the swept fields, and the fields of a `Row`."""
+    return [{"case": row.case, **sweep.columns(row.case), **asdict(row)} for row in rows]
+
+
+def as_csv(rows: Sequence[Mapping[str, Any]]) -> str:
+    """One line per episode, under the names of the columns."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def write_parquet(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """The same as a Parquet file; `DiskError` where it cannot be written."""
+    buffer = pyarrow.BufferOutputStream()
+    parquet.write_table(pyarrow.Table.from_pylist([dict(row) for row in rows]), buffer)
+    write_whole(path, buffer.getvalue().to_pybytes())

@@ -1,0 +1,1 @@
+"""Where robot, box, goal and station are, relative to each other."""

@@ -1,0 +1,243 @@
+"""Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import degrees, hypot
+from typing import Any, Final, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from agent_proc.frames.poses import box_error, planar_pose
+from agent_proc.frames.station import at_station
+from agent_proc.simulators.bus_world import SteppingWorld
+from agent_proc.task.action import action_space, no_push_helps, to_push
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.observation import PAPER, Table, bounds, observe
+from agent_proc.task.observation_relative import RELATIVE
+from agent_proc.task.reward_paper import paper_reward
+from agent_proc.task.reward_tuned import errors_in_tolerances, tuned_reward
+from legpush.errors import ConfigError, PeerError
+from legpush.messages.stepping import Outcome, Push, Reset, WorldState
+from legpush.scene.scenario import PoseDeg, Scenario
+
+TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}
+ASTRAY: Final = 5.0
+"""An episode of the `tuned` profile ends when the errors add up to this many tolerances more than at its start; one of
+any profile when the box has slid away from the robot."""
+
+Ending = Literal["success", "fell", "missed", "astray", "max_steps"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvSnapshot:
+    """An environment in the middle of an episode: enough to go on with it, bit for bit, in another process."""
+
+    generator: Mapping[str, Any]
+    """State of the generator that later episodes are drawn from."""
+    reset: Reset
+    pushes: tuple[Push, ...]
+    state_crc: int
+
+
+class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
+    """Push the box of a scenario to its goal.
+
+    `terminated`: the robot fell, or the box is where the profile of the reward ends an episode. `truncated`: after
+    `max_steps`. The `info` of a step holds the terms of its reward by name under `reward_terms`, `is_success`, `fell`,
+    `position_error_m`, `angle_error_deg` and, at the end, `ending`.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it so
+
+    def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
+        self.task = task
+        self.action_space = action_space(task)
+        self.table = TABLES[task.observation]
+        self.observation_space = observation_space(task)
+        self._world = world
+        self._episode: _Episode | None = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begin an episode, drawn from the generator that the last `seed` set up.
+
+        Options: `scenario_seed` and `scenario` replace what is drawn and the scenario of the task, for this episode.
+        """
+        super().reset(seed=seed)
+        drawn_seed = int(self.np_random.integers(2**32))
+        drawn_scenario = self._drawn_scenario()
+        options = options or {}
+        if not options.keys() <= {"scenario", "scenario_seed"}:
+            raise ConfigError(f"Expected the options `scenario` and `scenario_seed`, got {', '.join(options)}")
+        scenario = options.get("scenario", drawn_scenario)
+        scenario_seed = options.get("scenario_seed", drawn_seed)
+        episode = self._episode = self._begin(Reset(scenario=scenario, seed=scenario_seed))
+        return self._observe(episode), {"scenario_seed": scenario_seed, **_errors(episode.state, scenario)}
+
+    def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """One push cycle."""
+        episode = self._going_on()
+        push = to_push(action, self.task, episode.state, episode.scenario)
+        before, outcome = episode.state, self._world.step(push)
+        episode.advance(push, outcome)
+        ending = self._ending(episode)
+        episode.over = ending is not None
+        terms = self._reward(before, episode, ending)
+        self._world.tell_reward(terms)
+        info: dict[str, Any] = {
+            "reward_terms": terms,
+            "is_success": ending == "success",
+            **_errors(episode.state, episode.scenario),
+        }
+        if ending is not None:
+            info["ending"] = ending
+        truncated = ending == "max_steps"
+        return self._observe(episode), sum(terms.values()), episode.over and not truncated, truncated, info
+
+    @property
+    def here(self) -> tuple[WorldState, Scenario]:
+        """The present state of the world, and the scenario of the episode."""
+        if self._episode is None:
+            raise ConfigError("Expected a reset first: there is no episode")
+        return self._episode.state, self._episode.scenario
+
+    def snapshot(self) -> EnvSnapshot:
+        """What `restore` needs to go on from here."""
+        episode = self._going_on()
+        return EnvSnapshot(
+            generator=self.np_random.bit_generator.state,
+            reset=episode.reset,
+            pushes=tuple(episode.pushes),
+            state_crc=episode.state_crc,
+        )
+
+    def restore(self, snapshot: EnvSnapshot) -> NDArray[np.float32]:
+        """Go on where the snapshot was taken, by doing all of its episode again; returns the observation.
+
+        `PeerError` where that leads to another state.
+        """
+        super().reset(seed=0)
+        self.np_random.bit_generator.state = dict(snapshot.generator)
+        episode = self._episode = self._begin(snapshot.reset)
+        for push in snapshot.pushes:
+            episode.advance(push, self._world.step(push))
+        if episode.state_crc != snapshot.state_crc:
+            raise PeerError(
+                f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
+                f"{episode.state_crc:08x}: the simulator computes something else"
+            )
+        return self._observe(episode)
+
+    def _begin(self, reset: Reset) -> "_Episode":
+        outcome = self._world.step(reset)
+        return _Episode(reset=reset, first=outcome.world, state=outcome.world, state_crc=outcome.state_crc)
+
+    def _going_on(self) -> "_Episode":
+        if self._episode is None or self._episode.over:
+            raise ConfigError("Expected a reset before this step: there is no episode, or it is over")
+        return self._episode
+
+    def _drawn_scenario(self) -> Scenario:
+        domain, scenario = self.task.domain, self.task.scenario
+        drawn = {
+            name: float(self.np_random.uniform(*interval))
+            for name, interval in (("mass_kg", domain.mass_kg), ("friction", domain.friction))
+            if interval is not None
+        }
+        scenario = replace(scenario, box=replace(scenario.box, **drawn))
+        if domain.distance_m is not None:
+            low, high = np.log(domain.distance_m)
+            distance_m = float(np.exp(self.np_random.uniform(low, high)))
+            scenario = replace(scenario, goal=replace(scenario.goal, pose=_goal_at(scenario, distance_m)))
+        return scenario
+
+    def _ending(self, episode: "_Episode") -> Ending | None:
+        state, scenario = episode.state, episode.scenario
+        if state.fallen:
+            return "fell"
+        if not at_station(planar_pose(state.trunk), scenario.box, planar_pose(state.box)):
+            return "astray"
+        if is_done(self.task, state, scenario):
+            return "success" if box_error(state, scenario).within(scenario.goal) else "missed"
+        if self.task.reward == "tuned":
+            now, first = (sum(errors_in_tolerances(world, scenario)) for world in (state, episode.first))
+            if now > first + ASTRAY:
+                return "astray"
+        return "max_steps" if len(episode.pushes) >= self.task.max_steps else None
+
+    def _reward(self, before: WorldState, episode: "_Episode", ending: Ending | None) -> dict[str, float]:
+        if self.task.reward == "paper":
+            reward = paper_reward(episode.state, episode.scenario)
+            return {"position": reward.position, "angle": reward.angle, "fall": reward.fall}
+        arrived = ending in ("success", "missed")
+        return tuned_reward(episode.first, before, episode.state, episode.scenario, arrived=arrived)
+
+    def _observe(self, episode: "_Episode") -> NDArray[np.float32]:
+        return observe(episode.state, episode.scenario, self.table).astype(np.float32)
+
+
+@dataclass
+class _Episode:
+    """An episode on its way."""
+
+    reset: Reset
+    first: WorldState
+    """Its state after the reset."""
+    state: WorldState
+    state_crc: int
+    pushes: list[Push] = field(default_factory=list)
+    over: bool = False
+
+    @property
+    def scenario(self) -> Scenario:
+        """Its own, with what was drawn for it."""
+        return self.reset.scenario
+
+    def advance(self, push: Push, outcome: Outcome) -> None:
+        """A push was carried out."""
+        self.pushes.append(push)
+        self.state, self.state_crc = outcome.world, outcome.state_crc
+
+
+def observation_space(task: TaskConfig) -> spaces.Box:
+    """What the environment shows: bounds of each element, (n,)."""
+    low, high = bounds(task.scenario, TABLES[task.observation])
+    return spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
+
+
+def is_done(task: TaskConfig, world: WorldState, scenario: Scenario) -> bool:
+    """Whether a policy that learned this task has nothing left to do here, be it good or bad."""
+    if task.reward == "paper":
+        return box_error(world, scenario).within(scenario.goal)
+    return no_push_helps(task, world, scenario)
+
+
+def policy_observation(task: TaskConfig, world: WorldState, scenario: Scenario) -> NDArray[np.float32]:
+    """What the environment shows a policy of this task in this state, (n,)."""
+    return observe(world, scenario, TABLES[task.observation]).astype(np.float32)
+
+
+def policy_push(task: TaskConfig, action: NDArray[Any], world: WorldState, scenario: Scenario) -> Push:
+    """What the environment makes of the action of a policy of this task."""
+    return to_push(action, task, world, scenario)
+
+
+def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:
+    """The goal pose, moved along the way from the box until it is that far from it."""
+    box, goal = scenario.box.pose, scenario.goal.pose
+    share = distance_m / hypot(goal.x_m - box.x_m, goal.y_m - box.y_m)
+    return replace(goal, x_m=box.x_m + share * (goal.x_m - box.x_m), y_m=box.y_m + share * (goal.y_m - box.y_m))
+
+
+def _errors(world: WorldState, scenario: Scenario) -> dict[str, Any]:
+    error = box_error(world, scenario)
+    return {
+        "fell": world.fallen,
+        "position_error_m": error.position_m,
+        "angle_error_deg": degrees(error.angle_rad),
+    }

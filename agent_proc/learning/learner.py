@@ -1,0 +1,218 @@
+"""The learning algorithms: built from a profile, and captured with everything that their next step depends on."""
+
+import io
+import pickle
+import random
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any, Final, Protocol
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from stable_baselines3 import PPO, SAC, TD3
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.noise import NormalActionNoise
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.utils import LinearSchedule
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
+
+from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfile, PpoSettings, Td3Profile
+from legpush.errors import ConfigError
+
+ACTIVATIONS: Final = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
+CLASSES: Final[dict[str, type[BaseAlgorithm]]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
+DEPTH: Final = 3
+"""Index of the depth among the elements of a variable-entry action."""
+UNSAVED: Final = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
+"""What an algorithm keeps of its last steps, of no use to a policy."""
+
+
+class Rewindable(Protocol):
+    """Environments that can be brought back to where they were."""
+
+    def snapshot(self) -> Any:
+        """Where they are: plain data."""
+
+    def restore(self, snapshot: Any) -> object:
+        """Be there again."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Learner:
+    """An algorithm at work."""
+
+    model: BaseAlgorithm
+    normalizer: VecNormalize
+    monitor: VecMonitor
+    """Counts episodes, below the normalizer."""
+    env: Rewindable
+    """The environments below that."""
+
+
+def use_one_thread() -> None:
+    """Networks are small: more threads only get in each other's way, and change the order of sums."""
+    torch.set_num_threads(1)
+
+
+def undisturbed_draws() -> AbstractContextManager[None]:
+    """What torch draws inside, such as weights that are then replaced, changes nothing of what it draws after."""
+    return torch.random.fork_rng(devices=[])
+
+
+def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str | None) -> Learner:
+    """A new learner; `ConfigError` where the algorithm cannot act in the environment."""
+    monitor = VecMonitor(env)
+    normalizer = VecNormalize(
+        monitor,
+        norm_obs=profile.normalize_observation,
+        norm_reward=profile.normalize_reward,
+        gamma=profile.settings.gamma,
+    )
+    if profile.algorithm != "ppo" and type(env.action_space).__name__ != "Box":
+        raise ConfigError(f"Expected continuous actions for the algorithm {profile.algorithm}, got discrete ones")
+    common: dict[str, Any] = {"seed": seed, "device": "cpu", "tensorboard_log": tensorboard}
+    if isinstance(profile, PpoProfile):
+        model = _ppo(profile, profile.settings, normalizer, common)
+    else:
+        model = _off_policy(profile, profile.settings, normalizer, common)
+    return Learner(model=model, normalizer=normalizer, monitor=monitor, env=env)  # type: ignore[arg-type]
+
+
+def set_exploration(learner: Learner, profile: AnyProfile) -> None:
+    """Explore as widely as the profile says for the step that the algorithm is at; before each rollout."""
+    spread = getattr(learner.model.policy, "log_std", None)
+    if not isinstance(profile, PpoProfile) or profile.settings.log_std_end is None or spread is None:
+        return
+    done = min(1.0, learner.model.num_timesteps / profile.steps)
+    first, last = profile.settings.log_std_init, profile.settings.log_std_end
+    spread.requires_grad_(False)
+    spread.fill_(first + done * (last - first))
+
+
+def policy_arguments(profile: AnyProfile) -> dict[str, Any]:
+    """What the networks of a profile are built with."""
+    network = profile.network
+    arguments: dict[str, Any] = {
+        "net_arch": list(network.hidden),
+        "activation_fn": ACTIVATIONS[network.activation],
+    }
+    if isinstance(profile, PpoProfile):
+        arguments["log_std_init"] = profile.settings.log_std_init
+    return arguments
+
+
+def _ppo(profile: PpoProfile, settings: PpoSettings, env: VecNormalize, common: dict[str, Any]) -> BaseAlgorithm:
+    rate = settings.learning_rate
+    model = PPO(
+        "MlpPolicy",
+        env,
+        learning_rate=LinearSchedule(rate, rate / 10, 1.0) if settings.decay_learning_rate else rate,
+        n_steps=settings.n_steps,
+        batch_size=min(settings.batch_size, settings.n_steps * env.num_envs),
+        n_epochs=settings.n_epochs,
+        gamma=settings.gamma,
+        gae_lambda=settings.gae_lambda,
+        clip_range=settings.clip_range,
+        ent_coef=settings.entropy_weight,
+        policy_kwargs=policy_arguments(profile),
+        **common,
+    )
+    bias = getattr(model.policy.action_net, "bias", None)
+    if isinstance(bias, torch.nn.Parameter) and env.action_space.shape == (DEPTH + 1,):
+        with torch.no_grad():
+            bias[DEPTH] = settings.depth_bias
+    return model
+
+
+def _off_policy(
+    profile: AnyProfile, settings: OffPolicySettings, env: VecNormalize, common: dict[str, Any]
+) -> BaseAlgorithm:
+    shared: dict[str, Any] = {
+        "learning_rate": settings.learning_rate,
+        "gamma": settings.gamma,
+        "batch_size": settings.batch_size,
+        "buffer_size": settings.buffer_size,
+        "learning_starts": settings.learning_starts,
+        "gradient_steps": settings.gradient_steps,
+        "train_freq": 1,
+        "tau": settings.tau,
+        "policy_kwargs": policy_arguments(profile),
+        **common,
+    }
+    if isinstance(profile, Td3Profile):
+        shape = env.action_space.shape or ()
+        noise = NormalActionNoise(np.zeros(shape), np.full(shape, profile.settings.action_noise))
+        return TD3("MlpPolicy", env, action_noise=noise, **shared)
+    return SAC("MlpPolicy", env, **shared)
+
+
+# -- capture and restore -----------------------------------------------------------------------------------------------
+
+
+def capture(learner: Learner) -> bytes:
+    """Everything that the next step depends on; take it where a rollout begins."""
+    model, normalizer, monitor = learner.model, learner.normalizer, learner.monitor
+    weights = io.BytesIO()
+    model.save(weights)
+    state = {
+        "model": weights.getvalue(),
+        "replay": model.replay_buffer if isinstance(model, OffPolicyAlgorithm) else None,
+        "action_space_rng": model.action_space.np_random.bit_generator.state,
+        "normalizer": {name: _moments(rms) for name, rms in _running(normalizer).items()},
+        "returns": normalizer.returns,
+        "monitor": (monitor.episode_returns, monitor.episode_lengths, monitor.episode_count),
+        "last": (normalizer.old_obs, normalizer.old_reward),
+        "rng": (random.getstate(), np.random.get_state(), torch.get_rng_state().numpy()),  # noqa: NPY002 - SB3 draws from it
+        "env": learner.env.snapshot(),
+    }
+    return pickle.dumps(state)
+
+
+def restore(learner: Learner, captured: bytes) -> Learner:
+    """The learner as it was, in the same environments, which are led to where they were."""
+    state = pickle.loads(captured)  # noqa: S301 - a checkpoint of one's own training
+    normalizer, monitor, old = learner.normalizer, learner.monitor, learner.model
+    model = type(old).load(
+        io.BytesIO(state["model"]), env=normalizer, device="cpu", force_reset=False, tensorboard_log=old.tensorboard_log
+    )
+    if isinstance(model, OffPolicyAlgorithm):
+        model.replay_buffer = state["replay"]
+    for name, rms in _running(normalizer).items():
+        rms.mean, rms.var, rms.count = state["normalizer"][name]
+    normalizer.returns = state["returns"]
+    monitor.episode_returns, monitor.episode_lengths, monitor.episode_count = state["monitor"]
+    normalizer.old_obs, normalizer.old_reward = state["last"]
+    learner.env.restore(state["env"])
+    model.action_space.np_random.bit_generator.state = state["action_space_rng"]
+    python, numpy, torch_bytes = state["rng"]
+    random.setstate(python)
+    np.random.set_state(numpy)  # noqa: NPY002 - SB3 draws from it
+    torch.set_rng_state(torch.from_numpy(torch_bytes))
+    return Learner(model=model, normalizer=normalizer, monitor=monitor, env=learner.env)
+
+
+def policy_zip(model: BaseAlgorithm) -> bytes:
+    """The model in the format of Stable-Baselines3, without what it keeps of its last steps."""
+    file = io.BytesIO()
+    model.save(file, exclude=UNSAVED)
+    return file.getvalue()
+
+
+def observation_moments(normalizer: VecNormalize) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Mean and variance that observations are normalized by, (n,) each; None if they are not."""
+    if not normalizer.norm_obs:
+        return None
+    rms = normalizer.obs_rms
+    if not isinstance(rms, RunningMeanStd):
+        raise TypeError(f"Expected one array of observations, got {type(rms).__name__}")
+    return rms.mean.copy(), rms.var.copy()
+
+
+def _running(normalizer: VecNormalize) -> dict[str, Any]:
+    return {"ret": normalizer.ret_rms, **({"obs": normalizer.obs_rms} if normalizer.norm_obs else {})}
+
+
+def _moments(rms: RunningMeanStd) -> tuple[Any, Any, float]:
+    return rms.mean.copy() if isinstance(rms.mean, np.ndarray) else rms.mean, rms.var, rms.count

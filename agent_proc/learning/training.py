@@ -1,0 +1,308 @@
+"""A training: learn, evaluate now and then, keep the best policy, and be able to go on as if never stopped.
+
+What a checkpoint holds is taken where a rollout begins. An interrupted rollout is done again after that, step by step
+the same, so that an interrupted training ends with the very weights of an uninterrupted one.
+"""
+
+import logging
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any, Final
+
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.utils import configure_logger
+from stable_baselines3.common.vec_env import VecEnv
+
+from agent_proc.evaluation.episodes import TracingWorld, evaluate, summarize
+from agent_proc.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from agent_proc.learning.learner import (
+    Learner,
+    capture,
+    make_learner,
+    observation_moments,
+    policy_zip,
+    restore,
+    set_exploration,
+    undisturbed_draws,
+    use_one_thread,
+)
+from agent_proc.policies.folder import Card, Check, CurvePoint, Normalizer, PolicyFolder, write_policy
+from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.profiles.profile import AnyProfile
+from agent_proc.task.config import TaskConfig
+from legpush.errors import LegpushError, StopRequestedError
+
+log = logging.getLogger(__name__)
+
+TENSORBOARD_RUN: Final = "run"
+CHECKPOINT_FILE: Final = "checkpoint"
+BEST: Final = "best"
+LAST: Final = "last"
+TENSORBOARD: Final = "tensorboard"
+FIRST_CHECK_SEED: Final = 1_000_000
+"""The policies are compared on the seeds from here on; reports use others."""
+WINDOW: Final = 30
+"""Episodes that the shown return and success rate are means of."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What is trained and how; saved with the training."""
+
+    profile: AnyProfile
+    task: TaskConfig
+    seed: int
+    n_simulators: int
+    command: str
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a training is."""
+
+    step: int
+    steps: int
+    mean_return: float | None
+    """Of the last episodes; None before the first one has ended."""
+    success_rate: float | None
+    best: Check | None
+    doing: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """How a training ended."""
+
+    finished: bool
+    """Not, where it was asked to stop before."""
+    step: int
+    best: Check | None
+
+
+class Training:
+    """A training in a folder of its own."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        folder: Path,
+        env: VecEnv,
+        worlds: Sequence[TracingWorld],
+        *,
+        stop: threading.Event,
+        on_progress: Callable[[Progress], None] = lambda _: None,
+    ) -> None:
+        """`env` can `snapshot` and `restore`; evaluations use `worlds`, which may be those of the same simulators."""
+        use_one_thread()
+        self._plan = plan
+        self._folder = folder
+        self._worlds = worlds
+        self._stop = stop
+        self._on_progress = on_progress
+        self._learner = make_learner(plan.profile, env, plan.seed, str(folder / TENSORBOARD))
+        self._on_policy = plan.profile.algorithm == "ppo"
+        self._curve: list[CurvePoint] = []
+        self._checks: list[Check] = []
+        self._best: Check | None = None
+        self._held: Checkpoint | None = None
+        """The last one that was taken, on disk or not."""
+        self._saved_step = 0
+
+    @property
+    def learner(self) -> Learner:
+        """The algorithm at work."""
+        return self._learner
+
+    def resume(self) -> None:
+        """Go on from the checkpoint in the folder; `CheckpointError` where there is none."""
+        held = load_checkpoint(self._folder / CHECKPOINT_FILE)
+        self._learner = restore(self._learner, held.learner)
+        model = self._learner.model
+        model.set_logger(configure_logger(model.verbose, model.tensorboard_log, TENSORBOARD_RUN, False))
+        self._curve, self._checks, self._best = list(held.curve), list(held.checks), held.best
+        self._held, self._saved_step = held, held.step
+
+    def run(self) -> Result:
+        """Train to the end, or until asked to stop; a checkpoint is left where it ended, also after an error."""
+        steps, model = self._plan.profile.steps, self._learner.model
+        fresh = self._held is None
+        try:
+            if model.num_timesteps < steps:
+                model.learn(
+                    steps if fresh else steps - model.num_timesteps,
+                    callback=_Watcher(self),
+                    reset_num_timesteps=fresh,
+                    tb_log_name=TENSORBOARD_RUN,
+                )
+            if model.num_timesteps >= steps:
+                self._check_if_due(last=True)
+        except StopRequestedError:
+            pass
+        except LegpushError:
+            with suppress(LegpushError):
+                self._save_held()
+            raise
+        if not self._checks or self._checks[-1].step < steps:
+            self._save_held()
+            return Result(finished=False, step=self._held.step if self._held else 0, best=self._best)
+        self._write(LAST, self._checks[-1])
+        self._hold()
+        self._save_held()
+        self._tell("done")
+        return Result(finished=True, step=model.num_timesteps, best=self._best)
+
+    # -- called by the algorithm ---------------------------------------------------------------------------------------
+
+    def begin_rollout(self) -> None:
+        """Between two updates: evaluate, take a checkpoint, and set how widely the coming rollout explores."""
+        self._check_if_due()
+        step = self._learner.model.num_timesteps
+        due = step - self._saved_step >= self._plan.profile.checkpoint_every
+        if self._on_policy or due or self._held is None or self._stop.is_set():
+            self._hold()
+        if due:
+            self._save_held()
+        set_exploration(self._learner, self._plan.profile)
+
+    def take_step(self, infos: Sequence[dict[str, Any]], dones: Sequence[bool]) -> bool:
+        """After each step of all environments; returns whether to go on."""
+        step = self._learner.model.num_timesteps
+        for info, done in zip(infos, dones, strict=True):
+            if done:
+                episode = info["episode"]
+                self._curve.append(
+                    CurvePoint(
+                        step=step,
+                        episode_return=float(episode["r"]),
+                        length=int(episode["l"]),
+                        success=bool(info["is_success"]),
+                        position_error_m=float(info["position_error_m"]),
+                        angle_error_deg=float(info["angle_error_deg"]),
+                    )
+                )
+        self._tell("learning")
+        if not self._stop.is_set():
+            return True
+        return not (self._on_policy or (self._held is not None and self._held.step >= step - self._plan.n_simulators))
+
+    # -- parts ---------------------------------------------------------------------------------------------------------
+
+    def _hold(self) -> None:
+        self._held = Checkpoint(
+            step=self._learner.model.num_timesteps,
+            learner=capture(self._learner),
+            curve=tuple(self._curve),
+            checks=tuple(self._checks),
+            best=self._best,
+        )
+
+    def _save_held(self) -> None:
+        if self._held is not None:
+            save_checkpoint(self._folder / CHECKPOINT_FILE, self._held)
+            self._saved_step = self._held.step
+
+    def _check_if_due(self, *, last: bool = False) -> None:
+        """Evaluate the policy, and keep it if it is the best up to now; the training goes on from where it was."""
+        step, before = self._learner.model.num_timesteps, self._checks[-1].step if self._checks else 0
+        if not (last and step > before) and step - before < self._plan.profile.evaluate_every:
+            return
+        self._hold()
+        where = self._learner.env.snapshot()
+        with undisturbed_draws():
+            check = self._check()
+        self._learner.env.restore(where)
+        self._checks.append(check)
+        log.info("step %d: %s", step, check)
+        logger = self._learner.model.logger
+        for name in ("success_rate", "position_error_m", "angle_error_deg", "cycles"):
+            logger.record(f"evaluation/{name}", getattr(check, name))
+        logger.dump(step)
+        if self._best is None or _rank(check) > _rank(self._best):
+            self._best = check
+            self._write(BEST, check)
+
+    def _check(self) -> Check:
+        """Evaluate the deterministic policy."""
+        n = self._plan.profile.evaluation_episodes
+        seeds = range(FIRST_CHECK_SEED, FIRST_CHECK_SEED + n)
+        policy = LearnedPolicy(self._policy(None), "the policy in training")
+        done = count(1)
+        self._tell(f"evaluating, episode 0 of {n}")
+        rows = evaluate(
+            self._worlds,
+            {"": self._plan.task.scenario},
+            seeds,
+            policy,
+            on_row=lambda _: self._tell(f"evaluating, episode {next(done)} of {n}"),
+            stop=self._stop,
+        )
+        summary = summarize(rows)[""]
+        return Check(
+            step=self._learner.model.num_timesteps,
+            seeds=tuple(seeds),
+            success_rate=summary.success_rate.value,
+            position_error_m=summary.position_error_m.value,
+            angle_error_deg=summary.angle_error_deg.value,
+            falls=summary.n_falls,
+            cycles=summary.n_cycles.value,
+        )
+
+    def _policy(self, check: Check | None) -> PolicyFolder:
+        """The policy as it is now."""
+        plan, moments = self._plan, observation_moments(self._learner.normalizer)
+        card = Card(
+            command=plan.command,
+            task=plan.task,
+            profile=plan.profile,
+            seed=plan.seed,
+            steps=self._learner.model.num_timesteps,
+            n_simulators=plan.n_simulators,
+            versions=plan.versions,
+            check=check,
+            curve=tuple(self._curve),
+        )
+        normalizer = None
+        if moments is not None:
+            mean, variance = moments
+            normalizer = Normalizer(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
+        return PolicyFolder(card=card, networks=policy_zip(self._learner.model), normalizer=normalizer)
+
+    def _write(self, name: str, check: Check) -> None:
+        write_policy(self._folder / name, self._policy(check))
+
+    def _tell(self, doing: str) -> None:
+        recent = self._curve[-WINDOW:]
+        self._on_progress(
+            Progress(
+                step=self._learner.model.num_timesteps,
+                steps=self._plan.profile.steps,
+                mean_return=sum(point.episode_return for point in recent) / len(recent) if recent else None,
+                success_rate=sum(point.success for point in recent) / len(recent) if recent else None,
+                best=self._best,
+                doing=doing,
+            )
+        )
+
+
+def _rank(check: Check) -> tuple[int, float, float]:
+    """Fewer falls, then more success, then less error: 1 cm counts as much as 1 degree."""
+    return -check.falls, check.success_rate, -(100 * check.position_error_m + check.angle_error_deg)
+
+
+class _Watcher(BaseCallback):
+    """Tells the training what the algorithm does."""
+
+    def __init__(self, training: Training) -> None:
+        super().__init__()
+        self._training = training
+
+    def _on_rollout_start(self) -> None:
+        self._training.begin_rollout()
+
+    def _on_step(self) -> bool:
+        return self._training.take_step(self.locals["infos"], self.locals["dones"])

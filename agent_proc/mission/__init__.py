@@ -1,0 +1,1 @@
+"""A mission: plan, walk, hand over, push; and the process around it."""

@@ -1,0 +1,72 @@
+"""A mission that continues a recorded one: decided as then up to a step, and from there on otherwise."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from msgspec.structs import replace
+
+from agent_proc.mission.facts import policy_sha256
+from agent_proc.policies.policy import Policy
+from agent_proc.policies.registry import make_policy
+from legpush.errors import RecordingError
+from legpush.messages.stepping import Alter, Push, WorldState
+from legpush.recording.branch import BranchPoint, RecordedPast
+from legpush.recording.facts import read_facts
+from legpush.recording.mcap_file.reader import read_recording
+from legpush.scene.scenario import PlannerName, Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch:
+    """What is the same up to the branch point, and what is other from it on."""
+
+    past: RecordedPast
+    past_policy: Policy
+    alter: Alter | None = None
+    """The box from there on; the mission is not told."""
+    planner: PlannerName | None = None
+    """Which search is asked for from there on."""
+
+    def is_past(self, n_steps: int) -> bool:
+        """Whether the step that comes next is one that was recorded."""
+        return n_steps < self.past.n_steps
+
+    def alters(self, n_steps: int) -> bool:
+        """Whether the box changes now."""
+        return self.alter is not None and n_steps == self.past.n_steps
+
+    def scenario(self, scenario: Scenario, n_steps: int) -> Scenario:
+        """What the mission goes by."""
+        if self.planner is None or self.is_past(n_steps):
+            return scenario
+        return replace(scenario, planning=replace(scenario.planning, planner=self.planner))
+
+
+class BranchPolicy:
+    """The policy of the recording up to the branch point, another one from there on."""
+
+    def __init__(self, past: Policy, future: Policy, is_past: Callable[[], bool]) -> None:
+        self._past = past
+        self._future = future
+        self._is_past = is_past
+
+    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
+        """The next push cycle."""
+        return (self._past if self._is_past() else self._future).decide(world, scenario)
+
+
+def read_branch(
+    files: tuple[Path, ...], at: BranchPoint, *, planner: PlannerName | None, alter: Alter | None
+) -> Branch:
+    """`RecordingError` where the recording cannot be continued there."""
+    recording = read_recording(files)
+    facts = read_facts(recording)
+    sha256 = policy_sha256(facts.policy)
+    if sha256 != facts.policy_sha256:
+        raise RecordingError(
+            f"Expected the policy {facts.policy} of the recording, SHA-256 {facts.policy_sha256[:16]}..., got one with "
+            f"{sha256[:16]}...: what was decided before the branch point cannot be decided again"
+        )
+    past = RecordedPast(recording, at)
+    return Branch(past=past, past_policy=make_policy(facts.policy), planner=planner, alter=alter)

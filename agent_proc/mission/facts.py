@@ -1,0 +1,42 @@
+"""What a recording should know of a mission besides its messages."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from agent_proc.policies.folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE, policy_path
+from agent_proc.policies.registry import SB3_SUFFIX, SCRIPTED
+from legpush.bus.bus import Bus
+from legpush.recording.facts import MISSION_FILE, PUSH_MAP_FILE, SCENARIO_FILE, VERSIONS_FILE, MissionFacts
+from legpush.scenarios.file import dump_scenario
+from legpush.scene.scenario import Scenario
+
+JSON: Final = "application/json"
+
+
+def policy_sha256(name: str) -> str:
+    """SHA-256 of the files of a policy by name; empty for what is code alone."""
+    if name == SCRIPTED or ":" in name:
+        return ""
+    folder = Path(name) if name.endswith(SB3_SUFFIX) else policy_path(name)
+    paths = [folder] if folder.is_file() else [folder / file for file in (CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE)]
+    digest = hashlib.sha256()
+    for path in paths:
+        if path.exists():
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def attach_facts(
+    bus: Bus, scenario: Scenario, seed: int, policy: str, push_map: Path | None, versions: Mapping[str, str]
+) -> None:
+    """Hand them to whoever records."""
+    facts = MissionFacts(seed=seed, policy=policy, policy_sha256=policy_sha256(policy))
+    bus.attach(MISSION_FILE, JSON, msgspec.json.encode(facts))
+    bus.attach(VERSIONS_FILE, JSON, msgspec.json.encode(dict(versions)))
+    bus.attach(SCENARIO_FILE, "application/toml", dump_scenario(scenario).encode())
+    if push_map is not None:
+        bus.attach(PUSH_MAP_FILE, JSON, push_map.read_bytes())

@@ -1,0 +1,163 @@
+"""The agent's work: run a mission, or the rest of one, and leave report and picture."""
+
+import json
+import logging
+import os
+import re
+import threading
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from time import time
+from typing import Annotated, Final
+
+import msgspec
+import tyro
+
+from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
+from agent_proc.mission.facts import JSON, attach_facts
+from agent_proc.mission.live_world import LiveWorld
+from agent_proc.mission.mission import MissionResult, run_mission
+from agent_proc.policies.registry import make_policy
+from agent_proc.push_model.map import load_push_map
+from agent_proc.reporting.mission_record import read_record
+from agent_proc.reporting.report import installed_versions, make_report
+from agent_proc.walking.actor import as_it_is
+from legpush.bus.bus import Bus
+from legpush.bus.status import StatusBeacon
+from legpush.errors import ConfigError
+from legpush.history.journal import Journal, Opened
+from legpush.lockstep.episode import read_episode
+from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.stepping import Alter
+from legpush.options.run import DEFAULT_POLICY
+from legpush.patience import Patience
+from legpush.recording.branch import parse_point
+from legpush.runs.folder import PICTURE_FILE, REPORT_FILE
+from legpush.scenarios.file import load_scenario
+from legpush.scene.scenario import PlannerName
+from legpush.service import DEFAULT_NAME, ServiceConfig
+
+log = logging.getLogger(__name__)
+
+JOURNAL_FILE: Final = "episode-0000.journal"
+CLOCK_S: Final = 1e-3
+"""Resolution of a file's time: no mission is said to be shorter."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AgentConfig(ServiceConfig):
+    """Run a mission. Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 a peer failed.
+
+    Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas).
+    """
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    """A built-in scenario or the path of a scenario file."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Draws the offsets of start and box, and the path."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Where journal, report and picture go, `runs/<scenario>-seed<N>` if not given; a mission that was interrupted goes
+    on there."""
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
+    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
+    module:factory."""
+    push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
+    branch_of: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE ...")] = ()
+    """Continue the mission of this recording, whose scenario, seed and push map the others have to be."""
+    branch_at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
+    """The first step that is not the recorded one."""
+    branch_planner: PlannerName | None = None
+    """From there on in place of the scenario's planner."""
+    branch_box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """From there on in place of the box's mass; the mission is not told."""
+    branch_box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """From there on in place of the box's friction; the mission is not told."""
+    witness_planner: bool = False
+    """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
+    sim: str = DEFAULT_NAME
+    """Name of the simulator."""
+    deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
+    """Give up on a peer that does not answer within this time."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.sim) is None:
+            raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --sim, got {self.sim!r}")
+        if not 0 <= self.seed < 2**32:
+            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        if not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
+            raise ConfigError(f"Expected more than 0 seconds for --deadline-s, got {self.deadline_s}")
+
+    def branch(self) -> Branch | None:
+        """What is continued, if something is; `RecordingError` where that is not possible."""
+        if not self.branch_of:
+            return None
+        box = (self.branch_box_mass_kg, self.branch_box_friction)
+        alter = None if box == (None, None) else Alter(box_mass_kg=box[0], box_friction=box[1])
+        return read_branch(self.branch_of, parse_point(self.branch_at), planner=self.branch_planner, alter=alter)
+
+
+def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
+    """Run the mission of `config`; 0 for success, 1 without."""
+    scenario = load_scenario(config.scenario)
+    policy = make_policy(config.policy)
+    push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
+    branch = config.branch()
+    folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
+    opened = Opened(
+        protocol=PROTOCOL_VERSION,
+        run=bus.run,
+        seed=config.seed,
+        versions={name: version for name, version in installed_versions().items() if version is not None},
+        began_unix_s=time(),
+    )
+    with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
+        if config.witness_planner:
+            bus.taps.witness("planner")
+        attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
+        patience = Patience(deadline_s=config.deadline_s)
+        world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop, branch=branch)
+        if branch is not None:
+            policy = BranchPolicy(branch.past_policy, policy, lambda: branch.is_past(world.n_steps))
+        bus.announce()
+        result = run_mission(
+            world,
+            scenario,
+            config.seed,
+            policy,
+            push_map,
+            as_it_is if branch is None else lambda whole: branch.scenario(whole, world.n_steps),
+        )
+        beacon.say("reporting", None, result.detail)
+        if not world.is_live:
+            log.info("the mission in %s was over before: only its report is made anew", folder)
+        leave_report(folder, journal, result)
+        bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
+    log.info("%s: %s; see %s", result.reason, result.detail, folder)
+    return 0 if result.success else 1
+
+
+def writable_folder(folder: Path) -> Path:
+    """The folder, made if it was not there; `ConfigError` if nothing can be written to it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"Expected a folder that can be made for --out, got {folder} ({error.strerror})") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ConfigError(f"Expected a folder that can be written to for --out, got {folder}")
+    return folder
+
+
+def leave_report(folder: Path, journal: Journal, result: MissionResult) -> None:
+    """Write `report.json` and `mission.png`, the report last and at once: where it is, the mission is over."""
+    from agent_proc.reporting.picture import save_picture
+
+    record = read_record(read_episode(journal.path))
+    wall_time_s = max(journal.path.stat().st_mtime - journal.opened.began_unix_s, CLOCK_S)
+    report = make_report(record, result, wall_time_s, installed_versions())
+    save_picture(record, result, folder / PICTURE_FILE)
+    half = folder / f"{REPORT_FILE}.part"
+    half.write_text(json.dumps(msgspec.to_builtins(report), indent=2) + "\n", encoding="utf-8")
+    half.replace(folder / REPORT_FILE)

@@ -1,0 +1,1 @@
+"""Policies decide about each push; the shipped ones lie here."""

@@ -1,0 +1,218 @@
+"""A trained policy as a folder: its networks, what observations are normalized by, and a card that says what it is."""
+
+import io
+import zipfile
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import msgspec
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from agent_proc.profiles.profile import AnyProfile, read_profile
+from agent_proc.task.config import TaskConfig
+from legpush.errors import LegpushError
+from legpush.files import replace_folder
+
+FORMAT: Final = 1
+NETWORKS_FILE: Final = "policy.zip"
+NORMALIZER_FILE: Final = "normalizer.json"
+CARD_FILE: Final = "card.json"
+README_FILE: Final = "README.md"
+
+
+class PolicyError(LegpushError):
+    """A policy folder that cannot be used; names the file."""
+
+    exit_code = 2
+
+
+class Normalizer(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What `clip((observation - mean) / sqrt(variance + epsilon))` is computed with."""
+
+    mean: tuple[float, ...]
+    variance: tuple[float, ...]
+    clip: float = 10.0
+    epsilon: float = 1e-8
+
+    def apply(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The normalized observation, (n,), as in training."""
+        scaled = (observation - np.array(self.mean)) / np.sqrt(np.array(self.variance) + self.epsilon)
+        clipped: NDArray[np.float32] = np.clip(scaled, -self.clip, self.clip).astype(np.float32)
+        return clipped
+
+
+class CurvePoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """An episode that ended during training."""
+
+    step: int
+    episode_return: float
+    length: int
+    success: bool
+    position_error_m: float
+    """At its end, as the angle."""
+    angle_error_deg: float
+
+
+class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What an evaluation of the deterministic policy gave."""
+
+    step: int
+    """Of training, when it was made."""
+    seeds: tuple[int, ...]
+    success_rate: float
+    position_error_m: float
+    """Mean."""
+    angle_error_deg: float
+    """Mean."""
+    falls: int
+    cycles: float
+    """Mean."""
+
+    def __str__(self) -> str:
+        """For people."""
+        return (
+            f"success {self.success_rate:.0%}, {100 * self.position_error_m:.2f} cm, {self.angle_error_deg:.2f}°, "
+            f"{self.cycles:.0f} cycles, {self.falls} falls (n = {len(self.seeds)})"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Card:
+    """What a policy is and how it came about."""
+
+    format: Literal[1] = FORMAT
+    command: str
+    """That trained it."""
+    task: TaskConfig
+    profile: AnyProfile
+    seed: int
+    """Of the training."""
+    steps: int
+    """Push cycles that it was trained with."""
+    n_simulators: int
+    versions: dict[str, str]
+    check: Check | None
+    """The evaluation that it was kept for."""
+    curve: tuple[CurvePoint, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolicyFolder:
+    """What is in the folder of a policy."""
+
+    card: Card
+    networks: bytes
+    normalizer: Normalizer | None
+
+
+def shipped_policies() -> tuple[str, ...]:
+    """Names of the policies that come with this package, sorted."""
+    folder = files("agent_proc") / "policies"
+    return tuple(sorted(e.name for e in folder.iterdir() if (e / CARD_FILE).is_file())) if folder.is_dir() else ()
+
+
+def policy_path(name_or_path: str) -> Path:
+    """The folder of a shipped policy by its name, or the folder at a path; `PolicyError` if there is none."""
+    if name_or_path in shipped_policies():
+        return Path(str(files("agent_proc") / "policies" / name_or_path))
+    folder = Path(name_or_path)
+    if not folder.is_dir():
+        valid = ", ".join(("scripted", *shipped_policies()))
+        raise PolicyError(f"Expected a policy ({valid}) or the folder of one, got {name_or_path!r}")
+    return folder
+
+
+def write_policy(folder: Path, policy: PolicyFolder) -> None:
+    """Write the folder, or leave the one that is there as it is; `DiskError`."""
+
+    def fill(part: Path) -> None:
+        (part / NETWORKS_FILE).write_bytes(policy.networks)
+        if policy.normalizer is not None:
+            (part / NORMALIZER_FILE).write_bytes(msgspec.json.encode(policy.normalizer))
+        (part / CARD_FILE).write_bytes(msgspec.json.format(msgspec.json.encode(policy.card), indent=1) + b"\n")
+        (part / README_FILE).write_text(_readme(policy.card), encoding="utf-8")
+
+    replace_folder(folder, fill)
+
+
+def read_policy(folder: Path) -> PolicyFolder:
+    """What is in the folder; `PolicyError` names the file that is missing or cannot be read."""
+    card = read_card(folder)
+    networks = _read(folder / NETWORKS_FILE)
+    if not zipfile.is_zipfile(io.BytesIO(networks)):
+        raise PolicyError(f"{folder / NETWORKS_FILE}: expected a policy of Stable-Baselines3 (a zip), got other bytes")
+    normalizer = None
+    if card.profile.normalize_observation:
+        normalizer = _decode(folder / NORMALIZER_FILE, Normalizer)
+        if len(normalizer.mean) != len(normalizer.variance):
+            raise PolicyError(
+                f"{folder / NORMALIZER_FILE}: expected as many variances as means, got {len(normalizer.variance)} "
+                f"and {len(normalizer.mean)}"
+            )
+    return PolicyFolder(card=card, networks=networks, normalizer=normalizer)
+
+
+def read_card(folder: Path) -> Card:
+    """The card of a policy; `PolicyError` names the field that is wrong."""
+    path = folder / CARD_FILE
+    plain = _decode(path, dict)
+    profile = read_profile(plain.get("profile", {}), f"{path}: profile")
+    try:
+        rest: dict[str, Any] = {
+            name: msgspec.convert(plain[name], kind) for name, kind in _CARD_FIELDS.items() if name in plain
+        }
+        return Card(profile=profile, **rest)
+    except (msgspec.ValidationError, TypeError) as error:
+        raise PolicyError(f"{path}: expected the card of a policy ({error})") from error
+
+
+_CARD_FIELDS: Final[dict[str, Any]] = {
+    "format": Literal[1],
+    "command": str,
+    "task": TaskConfig,
+    "seed": int,
+    "steps": int,
+    "n_simulators": int,
+    "versions": dict[str, str],
+    "check": Check | None,
+    "curve": tuple[CurvePoint, ...],
+}
+"""All but the profile, whose kind depends on its algorithm."""
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise PolicyError(f"{path}: expected this file of a policy ({error.strerror})") from error
+
+
+def _decode(path: Path, kind: Any) -> Any:
+    try:
+        return msgspec.json.decode(_read(path), type=kind)
+    except msgspec.MsgspecError as error:
+        raise PolicyError(f"{path}: {error}") from error
+
+
+def _readme(card: Card) -> str:
+    """The card for people."""
+    task, profile = card.task, card.profile
+    lines = [
+        f"# Policy: {task.entry} entry, {profile.algorithm.upper()}",
+        "",
+        f"Trained on the scenario `{task.scenario.name}` with {card.steps} push cycles, seed {card.seed}, "
+        f"{card.n_simulators} simulators:",
+        "",
+        f"    {card.command}",
+        "",
+        f"- profile: {profile.description}; observation `{task.observation}`, reward `{task.reward}`",
+        f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
+        f"- evaluation when it was kept: {card.check or 'none'}",
+        f"- training episodes: {len(card.curve)}; {CARD_FILE} has them all, and every setting",
+        "",
+    ]
+    return "\n".join(lines)

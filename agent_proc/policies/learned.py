@@ -1,0 +1,114 @@
+"""A trained policy at work: decides about pushes as it did in training, without exploring."""
+
+import io
+import pickle
+import threading
+import zipfile
+from typing import Any, Final
+
+import numpy as np
+import torch
+from gymnasium import spaces
+from stable_baselines3.common.policies import BasePolicy
+from stable_baselines3.common.save_util import load_from_zip_file
+from stable_baselines3.common.utils import ConstantSchedule
+from stable_baselines3.ppo import MlpPolicy as PpoPolicy
+from stable_baselines3.sac import MlpPolicy as SacPolicy
+from stable_baselines3.td3 import MlpPolicy as Td3Policy
+
+from agent_proc.learning.env import is_done, observation_space, policy_observation, policy_push
+from agent_proc.learning.learner import policy_arguments
+from agent_proc.policies.folder import (
+    NETWORKS_FILE,
+    NORMALIZER_FILE,
+    Normalizer,
+    PolicyError,
+    PolicyFolder,
+    policy_path,
+    read_policy,
+)
+from agent_proc.task.action import action_space
+from agent_proc.task.config import TaskConfig
+from legpush.messages.stepping import Push, WorldState
+from legpush.scene.scenario import Scenario
+
+NETWORKS: Final[dict[str, type[BasePolicy]]] = {"ppo": PpoPolicy, "sac": SacPolicy, "td3": Td3Policy}
+
+
+class NetworkPolicy:
+    """Networks of Stable-Baselines3 that learned a task, without exploring."""
+
+    def __init__(self, task: TaskConfig, networks: BasePolicy, normalizer: Normalizer | None, origin: str) -> None:
+        """`PolicyError`, which begins with `origin`, where the normalizer does not fit the observation of the task."""
+        n_seen = int(np.prod(observation_space(task).shape))
+        if normalizer is not None and len(normalizer.mean) != n_seen:
+            raise PolicyError(
+                f"{origin}: expected {n_seen} means, one for each element of the observation `{task.observation}`, "
+                f"got {len(normalizer.mean)}"
+            )
+        self._task = task
+        self._networks = networks
+        self._normalizer = normalizer
+        # Networks of Stable-Baselines3 keep the distribution of their last action: one thread at a time.
+        self._lock = threading.Lock()
+
+    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
+        """The next push, or None where an episode of training would have ended."""
+        if is_done(self._task, world, scenario):
+            return None
+        observation = policy_observation(self._task, world, scenario)
+        if self._normalizer is not None:
+            observation = self._normalizer.apply(observation)
+        with self._lock:
+            action, _ = self._networks.predict(observation, deterministic=True)
+        return policy_push(self._task, action, world, scenario)
+
+
+class LearnedPolicy(NetworkPolicy):
+    """The policy of a folder; its networks are read as plain arrays, so a folder from elsewhere runs no code."""
+
+    def __init__(self, folder: PolicyFolder, name: str) -> None:
+        """`PolicyError` where networks and normalizer do not fit the task on the card; `name` is what they are of."""
+        self.card = folder.card
+        task = folder.card.task
+        networks = _networks(folder, observation_space(task), name)
+        super().__init__(task, networks, folder.normalizer, f"{name}/{NORMALIZER_FILE}")
+
+
+def load_learned(name_or_path: str) -> LearnedPolicy:
+    """A shipped policy by its name, or that of a folder; `PolicyError` says which file of it cannot be used."""
+    path = policy_path(name_or_path)
+    return LearnedPolicy(read_policy(path), str(path))
+
+
+def _networks(folder: PolicyFolder, seen: spaces.Box, name: str) -> BasePolicy:
+    profile = folder.card.profile
+    arguments: dict[str, Any] = policy_arguments(profile)
+    networks = NETWORKS[profile.algorithm](seen, action_space(folder.card.task), ConstantSchedule(0.0), **arguments)
+    path = f"{name}/{NETWORKS_FILE}"
+    try:
+        _, weights, _ = load_from_zip_file(io.BytesIO(folder.networks), device="cpu", load_data=False)
+    except (zipfile.BadZipFile, pickle.UnpicklingError, RuntimeError, ValueError, EOFError) as error:
+        raise PolicyError(f"{path}: expected a policy of Stable-Baselines3 ({_first_line(error)})") from error
+    if weights is None or "policy" not in weights:
+        raise PolicyError(f"{path}: expected weights named `policy`, got {', '.join(weights or ()) or 'none'}")
+    try:
+        networks.load_state_dict(dict(weights["policy"]))
+    except RuntimeError as error:
+        space = f"{int(np.prod(seen.shape))} observations and {action_space(folder.card.task)}"
+        raise PolicyError(
+            f"{path}: expected networks {profile.network.hidden} for {space}, as on its card: {_reason(error)}"
+        ) from error
+    networks.set_training_mode(False)
+    torch.set_num_threads(1)
+    return networks
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
+
+
+def _reason(error: Exception) -> str:
+    """The first particular that torch names."""
+    lines = str(error).splitlines()
+    return lines[1].strip() if len(lines) > 1 else lines[0]

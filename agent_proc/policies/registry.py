@@ -1,0 +1,60 @@
+"""Policies by name: scripted, shipped, in a folder, in a model file, or made by a function of the user's."""
+
+import importlib
+import os
+import sys
+from pathlib import Path
+from typing import Final
+
+from agent_proc.policies.folder import PolicyError
+from agent_proc.policies.policy import Policy
+
+SCRIPTED: Final = "scripted"
+SB3_SUFFIX: Final = ".zip"
+"""Of a model that Stable-Baselines3 saved."""
+
+
+def make_policy(name: str, normalizer: Path | None = None) -> Policy:
+    """The policy called `name`: `scripted`, a shipped one, a policy folder, a model file, or `module:factory`.
+
+    `normalizer` belongs to a model file (`.zip`) only. The learning libraries are imported only for a trained policy.
+    `PolicyError` where there is no such policy.
+    """
+    is_file = name.endswith(SB3_SUFFIX)
+    if normalizer is not None and not is_file:
+        raise PolicyError(f"Expected a model file ({SB3_SUFFIX}) with --normalizer, got {name!r}, which has its own")
+    if name == SCRIPTED:
+        from agent_proc.policies.scripted import ScriptedPolicy
+
+        return ScriptedPolicy()
+    if ":" in name:
+        return _from_entry_point(name)
+    try:
+        if is_file:
+            from agent_proc.policies.sb3_file import load_sb3_file
+
+            return load_sb3_file(Path(name), normalizer)
+        from agent_proc.policies.learned import load_learned
+    except ModuleNotFoundError as error:
+        raise PolicyError(
+            f"Expected the learning libraries for the policy {name!r}, but {error.name} is not installed; "
+            "pip install 'legpush[agent]' installs them"
+        ) from error
+
+    return load_learned(name)
+
+
+def _from_entry_point(name: str) -> Policy:
+    """What the function returns; its module is looked for in the working directory, too."""
+    module, _, factory = name.partition(":")
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
+    try:
+        make = getattr(importlib.import_module(module), factory)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise PolicyError(f"Expected module:factory that can be imported, got {name!r} ({error})") from error
+    policy = make()
+    if not callable(getattr(policy, "decide", None)):
+        raise PolicyError(f"{name}: expected a policy with a method `decide`, got {type(policy).__name__}")
+    checked: Policy = policy
+    return checked

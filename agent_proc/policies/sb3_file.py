@@ -1,0 +1,105 @@
+"""A policy in a file of Stable-Baselines3's own: what `model.save` wrote, and `VecNormalize.save` beside it.
+
+Loading either runs what is pickled in it: load only files that you trust. A policy folder has no such risk.
+"""
+
+import json
+import pickle
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+from stable_baselines3 import PPO, SAC, TD3
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.policies import BasePolicy
+from stable_baselines3.common.vec_env import VecNormalize
+
+from agent_proc.learning.env import observation_space
+from agent_proc.learning.learner import use_one_thread
+from agent_proc.policies.folder import Normalizer, PolicyError
+from agent_proc.policies.learned import NetworkPolicy
+from agent_proc.task.action import action_space
+from agent_proc.task.config import TaskConfig
+
+ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
+    "stable_baselines3.common.policies": PPO,
+    "stable_baselines3.sac.policies": SAC,
+    "stable_baselines3.td3.policies": TD3,
+}
+"""Who loads a model, by the module of its policy; A2C has PPO's, DDPG has TD3's."""
+RELATIVE: Final = TaskConfig(observation="relative", reward="tuned")
+PAPER: Final = TaskConfig(observation="paper", reward="paper")
+TASKS: Final = tuple(
+    changed
+    for task in (RELATIVE, PAPER)
+    for changed in (task, replace(task, entry="fixed"), replace(task, entry="fixed", action_form="discrete"))
+)
+"""What a model can have learned here; its spaces tell which."""
+
+
+def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
+    """The policy of a model, with the observations that it was shown and the actions that it takes.
+
+    Both follow from its spaces; depths are those of a `TaskConfig` by default. `normalizer` is the file of the
+    `VecNormalize` that it was trained with, None if it was trained without. `PolicyError` names the file and says what
+    was expected of it.
+    """
+    use_one_thread()
+    networks = _networks(path)
+    task = _task(networks, path)
+    return NetworkPolicy(task, networks, None if normalizer is None else _normalizer(normalizer), str(normalizer))
+
+
+def _networks(path: Path) -> BasePolicy:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            module = json.loads(archive.read("data"))["policy_class"]["__module__"]
+        if module not in ALGORITHMS:
+            raise PolicyError(f"{path}: expected a model of PPO, A2C, SAC, TD3 or DDPG, got a policy of {module}")
+        networks = ALGORITHMS[module].load(path, device="cpu").policy
+    except (
+        OSError,
+        zipfile.BadZipFile,
+        KeyError,
+        TypeError,
+        ValueError,
+        AttributeError,
+        RuntimeError,
+        EOFError,
+        pickle.UnpicklingError,
+    ) as error:
+        raise PolicyError(f"{path}: expected a model saved by Stable-Baselines3 ({error})") from error
+    networks.set_training_mode(False)
+    return networks
+
+
+def _task(networks: BasePolicy, path: Path) -> TaskConfig:
+    """The first task with these spaces."""
+    for task in TASKS:
+        seen, done = observation_space(task).shape, action_space(task)
+        if networks.observation_space.shape == seen and networks.action_space == done:
+            return task
+    sizes = " or ".join(f"{observation_space(task).shape} ({task.observation})" for task in (RELATIVE, PAPER))
+    actions = ", ".join(dict.fromkeys(str(action_space(task)) for task in TASKS))
+    raise PolicyError(
+        f"{path}: expected observations of shape {sizes} and one of the actions {actions}, got "
+        f"{networks.observation_space.shape} and {networks.action_space}"
+    )
+
+
+def _normalizer(path: Path) -> Normalizer:
+    try:
+        with path.open("rb") as file:
+            loaded = pickle.load(file)  # noqa: S301 - the user's own, as its documentation says
+    except (OSError, pickle.UnpicklingError, EOFError, AttributeError, ImportError, ValueError) as error:
+        raise PolicyError(f"{path}: expected what `VecNormalize.save` wrote ({error})") from error
+    if not isinstance(loaded, VecNormalize) or not loaded.norm_obs:
+        raise PolicyError(f"{path}: expected a `VecNormalize` with norm_obs, got {type(loaded).__name__}")
+    rms: Any = loaded.obs_rms
+    return Normalizer(
+        mean=tuple(rms.mean.tolist()),
+        variance=tuple(rms.var.tolist()),
+        clip=float(loaded.clip_obs),
+        epsilon=float(loaded.epsilon),
+    )

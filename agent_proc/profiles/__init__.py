@@ -1,0 +1,1 @@
+"""Training profiles, and how they are read."""

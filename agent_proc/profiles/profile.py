@@ -1,0 +1,174 @@
+"""Training profiles: what is learned with which algorithm and numbers, in TOML files under `profiles/`."""
+
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import msgspec
+import tomli_w
+from msgspec import Meta, Struct
+
+from legpush.errors import ConfigError, MessageError
+from legpush.messages.codec import convert
+from legpush.schema_errors import explain
+
+SUFFIX: Final = ".toml"
+
+Positive = Annotated[float, Meta(gt=0.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+AtLeastOne = Annotated[int, Meta(ge=1)]
+AtLeastTwo = Annotated[int, Meta(ge=2)]
+Widths = Annotated[tuple[AtLeastOne, ...], Meta(min_length=1, max_length=16)]
+
+
+class Network(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Actor and critic, each with these hidden layers."""
+
+    hidden: Widths = (64, 64)
+    activation: Literal["relu", "tanh"] = "tanh"
+
+
+class PpoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Proximal policy optimization; the defaults are those of Stable-Baselines3."""
+
+    learning_rate: Positive = 3e-4
+    decay_learning_rate: bool = False
+    """Linearly, to a tenth at the last step."""
+    n_steps: AtLeastTwo = 2048
+    """Steps of each simulator between two updates."""
+    batch_size: AtLeastTwo = 64
+    n_epochs: AtLeastOne = 10
+    gamma: Share = 0.99
+    gae_lambda: Share = 0.95
+    clip_range: Positive = 0.2
+    entropy_weight: NonNegative = 0.0
+    log_std_init: float = 0.0
+    """Logarithm of the spread that actions are explored with at first; continuous actions only."""
+    log_std_end: float | None = None
+    """The same at the end, linearly from one to the other with the steps; learned with the rest if not given."""
+    depth_bias: float = 0.0
+    """Mean of the depth action at first, in its range from -1 to 1; variable entry only."""
+
+
+class OffPolicySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What soft actor-critic and twin delayed DDPG share; the defaults are those of Stable-Baselines3."""
+
+    learning_rate: Positive = 3e-4
+    gamma: Share = 0.99
+    batch_size: AtLeastOne = 256
+    buffer_size: AtLeastOne = 1_000_000
+    learning_starts: AtLeastOne = 100
+    gradient_steps: AtLeastOne = 1
+    """Updates after each step of all simulators."""
+    tau: Share = 0.005
+
+
+class SacSettings(OffPolicySettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Soft actor-critic."""
+
+
+class Td3Settings(OffPolicySettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Twin delayed DDPG."""
+
+    learning_rate: Positive = 1e-3
+    action_noise: NonNegative = 0.1
+    """Standard deviation of the Gaussian noise that actions are explored with."""
+
+
+class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What every training profile has."""
+
+    description: str
+    steps: AtLeastOne
+    """Push cycles in all."""
+    observation: Literal["paper", "relative"]
+    reward: Literal["paper", "tuned"]
+    normalize_observation: bool = True
+    """By running mean and variance; their values are saved with the policy."""
+    normalize_reward: bool = True
+    network: Network = Network()
+    evaluate_every: AtLeastOne = 2500
+    """Steps between two evaluations, after which the best policy so far is kept."""
+    evaluation_episodes: AtLeastOne = 20
+    checkpoint_every: AtLeastOne = 1000
+    """Steps between two checkpoints; an interrupt makes one besides."""
+
+
+class PpoProfile(Profile, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Train with PPO."""
+
+    algorithm: Literal["ppo"]
+    settings: PpoSettings = PpoSettings()
+
+
+class SacProfile(Profile, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Train with SAC."""
+
+    algorithm: Literal["sac"]
+    settings: SacSettings = SacSettings()
+
+
+class Td3Profile(Profile, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Train with TD3."""
+
+    algorithm: Literal["td3"]
+    settings: Td3Settings = Td3Settings()
+
+
+AnyProfile = PpoProfile | SacProfile | Td3Profile
+KINDS: Final[dict[str, type[AnyProfile]]] = {"ppo": PpoProfile, "sac": SacProfile, "td3": Td3Profile}
+
+
+def profile_names() -> tuple[str, ...]:
+    """The built-in profiles, sorted."""
+    folder = files("agent_proc") / "profiles"
+    return tuple(sorted(Path(e.name).stem for e in folder.iterdir() if e.name.endswith(SUFFIX)))
+
+
+def load_profile(name_or_path: str) -> AnyProfile:
+    """A built-in profile by its name, or the one in a file: a text with `/` or `.toml` in it.
+
+    `ConfigError` names the file, the field, and what was expected there.
+    """
+    if "/" in name_or_path or name_or_path.endswith(SUFFIX):
+        source: Any = Path(name_or_path)
+    elif name_or_path in profile_names():
+        source = files("agent_proc") / "profiles" / f"{name_or_path}{SUFFIX}"
+    else:
+        raise ConfigError(
+            f"Expected the name of a profile ({', '.join(profile_names())}) or the path of a {SUFFIX} file for "
+            f"--profile, got {name_or_path!r}"
+        )
+    try:
+        plain = tomllib.loads(source.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{source}: expected a training profile in TOML ({error})") from error
+    return read_profile(plain, str(source))
+
+
+def read_profile(plain: dict[str, Any], source: str) -> AnyProfile:
+    """The profile in the tables of a file, checked; `ConfigError` says what is wrong at which field of `source`."""
+    algorithm = plain.get("algorithm")
+    if algorithm not in KINDS:
+        raise ConfigError(f"{source}: at `algorithm`: expected one of {', '.join(KINDS)}, got {algorithm!r}")
+    kind = KINDS[algorithm]
+    try:
+        return convert(plain, kind)
+    except MessageError as error:
+        raise ConfigError(f"{source}: {explain(str(error), plain, kind)}") from error
+
+
+def dump_profile(profile: AnyProfile) -> str:
+    """The profile as TOML with every field in it but those without a value; loading it gives an equal record."""
+    return tomli_w.dumps(_without_none(msgspec.to_builtins(profile)))
+
+
+def _without_none(table: dict[str, Any]) -> dict[str, Any]:
+    """TOML has no null."""
+    return {
+        name: _without_none(value) if isinstance(value, dict) else value
+        for name, value in table.items()
+        if value is not None
+    }

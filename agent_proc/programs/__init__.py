@@ -1,0 +1,1 @@
+"""The programs behind `legpush train`, `evaluate`, `calibrate`, `map` and `scenarios random`."""

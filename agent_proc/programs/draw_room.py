@@ -1,0 +1,78 @@
+"""Random rooms as a program: `python -m agent_proc.programs.draw_room FILE`, or `legpush scenarios random FILE`."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import tyro
+from msgspec.structs import replace
+
+from agent_proc.learning_service import run_program
+from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.walking.queries import query_for_box, query_to_nominal_box
+from legpush.bus.bus import Bus
+from legpush.errors import StopRequestedError
+from legpush.launch.rooms import RandomScenario
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.patience import Patience
+from legpush.plans.client import PlanLink
+from legpush.processes.pool import SimPool
+from legpush.scenarios.file import write_scenario
+from legpush.scenarios.random_scenario import random_scenario
+from legpush.scene.faces import PUSHABLE, pushed_box
+from legpush.scene.scenario import Scenario
+from legpush.service import stop_on_signals
+
+BUDGET: Final = 2
+"""A room is solvable where the planner finds a way in so many times the iterations of a mission."""
+DEADLINE_S: Final = 900.0
+"""For the planner: a room without a way takes minutes on a slow machine."""
+CHECK_SEED: Final = 1_000_003
+"""Added to a mission's, so that the check is not the mission's own search."""
+
+
+def main() -> int:
+    """Parse the command line and draw; returns the exit code."""
+    return run_program(lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
+
+
+def run(options: RandomScenario) -> int:
+    """Draw rooms until a planner process finds a way through one, and write that."""
+    stop = stop_on_signals()
+    with (
+        TemporaryDirectory(prefix="legpush-rooms-") as logs,
+        SimPool(1, Path(logs), stop, kind="scenarios", role="planner") as pool,
+        Bus(pool.run, "agent", "main", pool.endpoints) as bus,
+    ):
+        link = PlanLink(bus, stop=stop, patience=Patience(deadline_s=DEADLINE_S))
+        bus.announce()
+        try:
+            scenario = random_scenario(options, options.seed, solvable_by(link.plan, options.seed))
+        except StopRequestedError as error:
+            raise StopRequestedError("interrupted: nothing was written") from error
+    sys.stdout.write(f"wrote {write_scenario(scenario, options.file)}\n")
+    return 0
+
+
+def solvable_by(plan: Callable[[PlanQuery], Plan], seed: int) -> Callable[[Scenario], bool]:
+    """Whether a planner finds a path of the box where it nominally is, and the robot's way to its first face."""
+
+    def is_solvable(scenario: Scenario) -> bool:
+        box, pushing = scenario.box, scenario.pushing
+        check_seed = (seed + CHECK_SEED) % 2**32
+        faces = tuple(face for face in pushing.faces if face in PUSHABLE[box.shape])
+        estimates = {face: PushEstimate(pushed_box(box, face)) for face in faces}
+        query = query_for_box(scenario, check_seed, box.pose.pose(), estimates, None)
+        found = plan(replace(query, max_iterations=BUDGET * pushing.max_iterations))
+        if found.status != "exact":
+            return False
+        first = faces[found.sides[0]]
+        return plan(query_to_nominal_box(scenario, check_seed, scenario.start.pose(), first)).status == "exact"
+
+    return is_solvable
+
+
+if __name__ == "__main__":
+    sys.exit(main())

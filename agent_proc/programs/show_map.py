@@ -1,0 +1,44 @@
+"""Maps as a program: `python -m agent_proc.programs.show_map show FILE`, or `legpush map show FILE`."""
+
+import sys
+from pathlib import Path
+
+import tyro
+
+from agent_proc.learning_service import run_program
+from agent_proc.reporting.map_picture import is_own_picture, save_map_picture
+from agent_proc.reporting.map_view import read_view
+from legpush.errors import ConfigError
+from legpush.options.maps import MapOptions
+
+
+def main() -> int:
+    """Parse the command line and draw; returns the exit code."""
+    return run_program(lambda: run(tyro.cli(MapOptions, prog="legpush map")))
+
+
+def run(options: MapOptions) -> int:
+    """Read the map, print what is in it and draw it."""
+    picture = options.picture()
+    _require_own(picture)
+    view = read_view(options)
+    try:
+        save_map_picture(view, picture)
+    except OSError as error:
+        raise ConfigError(f"{picture}: expected a file that can be written ({error.strerror})") from error
+    sys.stdout.write("".join(f"{line}\n" for line in view.lines()))
+    sys.stdout.write(f"wrote {picture}\n")
+    return 0
+
+
+def _require_own(picture: Path) -> None:
+    """Raise where a file that this program did not make would be overwritten."""
+    try:
+        if picture.exists() and not is_own_picture(picture):
+            raise ConfigError(f"{picture}: expected a new file for --output, or a picture of `legpush map show`")
+    except OSError as error:
+        raise ConfigError(f"{picture}: expected a file for --output ({error.strerror})") from error
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,159 @@
+"""Training as a program: `python -m agent_proc.programs.train`, or `legpush train`."""
+
+import logging
+import shlex
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
+
+from agent_proc.learning import training
+from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
+from agent_proc.profiles.profile import load_profile, read_profile
+from agent_proc.reporting.report import installed_versions
+from agent_proc.task.config import Domain, TaskConfig
+from legpush.errors import ConfigError
+from legpush.files import write_whole
+from legpush.options.learning import TrainOptions
+from legpush.scenarios.file import load_scenario
+from legpush.service import stop_on_signals
+
+CONFIG_FILE: Final = "config.json"
+INTERRUPTED: Final = 130
+
+
+def main() -> int:
+    """Parse the command line and train; returns the exit code."""
+    return run_program(lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
+
+
+def train(options: TrainOptions, console: Console) -> int:
+    """Train as `options` say, or go on; 0 if it came to its end, 130 if it was interrupted."""
+    resumed = options.resume is not None
+    folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
+    stop, links_stop = stop_on_signals(), threading.Event()
+    with (
+        own_folder(folder),
+        simulators(
+            replace(options, simulators=plan.n_simulators), folder / LOGS, links_stop, kind="train", folder=folder
+        ) as worlds,
+        _shown(console) as show,
+    ):
+        env = PushVecEnv(plan.task, worlds, stop=links_stop)
+        try:
+            job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=show)
+            if resumed:
+                job.resume()
+            result = job.run()
+        finally:
+            env.close()
+    if not result.finished:
+        again = shlex.join(["legpush", "train", "--resume", str(folder)])
+        console.print(Text(f"interrupted after {result.step} steps; to go on: {again}"), soft_wrap=True)
+        return INTERRUPTED
+    console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
+    return 0
+
+
+def _begin(options: TrainOptions) -> tuple[Path, training.Plan]:
+    """Resolve the options, and make the folder with what they come to."""
+    profile = load_profile(options.profile)
+    if options.steps is not None:
+        profile = msgspec.structs.replace(profile, steps=options.steps)
+    task = TaskConfig(
+        entry=options.entry,
+        action_form=options.actions,
+        observation=profile.observation,
+        reward=profile.reward,
+        scenario=load_scenario(options.scenario),
+        domain=Domain(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
+    )
+    plan = training.Plan(
+        profile=profile,
+        task=task,
+        seed=options.seed,
+        n_simulators=options.n_simulators,
+        command=shlex.join(["legpush", "train", *sys.argv[1:]]),
+        versions={name: version for name, version in installed_versions().items() if version is not None},
+    )
+    name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{options.entry}"
+    folder = options.out or Path("runs") / f"{name}-seed{options.seed}"
+    if folder.exists() and any(folder.iterdir()):
+        raise ConfigError(f"Expected a new or empty folder for --out, got {folder}; --resume {folder} goes on in it")
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / CONFIG_FILE, msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n")
+    return folder, plan
+
+
+def read_plan(folder: Path) -> training.Plan:
+    """What a training was begun with; `ConfigError` where the folder is not that of one."""
+    path = folder / CONFIG_FILE
+    try:
+        plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
+        profile = read_profile(plain["profile"], f"{path}: profile")
+        rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
+    except (OSError, msgspec.MsgspecError, KeyError) as error:
+        raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
+    return training.Plan(profile=profile, **rest)
+
+
+_PLAN_FIELDS: Final[dict[str, Any]] = {
+    "task": TaskConfig,
+    "seed": int,
+    "n_simulators": int,
+    "command": str,
+    "versions": dict[str, str],
+}
+"""All but the profile, whose kind depends on its algorithm."""
+
+
+N_LINES: Final = 20
+"""Of progress, where there is no terminal to draw a bar on."""
+
+
+@contextmanager
+def _shown(console: Console) -> Iterator[Any]:
+    """A progress bar with return, success rate and the time that is left; plain lines where there is no terminal."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TextColumn("{task.fields[numbers]}", markup=False),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    best: list[object] = [None]
+    lines = 0
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task("learning", total=None, numbers="")
+
+        def show(progress: training.Progress) -> None:
+            nonlocal lines
+            numbers = f"{progress.step}/{progress.steps}"
+            if progress.mean_return is not None and progress.success_rate is not None:
+                numbers += f", return {progress.mean_return:.2f}, success {progress.success_rate:.0%}"
+            bar.update(task, description=progress.doing, completed=progress.step, total=progress.steps, numbers=numbers)
+            if not console.is_terminal and N_LINES * progress.step // progress.steps > lines:
+                lines = N_LINES * progress.step // progress.steps
+                console.print(Text(f"{progress.doing} {numbers}"), soft_wrap=True)
+            if progress.best is not None and progress.best is not best[0]:
+                best[0] = progress.best
+                console.print(Text(f"step {progress.best.step}: {progress.best}"), soft_wrap=True)
+
+        yield show
+
+
+if __name__ == "__main__":
+    logging.captureWarnings(True)
+    sys.exit(main())

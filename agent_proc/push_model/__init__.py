@@ -1,0 +1,1 @@
+"""What a push does to a box: assumed, measured, and learned during a mission."""

@@ -1,0 +1,134 @@
+"""Calibration: series of pushes at a box that stands on an open floor, and what each of them did."""
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+from math import degrees
+from queue import SimpleQueue
+from typing import Final
+
+from msgspec.structs import replace
+
+from agent_proc.evaluation.episodes import TracingWorld
+from agent_proc.frames.poses import planar_pose
+from agent_proc.frames.station import station
+from agent_proc.push_model.map import Sample
+from legpush.errors import LegpushError, StopRequestedError
+from legpush.geometry import Pose2
+from legpush.messages.stepping import Outcome, Push, Reset
+from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.robot import FRONT_LEGS
+from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Randomization, Room, Scenario
+
+SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
+"""0 is a push with FL, 1 with FR: both legs as often, after themselves and after the other one."""
+FLOOR_M: Final = (6.0, 4.0)
+
+
+class CalibrationError(LegpushError):
+    """A box that cannot be measured: the robot fell."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """Pushes that are alike but for the leg, and the seed that their box's place is drawn from."""
+
+    face: Face
+    curve: tuple[float, float]
+    depth_m: float
+    seed: int
+
+
+def cells(
+    faces: Sequence[Face], curves: Sequence[tuple[float, float]], depths_m: Sequence[float], seeds: Sequence[int]
+) -> list[Cell]:
+    """All combinations."""
+    return [Cell(face=f, curve=c, depth_m=d, seed=s) for f, c, d, s in product(faces, curves, depths_m, seeds)]
+
+
+def open_floor(box: Box, face: Face) -> Scenario:
+    """The robot at its station behind the face, and the box such that a push moves it along x."""
+    pose = PoseDeg(x_m=FLOOR_M[0] / 3, y_m=FLOOR_M[1] / 2, yaw_deg=-degrees(TURN_RAD[face]))
+    place = station(pushed_box(box, face), pushed_pose(pose.pose(), face))
+    return Scenario(
+        name="calibration",
+        room=Room(size_m=FLOOR_M),
+        start=PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=0.0),
+        box=replace(box, pose=pose),
+        goal=Goal(pose=replace(pose, x_m=pose.x_m + 1.0)),
+        randomization=Randomization(box_xy_m=0.02, box_yaw_deg=3.0),
+    )
+
+
+def push_series(world: TracingWorld, scenario: Scenario, cell: Cell) -> Iterator[tuple[Push, Pose2, Outcome]]:
+    """Push after push: what was done, how the frame that is pushed moved from where it was, and all that came of it."""
+    before = pushed_pose(planar_pose(world.step(Reset(scenario=scenario, seed=cell.seed)).world.box), cell.face)
+    w1, w2 = cell.curve
+    for index in SERIES:
+        push = Push(w1=w1, w2=w2, leg=FRONT_LEGS[index], depth_m=cell.depth_m, face=cell.face)
+        outcome = world.step(push, with_trace=True)
+        if outcome.world.fallen:
+            raise CalibrationError(
+                f"The robot fell as it pushed the {cell.face} face {cell.depth_m} m deep, {push.leg}"
+            )
+        after = pushed_pose(planar_pose(outcome.world.box), cell.face)
+        yield push, before.inverse() @ after, outcome
+        before = after
+
+
+def calibrate(
+    worlds: Sequence[TracingWorld],
+    box: Box,
+    planned: Sequence[Cell],
+    on_cell: Callable[[], None] = lambda: None,
+    stop: threading.Event | None = None,
+) -> list[Sample]:
+    """What every push of the cells did, in their order, as many cells at once as there are worlds.
+
+    `StopRequestedError` once `stop` is set; `CalibrationError` where the robot falls.
+    """
+    free: SimpleQueue[TracingWorld] = SimpleQueue()
+    for world in worlds:
+        free.put(world)
+
+    def one(cell: Cell) -> list[Sample]:
+        world = free.get()
+        try:
+            return _samples(world, box, cell, stop)
+        finally:
+            free.put(world)
+
+    pool = ThreadPoolExecutor(len(worlds))
+    try:
+        futures = [pool.submit(one, cell) for cell in planned]
+        samples = []
+        for future in futures:
+            samples += future.result()
+            on_cell()
+        return samples
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _samples(world: TracingWorld, box: Box, cell: Cell, stop: threading.Event | None) -> list[Sample]:
+    found = []
+    for push, moved, _ in push_series(world, open_floor(box, cell.face), cell):
+        if stop is not None and stop.is_set():
+            raise StopRequestedError("Asked to stop in a calibration")
+        found.append(
+            Sample(
+                face=cell.face,
+                leg=push.leg,
+                w1=push.w1,
+                w2=push.w2,
+                depth_m=cell.depth_m,
+                forward_m=moved.x_m,
+                left_m=moved.y_m,
+                turn_rad=moved.yaw_rad,
+            )
+        )
+    return found

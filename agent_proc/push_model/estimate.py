@@ -1,0 +1,105 @@
+"""What pushes do to this box: the push model, scaled by what pushes have done to it so far."""
+
+from typing import Final
+
+import numpy as np
+
+from agent_proc.policies.scripted import MIRROR
+from agent_proc.push_model.model import Floats, PushModel, nearest_model
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.stepping import Push
+from legpush.scene.scenario import Box
+
+PRIOR_M: Final = 0.03
+PRIOR_RAD: Final = 0.05
+"""The model counts as much as pushes that move and turn the box by so much, as root of their sum of squares."""
+FORGETTING: Final = 0.9
+"""What a past push counts after each further one."""
+USUAL_DEPTH_M: Final = 0.05
+"""The circle that a box turns on is that of pushes which are so deep."""
+MOST_AXLE_M: Final = 0.5
+LEAST_SCALE: Final = 0.3
+MOST_SCALE: Final = 3.0
+
+
+class PushEstimate:
+    """Scales of travel and turn by least squares over the pushes that were seen, with the model as prior."""
+
+    def __init__(self, box: Box, model: PushModel | None = None) -> None:
+        """Begin with the measured model unless another is given; `box` is as it is pushed.
+
+        A box that rests on its corners is turned by a push in proportion to the push's arm over the square of the
+        corners' distance from its centre.
+        """
+        self._model = nearest_model(box) if model is None else model
+        self._turn_prior = _turn_per_travel(box) / _turn_per_travel(self._model.box)
+        self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
+        """Sums of measured times predicted, and of predicted squared."""
+        self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
+
+    @property
+    def curve(self) -> tuple[float, float]:
+        """w1 and w2 of the pushes that the model is of."""
+        return self._model.w1, self._model.w2
+
+    @property
+    def travel_scale(self) -> float:
+        """Travel of the box over that of the model."""
+        return float(np.clip(self._travel[0] / self._travel[1], LEAST_SCALE, MOST_SCALE))
+
+    @property
+    def turn_scale(self) -> float:
+        """Turn of the box over that of the model."""
+        return self._turn_prior * float(np.clip(self._turn[0] / self._turn[1], LEAST_SCALE, MOST_SCALE))
+
+    @property
+    def turning_radius_m(self) -> float:
+        """Of the circle that the box is pushed along by one foot, push after push."""
+        forward_m, _, turn_rad = self._one_push()
+        return forward_m / turn_rad
+
+    @property
+    def axle_m(self) -> float:
+        """How far behind its centre the box does not slip sideways when one foot turns it."""
+        _, left_m, turn_rad = self._one_push()
+        return float(np.clip(left_m / turn_rad, 0.0, MOST_AXLE_M))
+
+    def _one_push(self) -> tuple[float, float, float]:
+        """Forward and left [m] and turn [rad] of the box by one push of FR, as deep as usual."""
+        ((forward_m, left_m, turn_rad),) = self.push(
+            np.zeros((1, 3)), np.array([MIRROR["FR"]]), np.array([USUAL_DEPTH_M])
+        ).tolist()
+        return forward_m, left_m, turn_rad
+
+    def push(self, poses: Floats, mirror: Floats, depth_m: Floats) -> Floats:
+        """Poses after one push each, (n, 3), as `PushModel.push`."""
+        return self._model.push(poses, mirror, depth_m, self.travel_scale, self.turn_scale)
+
+    def after(self, pose: Pose2, push: Push) -> Pose2:
+        """Pose after one push."""
+        row = np.array([[pose.x_m, pose.y_m, pose.yaw_rad]])
+        ((x_m, y_m, yaw_rad),) = self.push(row, np.array([MIRROR[push.leg]]), np.array([push.depth_m])).tolist()
+        return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+
+    def learn(self, before: Pose2, push: Push, after: Pose2) -> None:
+        """Take in what a push did, both poses of the frame that was pushed; other curves than the model's tell
+        nothing.
+        """
+        if (push.w1, push.w2) != self.curve:
+            return
+        row = np.zeros((1, 3))
+        mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
+        ((x_m, _, yaw_rad),) = self._model.push(row, mirror, depth_m, turn_scale=self._turn_prior).tolist()
+        moved = before.inverse() @ after
+        for sums, prior, measured, predicted in (
+            (self._travel, PRIOR_M, moved.x_m, x_m),
+            (self._turn, PRIOR_RAD, wrap_angle(moved.yaw_rad), yaw_rad),
+        ):
+            sums -= (1.0 - FORGETTING) * (sums - prior**2)
+            sums += np.array([measured * predicted, predicted * predicted])
+
+
+def _turn_per_travel(box: Box) -> float:
+    """Of a box that is pushed at the usual share of its width, but for a factor, 1/m."""
+    length_m, width_m, _ = box.size_m
+    return width_m / (length_m**2 + width_m**2)

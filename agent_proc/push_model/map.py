@@ -1,0 +1,215 @@
+"""What pushes do to one box, measured: by face, leg, curve and depth, with uncertainty, and the circle it turns on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees
+from pathlib import Path
+from typing import Final, Literal
+
+import msgspec
+import numpy as np
+from msgspec import Struct
+
+from agent_proc.policies.scripted import MIRROR
+from agent_proc.push_model.estimate import USUAL_DEPTH_M, PushEstimate
+from agent_proc.push_model.model import Floats, PushModel
+from agent_proc.statistics import N_BOOTSTRAP, Estimate
+from legpush.errors import ConfigError
+from legpush.files import write_whole
+from legpush.scene.faces import FACES, PUSHABLE, pushed_box
+from legpush.scene.robot import FrontLeg
+from legpush.scene.scenario import Box, BoxShape, Face
+
+LEAST_FORWARD_M: Final = 1e-4
+LEAST_TURN_RAD: Final = 1e-4
+"""A box that one push moves or turns less than this cannot be steered."""
+SAME_AS: Final[dict[BoxShape, dict[Face, Face]]] = {
+    "cuboid": {"front": "rear", "left": "right"},
+    "cylinder": {"right": "rear", "front": "rear", "left": "rear"},
+    "wedge": {},
+    "l_shape": {},
+}
+"""Faces that are pushed like another one, by symmetry."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample:
+    """What one push did, in the frame that is pushed, as it was before."""
+
+    face: Face
+    leg: FrontLeg
+    w1: float
+    w2: float
+    depth_m: float
+    forward_m: float
+    left_m: float
+    turn_rad: float
+
+
+class PushEffect(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Mean displacement of the box's centre and turn by one push cycle, and standard deviations over the pushes."""
+
+    face: Face
+    leg: FrontLeg
+    w1: float
+    w2: float
+    depth_m: float
+    n: int
+    forward_m: float
+    forward_sd_m: float
+    left_m: float
+    left_sd_m: float
+    turn_deg: float
+    turn_sd_deg: float
+
+
+class TurningCircle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Of the box pushed by one foot alone, with 95 % intervals."""
+
+    face: Face
+    radius_m: Estimate
+    """Of the circle of the axle: the point that does not slip sideways."""
+    axle_m: Estimate
+    """How far behind the box's centre that point is."""
+
+
+class PushMap(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The file `push_map.json`."""
+
+    format: Literal["legpush push map 1"] = "legpush push map 1"
+    box: Box
+    effects: tuple[PushEffect, ...]
+    circles: tuple[TurningCircle, ...]
+    command: str
+    """That made it."""
+
+    def model(self, face: Face) -> PushModel:
+        """The effects of pushes at a face with the first curve, both legs together, as the rows of a model."""
+        measured = self._measured(face)
+        w1, w2 = self.effects[0].w1, self.effects[0].w2
+        mine = [e for e in self.effects if (e.face, e.w1, e.w2) == (measured, w1, w2)]
+        rows = [(0.0, 0.0, 0.0, 0.0)]
+        for depth_m in sorted({effect.depth_m for effect in mine}):
+            at = [effect for effect in mine if effect.depth_m == depth_m]
+            mirrored = [(e.forward_m, MIRROR[e.leg] * e.left_m, MIRROR[e.leg] * e.turn_deg) for e in at]
+            rows.append((depth_m, *np.average(mirrored, axis=0, weights=[e.n for e in at]).tolist()))
+        depths, forward, left, turn = (tuple(column) for column in zip(*rows, strict=True))
+        box = pushed_box(self.box, face)
+        return PushModel(box=box, w1=w1, w2=w2, depth_m=depths, forward_m=forward, left_m=left, turn_deg=turn)
+
+    def _measured(self, face: Face) -> Face:
+        return _same_as(self.box).get(face, face)
+
+
+def measured_faces(box: Box) -> tuple[Face, ...]:
+    """Those that have to be measured, all that can be pushed being like one of them."""
+    return tuple(face for face in FACES if face in PUSHABLE[box.shape] and face not in _same_as(box))
+
+
+def _same_as(box: Box) -> dict[Face, Face]:
+    is_square = box.size_m[0] == box.size_m[1]
+    return SAME_AS["cylinder" if box.shape == "cuboid" and is_square else box.shape]
+
+
+def make_push_map(box: Box, samples: Sequence[Sample], command: str) -> PushMap:
+    """Means and spreads of the samples: at least two for each face, leg, curve and depth."""
+    groups: dict[tuple[Face, FrontLeg, float, float, float], list[Sample]] = {}
+    for sample in samples:
+        groups.setdefault((sample.face, sample.leg, sample.w1, sample.w2, sample.depth_m), []).append(sample)
+    first = samples[0]
+    circles = []
+    for face in dict.fromkeys(sample.face for sample in samples):
+        mine = [s for s in samples if (s.face, s.w1, s.w2) == (face, first.w1, first.w2)]
+        depth_m = min({s.depth_m for s in mine}, key=lambda depth_m: abs(depth_m - USUAL_DEPTH_M))
+        usual = [s for s in mine if s.depth_m == depth_m]
+        _require_turn(face, depth_m, usual)
+        circles.append(_circle(face, usual))
+    return PushMap(
+        box=box,
+        effects=tuple(_effect(*key, group) for key, group in groups.items()),
+        circles=tuple(circles),
+        command=command,
+    )
+
+
+def _require_turn(face: Face, depth_m: float, samples: Sequence[Sample]) -> None:
+    """One foot has to move the box forward and turn it away from itself."""
+    forward_m = float(np.mean([sample.forward_m for sample in samples]))
+    turn_rad = float(np.mean([-MIRROR[sample.leg] * sample.turn_rad for sample in samples]))
+    if forward_m < LEAST_FORWARD_M or turn_rad < LEAST_TURN_RAD:
+        raise ConfigError(
+            f"Expected a box that one foot pushes forward and turns, but {depth_m} m deep at the {face} face it moves "
+            f"{100 * forward_m:.2f} cm and turns {degrees(turn_rad):.2f}°: push deeper, or take another box"
+        )
+
+
+def _effect(face: Face, leg: FrontLeg, w1: float, w2: float, depth_m: float, samples: Sequence[Sample]) -> PushEffect:
+    values = np.array([(s.forward_m, s.left_m, degrees(s.turn_rad)) for s in samples])
+    (forward_m, left_m, turn_deg), (forward_sd_m, left_sd_m, turn_sd_deg) = (
+        values.mean(axis=0).round(5).tolist(),
+        values.std(axis=0, ddof=1).round(5).tolist(),
+    )
+    return PushEffect(
+        face=face,
+        leg=leg,
+        w1=w1,
+        w2=w2,
+        depth_m=depth_m,
+        n=len(samples),
+        forward_m=forward_m,
+        forward_sd_m=forward_sd_m,
+        left_m=left_m,
+        left_sd_m=left_sd_m,
+        turn_deg=turn_deg,
+        turn_sd_deg=turn_sd_deg,
+    )
+
+
+def _circle(face: Face, samples: Sequence[Sample]) -> TurningCircle:
+    """Radius and axle of mean effects, with the percentile bootstrap, drawn with a fixed seed."""
+    values = np.array([(s.forward_m, -MIRROR[s.leg] * s.left_m, -MIRROR[s.leg] * s.turn_rad) for s in samples])
+    drawn = values[np.random.default_rng(0).integers(len(values), size=(N_BOOTSTRAP, len(values)))].mean(axis=1)
+    return TurningCircle(face=face, radius_m=_ratio(values, drawn, 0), axle_m=_ratio(values, drawn, 1))
+
+
+def _ratio(values: Floats, drawn: Floats, column: int) -> Estimate:
+    """Of the mean of a column to the mean turn."""
+    mean = values.mean(axis=0)
+    low, high = np.quantile(drawn[:, column] / drawn[:, 2], (0.025, 0.975)).round(4).tolist()
+    return Estimate(value=round(float(mean[column] / mean[2]), 4), low=low, high=high)
+
+
+def write_push_map(push_map: PushMap, path: Path) -> None:
+    """As JSON for people and programs."""
+    write_whole(path, msgspec.json.format(msgspec.json.encode(push_map), indent=1) + b"\n")
+
+
+def load_push_map(path: Path, box: Box) -> PushMap:
+    """The map in a file, which has to be one of this box, but for its mass and friction; `ConfigError` otherwise."""
+    try:
+        push_map = msgspec.json.decode(path.read_bytes(), type=PushMap)
+    except OSError as error:
+        raise ConfigError(f"{path}: expected a push map that `legpush calibrate` wrote ({error.strerror})") from error
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: expected a push map that `legpush calibrate` wrote ({error})") from error
+    of = (push_map.box.shape, push_map.box.size_m)
+    if of != (box.shape, box.size_m):
+        raise ConfigError(
+            f"{path}: expected the push map of a {box.shape} of {_size(box)}, got that of a {push_map.box.shape} of "
+            f"{_size(push_map.box)}; `legpush calibrate` makes one"
+        )
+    have, need = {effect.face for effect in push_map.effects}, measured_faces(box)
+    if missing := [face for face in need if face not in have]:
+        raise ConfigError(f"{path}: expected effects of pushes at {', '.join(need)}, none at {', '.join(missing)}")
+    first = push_map.effects[0]
+    for face in need:
+        depths_m = [e.depth_m for e in push_map.effects if (e.face, e.w1, e.w2) == (face, first.w1, first.w2)]
+        if not depths_m or max(depths_m) < USUAL_DEPTH_M:
+            raise ConfigError(f"{path}: expected pushes of {USUAL_DEPTH_M} m or more at the {face} face in the map")
+        if PushEstimate(pushed_box(box, face), push_map.model(face)).turning_radius_m <= 0.0:
+            raise ConfigError(f"{path}: expected pushes at the {face} face that turn the box away from the foot")
+    return push_map
+
+
+def _size(box: Box) -> str:
+    return " x ".join(f"{side:g}" for side in box.size_m) + " m"

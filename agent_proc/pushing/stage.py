@@ -1,0 +1,118 @@
+"""A stage of the box's path, pushed at one face: where on it a pose is, and how straight it is there."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import groupby
+from math import cos, hypot, radians, sin
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.geometry import Pose2
+from legpush.messages.planning import Plan
+from legpush.scene.faces import pushed_pose
+from legpush.scene.scenario import Face
+
+Floats = NDArray[np.float64]
+
+STRAIGHT_RAD_PER_M: Final = radians(5.0)
+"""What curves less than this is straight."""
+SAME_PLACE_M: Final = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deviation:
+    """Where a pose is relative to a path."""
+
+    distance_m: float
+    """Along the path, of the point that is nearest."""
+    left_m: float
+    """Of the path, negative to the right of it."""
+    heading_rad: float
+    """Less that of the path."""
+
+
+class BoxPath:
+    """One end of a stage to the other.
+
+    The path is that of the axle, a point behind the box's centre that does not slip sideways; poses that come in and go
+    out are those of the centre, heading in the pushing direction.
+    """
+
+    def __init__(self, face: Face, poses: tuple[Pose2, ...], axle_m: float, end: Pose2 | None = None) -> None:
+        """`poses` are those of the box, at least two, as the planner gave them; `end`, where the box should be at last,
+        if that is not the last one.
+        """
+        self.face = face
+        self._axle_m = axle_m
+        behind = Pose2(x_m=-axle_m, y_m=0.0, yaw_rad=0.0)
+        pushed = [pushed_pose(pose, face) @ behind for pose in poses]
+        kept = [pushed[0]]
+        for pose in pushed[1:]:
+            if hypot(pose.x_m - kept[-1].x_m, pose.y_m - kept[-1].y_m) > SAME_PLACE_M:
+                kept.append(pose)
+        self.end = pushed_pose(poses[-1] if end is None else end, face)
+        self._xy = np.array([pose.xy() for pose in kept])
+        self._yaw = np.unwrap([pose.yaw_rad for pose in kept])
+        steps = np.hypot(*np.diff(self._xy, axis=0).T)
+        self._at_m: Floats = np.concatenate([[0.0], np.cumsum(steps)])
+        self.length_m = float(self._at_m[-1])
+        curved = np.abs(np.diff(self._yaw)) > STRAIGHT_RAD_PER_M * steps
+        self._straight_until_m = np.empty(len(kept))
+        end_m = self.length_m
+        self._straight_until_m[-1] = end_m
+        for index in range(len(kept) - 2, -1, -1):
+            if curved[index]:
+                end_m = float(self._at_m[index])
+            self._straight_until_m[index] = end_m
+
+    def pose(self, at_m: float) -> Pose2:
+        """At a distance along it; straight on beyond its end."""
+        within_m = min(max(at_m, 0.0), self.length_m)
+        x_m, y_m = (float(np.interp(within_m, self._at_m, self._xy[:, axis])) for axis in (0, 1))
+        yaw_rad = float(np.interp(within_m, self._at_m, self._yaw))
+        beyond_m = max(0.0, at_m - self.length_m) + self._axle_m
+        return Pose2(x_m=x_m + beyond_m * cos(yaw_rad), y_m=y_m + beyond_m * sin(yaw_rad), yaw_rad=yaw_rad)
+
+    def straight_until_m(self, at_m: float) -> float:
+        """Where the straight stretch ends on which a place is; `at_m` itself where it is on an arc."""
+        index = min(int(np.searchsorted(self._at_m, at_m + SAME_PLACE_M, side="right")) - 1, len(self._at_m) - 1)
+        return max(float(self._straight_until_m[max(index, 0)]), at_m)
+
+    def deviations(self, poses: Floats, from_m: float, to_m: float) -> tuple[Floats, Floats, Floats]:
+        """Of poses, (n, 3), from the part of the path between two distances: along, left and heading, (n,) each."""
+        low = int(np.searchsorted(self._at_m, from_m, side="right")) - 1
+        high = max(int(np.searchsorted(self._at_m, to_m, side="left")) + 1, low + 2)
+        low = min(max(low, 0), len(self._at_m) - 2)
+        points, at = self._xy[low:high], self._at_m[low:high]
+        heading = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
+        axles = poses[:, :2] - self._axle_m * heading
+        steps = np.diff(points, axis=0)
+        lengths = np.diff(at)
+        offset = axles[:, None] - points[None, :-1]
+        share = np.clip((offset * steps).sum(axis=-1) / lengths**2, 0.0, 1.0)
+        apart = np.hypot(*np.moveaxis(offset - share[..., None] * steps, -1, 0))
+        nearest = apart.argmin(axis=1)
+        rows = np.arange(len(poses))
+        along = at[nearest] + share[rows, nearest] * lengths[nearest]
+        yaw = np.interp(along, self._at_m, self._yaw)
+        x, y = np.interp(along, self._at_m, self._xy[:, 0]), np.interp(along, self._at_m, self._xy[:, 1])
+        left = np.cos(yaw) * (axles[:, 1] - y) - np.sin(yaw) * (axles[:, 0] - x)
+        turn = poses[:, 2] - yaw
+        return along, left, np.arctan2(np.sin(turn), np.cos(turn))
+
+    def deviation(self, pose: Pose2, from_m: float, to_m: float) -> Deviation:
+        """Of one pose of the frame that is pushed."""
+        along, left, heading = self.deviations(np.array([[pose.x_m, pose.y_m, pose.yaw_rad]]), from_m, to_m)
+        return Deviation(distance_m=float(along[0]), left_m=float(left[0]), heading_rad=float(heading[0]))
+
+
+def stages(plan: Plan, axles_m: Mapping[Face, float]) -> list[BoxPath]:
+    """A planned path of the box, face by face; the faces in the order of the query's sides, each with its axle."""
+    found, faces = [], tuple(axles_m)
+    numbered = list(zip(plan.sides, plan.waypoints, strict=True))
+    for side, run in groupby(numbered, key=lambda item: item[0]):
+        face = faces[side]
+        found.append(BoxPath(face, tuple(pose for _, pose in run), axles_m[face]))
+    return found

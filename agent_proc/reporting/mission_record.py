@@ -1,0 +1,141 @@
+"""What happened in a mission, read from its journal into arrays: what report and picture are made from."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from agent_proc.frames.poses import BoxError, box_error
+from legpush.errors import JournalError
+from legpush.geometry import Pose2, rpy_from_quaternion
+from legpush.lockstep.episode import PlanRecord, StepRecord
+from legpush.messages.planning import BoxPathQuery
+from legpush.messages.stepping import Follow, Motion, Push, Reset, Trace, WorldState
+from legpush.scene.reference import reference_curve
+from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, LEGS
+from legpush.scene.scenario import Scenario
+
+Floats = NDArray[np.float64]
+
+N_QPOS: Final = 26
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ticks:
+    """One row per tick in each array."""
+
+    time_s: Floats
+    """(n,)"""
+    trunk_m: Floats
+    """The trunk's position on the floor, (n, 2)."""
+    roll_pitch_rad: Floats
+    """(n, 2)"""
+    tips_m: Floats
+    """In the order of `LEGS`, (n, 4, 3)."""
+    support_margin_m: Floats
+    """(n,)"""
+    box: Floats
+    """x, y, yaw, (n, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A motion and what it led to."""
+
+    motion: Motion
+    world: WorldState
+    state_crc: int
+    ticks: Ticks
+    path_m: Floats
+    """The path that was given last, (m, 2); empty before the first."""
+    box_path_m: Floats
+    """The reference, or the path of the box that was planned last, (m, 2); empty before the first."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissionRecord:
+    """A mission, in order."""
+
+    scenario: Scenario
+    seed: int
+    plans: list[PlanRecord]
+    steps: list[Step]
+    """The first is the reset."""
+
+    def ticks(self) -> Ticks:
+        """Of all steps."""
+        return _join(step.ticks for step in self.steps)
+
+    def pushing(self) -> list[Step]:
+        """The push cycles, after the step that came before them; empty if there was none."""
+        first = next((index for index, step in enumerate(self.steps) if isinstance(step.motion, Push)), None)
+        return [] if first is None else self.steps[first - 1 :]
+
+    def box_error(self, step: Step) -> BoxError:
+        """At the end of a step."""
+        return box_error(step.world, self.scenario)
+
+
+def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
+    """Read a mission; `JournalError` if it does not begin with a reset or has a step without its trace."""
+    plans: list[PlanRecord] = []
+    steps: list[Step] = []
+    path_m = box_path_m = np.empty((0, 2))
+    reference = None
+    for record in records:
+        if isinstance(record, PlanRecord):
+            plans.append(record)
+            if isinstance(record.query, BoxPathQuery) and record.plan.waypoints and reference is None:
+                box_path_m = _positions(record.plan.waypoints)
+            continue
+        motion, outcome = record
+        if isinstance(motion, Follow):
+            path_m = _positions(motion.waypoints)
+        elif isinstance(motion, Reset) and (reference := motion.scenario.reference) is not None:
+            box_path_m = reference_curve(reference, motion.scenario.box.pose.pose())[:, :2]
+        step = Step(
+            motion=motion,
+            world=outcome.world,
+            state_crc=outcome.state_crc,
+            ticks=_ticks(outcome.trace, len(steps)),
+            path_m=path_m,
+            box_path_m=box_path_m,
+        )
+        steps.append(step)
+    if not steps or not isinstance(reset := steps[0].motion, Reset):
+        raise JournalError("Expected a reset as the first step of the journal")
+    return MissionRecord(scenario=reset.scenario, seed=reset.seed, plans=plans, steps=steps)
+
+
+def _positions(waypoints: Iterable[Pose2]) -> Floats:
+    return np.array([[pose.x_m, pose.y_m] for pose in waypoints])
+
+
+def _ticks(trace: Trace | None, index: int) -> Ticks:
+    if trace is None:
+        raise JournalError(f"Expected a journal with the trace of each step, got step {index} without one")
+    n = len(trace.tick)
+
+    def rows(values: ArrayLike, *shape: int) -> Floats:
+        return np.array(values, dtype=np.float64).reshape(n, *shape)
+
+    qpos = rows(trace.qpos, N_QPOS)
+    box = qpos[:, BOX_QPOS]
+    return Ticks(
+        time_s=rows(trace.tick) * CONTROL_PERIOD_S,
+        trunk_m=qpos[:, :2],
+        roll_pitch_rad=rows(trace.roll_pitch_rad, 2),
+        tips_m=rows(trace.tips_m, len(LEGS), 3),
+        support_margin_m=rows(trace.support_margin_m),
+        box=np.column_stack([box[:, :2], rpy_from_quaternion(box[:, 3:])[:, 2]]),
+    )
+
+
+def _join(parts: Iterable[Ticks]) -> Ticks:
+    """The rows of all parts."""
+    parts = list(parts)
+    return Ticks(
+        **{field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Ticks)}
+    )

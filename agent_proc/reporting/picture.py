@@ -1,0 +1,306 @@
+"""`mission.png`: the whole mission in one figure, from what its journal recorded."""
+
+from itertools import groupby
+from math import ceil, degrees
+from pathlib import Path
+from textwrap import shorten
+from typing import Any, Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Polygon
+from matplotlib.ticker import MaxNLocator
+
+from agent_proc.frames.poses import planar_pose
+from agent_proc.mission.mission import MissionResult
+from agent_proc.reporting.mission_record import Floats, MissionRecord
+from agent_proc.reporting.picture_parts import (
+    MAX_POINTS,
+    appeared,
+    box_at,
+    extent,
+    followed,
+    handover_place,
+    thin,
+    widen,
+)
+from legpush.geometry import Pose2
+from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
+from legpush.messages.stepping import Motion, Push, Walk
+from legpush.scene.footprints import Footprint, box_footprint, obstacle_footprint
+from legpush.scene.occupancy import room_by_now
+from legpush.scene.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
+
+STYLE: Final[dict[Any, Any]] = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.7,
+    "axes.edgecolor": "#8a8f98",
+    "axes.labelcolor": "#333840",
+    "xtick.color": "#555b65",
+    "ytick.color": "#555b65",
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+}
+WALL, FLOOR, INK, GRID = "#3b3f46", "#ffffff", "#1b2a41", "#e6e8eb"
+TREE, RAW, SMOOTH, TRUNK = "#9dbbdc", "#c8553d", "#4a9b6e", "#1b2a41"
+FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0"}
+BOX, GOAL, BLUE = "#8d6748", "#2b8a4b", "#3a6ea5"
+APPEARED, GIVEN_UP = "#b8651b", "#77706a"
+PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
+LEAST_NAMED: Final = 0.08
+"""Share of the mission's time below which a phase has no room for its name."""
+DPI: Final = 160
+HEADLINE_LENGTH: Final = 140
+WORLD: Final = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+ZOOM_ASPECT: Final = 2.45
+BEHIND_M: Final = np.array([0.6, 0.2])
+BESIDE_M: Final = np.array([0.1, 0.2])
+ERROR_TICKS: Final = (0, 1, 3, 10, 30, 100, 300, 1000)
+N_GHOSTS: Final = 8
+"""Outlines of the box on its way."""
+
+
+def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> None:
+    """Draw the mission and write it as PNG."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(13.6, 7.8), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.06))
+        FigureCanvasAgg(figure)
+        grid = figure.add_gridspec(4, 2, width_ratios=[1.42, 1.0], height_ratios=[2.5, 1.0, 1.0, 1.15])
+        plan = figure.add_subplot(grid[:, 0])
+        _draw_plan(plan, record, result)
+        _draw_zoom(figure.add_subplot(grid[0, 1]), record)
+        tilt = figure.add_subplot(grid[1, 1])
+        _draw_tilt(tilt, record)
+        _draw_margin(figure.add_subplot(grid[2, 1], sharex=tilt), record)
+        _draw_box_error(figure.add_subplot(grid[3, 1]), record)
+        handles, labels = plan.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=ceil(len(labels) / 2))
+        figure.suptitle(_headline(record, result), x=0.012, ha="left", fontsize=11.5, fontweight="bold", color=INK)
+        figure.savefig(path, dpi=DPI)
+
+
+def _headline(record: MissionRecord, result: MissionResult) -> str:
+    outcome = "success" if result.success else result.reason.replace("_", " ")
+    return shorten(f"{record.scenario.name}, seed {record.seed}: {outcome} · {result.detail}", HEADLINE_LENGTH)
+
+
+def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None:
+    """The room with everything that happened in it."""
+    _draw_room(axes, record)
+    _draw_trunk_plans(axes, [each.plan for each in record.plans if isinstance(each.query, TrunkPathQuery)])
+    if record.scenario.reference is not None:
+        axes.plot(*record.steps[0].box_path_m.T, color=GOAL, lw=1.6, ls=(0, (4, 1)), label="reference", zorder=6)
+    _draw_box_plans(axes, [each.plan for each in record.plans if isinstance(each.query, BoxPathQuery)])
+    follows = followed(record)
+    labels = {False: "smoothed path", True: "path given up"}
+    for step, given_up in follows:
+        color, dashes = (GIVEN_UP, (0, (2, 1))) if given_up else (SMOOTH, "-")
+        label = labels.pop(given_up, None)
+        axes.plot(
+            *step.path_m.T, color=color, lw=3.2, ls=dashes, alpha=0.45, label=label, zorder=3, solid_capstyle="round"
+        )
+    _draw_feet(axes, record, WORLD, 0.55)
+    axes.plot(*thin(record.ticks().trunk_m).T, color=TRUNK, lw=1.1, label="trunk", zorder=5)
+    _draw_robot(axes, planar_pose(record.steps[0].world.trunk), label="robot at start and end")
+    _draw_robot(axes, planar_pose(record.steps[-1].world.trunk))
+    if result.handover_distance_m is not None and len(follows) > 1:
+        here = handover_place(record, result.handover_distance_m)
+        label = f"hand-over, {result.handover_distance_m:.2f} m from the box"
+        axes.plot(here.x_m, here.y_m, "o", ms=5.5, mfc="white", mec=INK, mew=1.2, ls="", label=label, zorder=7)
+    _draw_box(axes, record)
+    low, high = extent(record)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    axes.set_anchor("N")
+
+
+def _draw_trunk_plans(axes: Axes, plans: list[Plan]) -> None:
+    for index, plan in enumerate(plans):
+        if plan.tree is not None and plan.tree.points_m:
+            points = np.array(plan.tree.points_m)
+            edges = np.stack([points, points[list(plan.tree.parents)]], axis=1)
+            label = "search tree" if index == 0 else None
+            axes.add_collection(LineCollection(list(edges), colors=TREE, linewidths=0.5, label=label, zorder=2))
+        raw = np.array(plan.raw_path_m).reshape(-1, 2)
+        axes.plot(*raw.T, color=RAW, lw=0.9, ls=(0, (4, 2)), label="raw path" if index == 0 else None, zorder=3)
+
+
+def _draw_box_plans(axes: Axes, plans: list[Plan]) -> None:
+    """The first path of the box, and more lightly those that were planned on the way."""
+    for index, plan in enumerate(plans):
+        path = np.array([[pose.x_m, pose.y_m] for pose in plan.waypoints]).reshape(-1, 2)
+        label = "planned path of the box" if index == 0 else None
+        alpha = 1.0 if index == 0 else 0.4
+        axes.plot(*path.T, color=GOAL, lw=1.6, ls=(0, (1, 1)), alpha=alpha, label=label, zorder=6)
+
+
+def _draw_zoom(axes: Axes, record: MissionRecord) -> None:
+    """The neighbourhood of the box, turned so that the goal's heading is to the right."""
+    scenario = record.scenario
+    seen = scenario.goal.pose.pose().inverse()
+    _draw_room(axes, record, seen)
+    _draw_feet(axes, record, seen, 0.7)
+    axes.plot(*seen.apply(thin(record.ticks().trunk_m)).T, color=TRUNK, lw=0.7, alpha=0.8, zorder=5)
+    _draw_robot(axes, planar_pose(record.steps[-1].world.trunk), seen)
+    _draw_box(axes, record, seen)
+    outlines = [box_at(record, step).corners() for step in (record.steps[0], record.steps[-1])]
+    corners = seen.apply(np.concatenate([*outlines, box_footprint(scenario.box, scenario.goal.pose.pose()).corners()]))
+    low, high = widen(corners.min(axis=0) - BEHIND_M, corners.max(axis=0) + BESIDE_M, ZOOM_ASPECT)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    axes.set(xlabel="along the goal's heading, from the goal [m]", ylabel="across [m]")
+    axes.set_title("Pushing")
+
+
+def _draw_room(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
+    room = record.scenario.room
+    axes.set_facecolor(FLOOR)
+    axes.grid(color=GRID, lw=0.6, zorder=0)
+    axes.set_axisbelow(True)
+    label: str | None = "obstacle"
+    for obstacle in room_by_now(room, ()).obstacles:
+        corners = seen.apply(obstacle_footprint(obstacle).corners())
+        axes.add_patch(Polygon(corners, color=WALL, lw=0, label=label, zorder=2.5))
+        label = None
+    _draw_appeared(axes, record, seen)
+
+
+def _draw_appeared(axes: Axes, record: MissionRecord, seen: Pose2) -> None:
+    """What appeared, hatched, with the time beside it."""
+    label: str | None = "appeared later"
+    for each in appeared(record):
+        place = obstacle_footprint(record.scenario.room.obstacles[each.obstacle])
+        axes.add_patch(
+            Polygon(seen.apply(place.corners()), fc=FLOOR, ec=APPEARED, hatch="/////", lw=1.0, label=label, zorder=2.5)
+        )
+        label = None
+        x_m, y_m = seen.apply(place.pose.xy()[None])[0]
+        axes.annotate(
+            f"{each.tick * CONTROL_PERIOD_S:.0f} s",
+            (x_m, y_m),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            color=APPEARED,
+            fontsize=8.0,
+            fontweight="bold",
+            clip_on=True,
+            bbox={"fc": FLOOR, "ec": "none", "alpha": 0.8, "pad": 0.8},
+            zorder=7,
+        )
+
+
+def _draw_feet(axes: Axes, record: MissionRecord, seen: Pose2, width: float) -> None:
+    tips = record.ticks().tips_m
+    for index, leg in enumerate(LEGS):
+        axes.plot(
+            *seen.apply(thin(tips[:, index, :2])).T,
+            color=FEET[leg],
+            lw=width,
+            alpha=0.9,
+            label=f"foot {leg}",
+            zorder=4,
+        )
+
+
+def _draw_robot(axes: Axes, trunk: Pose2, seen: Pose2 = WORLD, label: str | None = None) -> None:
+    """The foot rectangle and where its front is."""
+    trunk = seen @ trunk
+    outline = Footprint(pose=trunk, length_m=FOOT_RECTANGLE_LENGTH_M, width_m=FOOT_RECTANGLE_WIDTH_M).corners()
+    axes.add_patch(Polygon(outline, fill=False, ec=INK, lw=1.1, label=label, zorder=6))
+    nose = trunk.apply([[FOOT_RECTANGLE_LENGTH_M / 2, 0.0], [0.0, 0.0]])
+    axes.plot(*nose.T, color=INK, lw=1.1, zorder=6)
+
+
+def _draw_box(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
+    """Its start, its way, its end and its goal."""
+    steps = record.pushing() or record.steps[-1:]
+    ghosts = np.unique(np.linspace(0, len(steps) - 1, N_GHOSTS + 2, dtype=int))[1:-1]
+    start, end = (seen.apply(box_at(record, step).corners()) for step in (record.steps[0], record.steps[-1]))
+    goal = seen.apply(box_footprint(record.scenario.box, record.scenario.goal.pose.pose()).corners())
+    for index in ghosts:
+        corners = seen.apply(box_at(record, steps[index]).corners())
+        axes.add_patch(Polygon(corners, fill=False, ec=BOX, lw=0.6, alpha=0.55, zorder=5))
+    axes.add_patch(Polygon(start, fill=False, ec=BOX, lw=1.3, ls=(0, (3, 1.5)), label="box at start", zorder=5))
+    axes.add_patch(Polygon(end, fc=BOX, ec=BOX, alpha=0.45, lw=1.3, label="box at end", zorder=5))
+    track = seen.apply(thin(record.ticks().box[:, :2]))
+    axes.plot(*track.T, color=BOX, lw=1.3, label="box track", zorder=6)
+    axes.add_patch(Polygon(goal, fill=False, ec=GOAL, lw=1.6, label="goal", zorder=6))
+
+
+def _draw_tilt(axes: Axes, record: MissionRecord) -> None:
+    ticks = record.ticks()
+    _shade_phases(axes, record)
+    roll, pitch = np.degrees(ticks.roll_pitch_rad).T
+    _draw_series(axes, ticks.time_s, pitch, RAW, "pitch")
+    _draw_series(axes, ticks.time_s, roll, BLUE, "roll")
+    axes.set(ylabel="angle [°]")
+    axes.set_title("Trunk pitch and roll")
+    _legend_above(axes)
+
+
+def _draw_margin(axes: Axes, record: MissionRecord) -> None:
+    ticks = record.ticks()
+    _shade_phases(axes, record)
+    _draw_series(axes, ticks.time_s, 100.0 * ticks.support_margin_m, "#4a6b5d", "")
+    axes.axhline(0.0, color=RAW, lw=0.8)
+    axes.set(xlabel="simulated time [s]", ylabel="margin [cm]")
+    axes.set_title("Support margin of the CoM")
+
+
+def _draw_box_error(axes: Axes, record: MissionRecord) -> None:
+    """In tolerances, so that one line means success."""
+    goal = record.scenario.goal
+    errors = [record.box_error(step) for step in record.pushing()]
+    cycles = range(len(errors))
+    position = [error.position_m / goal.position_tolerance_m for error in errors]
+    angle = [degrees(error.angle_rad) / goal.angle_tolerance_deg for error in errors]
+    axes.axhspan(0.0, 1.0, color=GOAL, alpha=0.1, lw=0)
+    for values, color, label in (
+        (position, BOX, f"position (in {100 * goal.position_tolerance_m:g} cm)"),
+        (angle, BLUE, f"angle (in {goal.angle_tolerance_deg:g}°)"),
+    ):
+        axes.plot(cycles, values, color=color, label=label, marker="o", ms=2.6, lw=1.0)
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
+    top = 1.6 * max([2.0, *position, *angle])
+    axes.set(xlabel="push cycle", ylabel="error / tolerance", ylim=(0.0, top))
+    axes.set_yticks([tick for tick in ERROR_TICKS if tick < top], minor=False)
+    axes.set_yticks([], minor=True)
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_title("Box error")
+    _legend_above(axes)
+
+
+def _legend_above(axes: Axes) -> None:
+    """On the line of the title, at the right."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1, handlelength=1.4)
+
+
+def _draw_series(axes: Axes, time_s: Floats, values: Floats, color: str, label: str) -> None:
+    """A line over time that keeps its extremes however long it is: the band between them, chunk by chunk."""
+    starts = np.linspace(0, len(values), min(len(values), MAX_POINTS // 4), endpoint=False).astype(int)
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    axes.fill_between(time_s[starts], low, high, color=color, lw=0.6, alpha=0.85, label=label)
+
+
+def _shade_phases(axes: Axes, record: MissionRecord) -> None:
+    """Walking and pushing, told apart by the background, with a name where there is room."""
+    end_s = max(record.steps[-1].world.tick * CONTROL_PERIOD_S, 1.0)
+    moving = [step for step in record.steps if isinstance(step.motion, Walk | Push) and len(step.ticks.time_s)]
+    for kind, run in groupby(moving, key=lambda step: type(step.motion)):
+        steps = list(run)
+        name, color = PHASES[kind]
+        begin, end = steps[0].ticks.time_s[0], steps[-1].ticks.time_s[-1]
+        axes.axvspan(begin, end, color=color, lw=0, zorder=0)
+        if end - begin >= LEAST_NAMED * end_s:
+            where = axes.get_xaxis_transform()
+            axes.text(begin, 0.96, f" {name}", transform=where, va="top", fontsize=7.5, color="#6b717b")
+    axes.margins(y=0.25)
+    axes.set_xlim(0.0, end_s)

@@ -1,0 +1,84 @@
+"""What the picture of a mission is made of, in metres: outlines, paths that were given up, what fits into the frame."""
+
+from math import ceil
+from typing import Final
+
+import numpy as np
+
+from agent_proc.frames.poses import distance_m, planar_pose
+from agent_proc.reporting.mission_record import Floats, MissionRecord, Step
+from agent_proc.walking.obstacles import is_in_walk
+from legpush.geometry import Pose2
+from legpush.messages.stepping import Appearance, Follow, WorldState
+from legpush.scene.footprints import Footprint, box_footprint
+
+MAX_POINTS: Final = 4000
+"""Longer lines are thinned: more cannot be seen."""
+PLAN_ASPECT: Final = 1.15
+AROUND_M: Final = 2.0
+
+
+def appeared(record: MissionRecord) -> tuple[Appearance, ...]:
+    """The obstacles that have appeared by the end."""
+    return record.steps[-1].world.appeared
+
+
+def followed(record: MissionRecord) -> list[tuple[Step, bool]]:
+    """Every path of the robot at its beginning, and whether an obstacle appeared in the way of what was left of it."""
+    begins = [index for index, step in enumerate(record.steps) if isinstance(step.motion, Follow)]
+    ends = [*begins, len(record.steps)][1:]
+    return [
+        (record.steps[begin], _was_given_up(record, record.steps[begin], record.steps[end - 1].world))
+        for begin, end in zip(begins, ends, strict=True)
+    ]
+
+
+def _was_given_up(record: MissionRecord, follow: Step, last: WorldState) -> bool:
+    """`last` is the world before the next path."""
+    if not isinstance(follow.motion, Follow) or last.path is None or last.path.done:
+        return False
+    obstacles = record.scenario.room.obstacles
+    return any(
+        is_in_walk(obstacles[new.obstacle], record.scenario, follow.motion.waypoints, last.path.travelled_m)
+        for new in last.appeared[len(follow.world.appeared) :]
+    )
+
+
+def handover_place(record: MissionRecord, handover_distance_m: float) -> Pose2:
+    """Where the path began that was taken at that distance from the box."""
+
+    def off_m(step: Step) -> float:
+        return abs(distance_m(planar_pose(step.world.trunk), planar_pose(step.world.box)) - handover_distance_m)
+
+    return planar_pose(min((step for step, _ in followed(record)), key=off_m).world.trunk)
+
+
+def box_at(record: MissionRecord, step: Step) -> Footprint:
+    """The floor that the box covers at the end of a step."""
+    return box_footprint(record.scenario.box, planar_pose(step.world.box))
+
+
+def extent(record: MissionRecord) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner of the part of the room where something happened, with some space around."""
+    scenario = record.scenario
+    start, goal = box_at(record, record.steps[0]), box_footprint(scenario.box, scenario.goal.pose.pose())
+    planned = [np.array(each.plan.raw_path_m).reshape(-1, 2) for each in record.plans]
+    trunks = np.array([planar_pose(step.world.trunk).xy() for step in record.steps])
+    paths = [step.path_m for step in record.steps]
+    points = np.concatenate([start.corners(), goal.corners(), *planned, trunks, *paths])
+    low, high = widen(points.min(axis=0) - AROUND_M, points.max(axis=0) + AROUND_M, PLAN_ASPECT)
+    return np.maximum(low, 0.0), np.minimum(high, scenario.room.size_m)
+
+
+def widen(low: Floats, high: Floats, width_by_height: float) -> tuple[Floats, Floats]:
+    """The smallest rectangle of that shape around the same centre that holds both corners."""
+    centre, half = (low + high) / 2, (high - low) / 2
+    height = max(half[1], half[0] / width_by_height)
+    half = np.array([height * width_by_height, height])
+    return centre - half, centre + half
+
+
+def thin(points: Floats) -> Floats:
+    """Every n-th row, so that few enough are left, and the last one."""
+    every = max(1, ceil(len(points) / MAX_POINTS))
+    return np.concatenate([points[::every], points[-1:]])

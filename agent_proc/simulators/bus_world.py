@@ -1,0 +1,74 @@
+"""Worlds that an environment steps: a simulator in this process, or one on the bus."""
+
+from collections.abc import Mapping
+from typing import Protocol
+
+from legpush.lockstep.client import PastStep, SimLink
+from legpush.messages.stepping import Motion, Outcome, Reset
+
+
+class SteppingWorld(Protocol):
+    """Carries out motions, one at a time; an episode begins with a `Reset`."""
+
+    def step(self, motion: Motion) -> Outcome:
+        """What the motion leads to."""
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Let people know what the last step earned, term by term."""
+
+
+class Stepper(Protocol):
+    """A simulator as a function."""
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """Carry out one motion."""
+
+
+class LocalWorld:
+    """A simulator in this process: no bus, no other process, the same trajectories."""
+
+    def __init__(self, stepper: Stepper) -> None:
+        self._stepper = stepper
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+        """Carry out one motion."""
+        return self._stepper.perform(motion, with_trace=with_trace)
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Nobody watches."""
+
+
+class BusWorld:
+    """A simulator on the bus, which may die at any time: the one that takes its name is led to the same state.
+
+    An episode is never truncated for that. Its past motions are all that it takes to do it again, bit for bit, so what
+    a learner sees does not depend on whether a simulator died. In the same way two worlds may share a link, one at a
+    time: whoever steps after the other has its episode done again first.
+    """
+
+    def __init__(self, link: SimLink) -> None:
+        self.name = link.sim
+        """Of the simulator."""
+        self._link = link
+        self._past: list[PastStep] = []
+        self._episode = -1
+
+    def beside(self) -> "BusWorld":
+        """Another world of the same simulator."""
+        return BusWorld(self._link)
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+        """Carry out one motion; `PeerError` where no simulator answers to the name in time."""
+        if isinstance(motion, Reset):
+            self._past = []
+        if isinstance(motion, Reset) or self._link.episode != self._episode:
+            self._link.begin()
+        outcome = self._link.step(motion, self._past, with_trace=with_trace)
+        self._episode = self._link.episode
+        self._past.append(PastStep(motion, outcome.state_crc))
+        return outcome
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Publish what the last step earned, unless another world uses the link meanwhile."""
+        if self._link.episode == self._episode:
+            self._link.tell_reward(len(self._past) - 1, terms)

@@ -1,0 +1,74 @@
+"""Where a learner's simulators come from: it starts its own, or joins those that run already."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from agent_proc.simulators.bus_world import BusWorld
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import Endpoints, listing
+from legpush.errors import PeerError, StopRequestedError
+from legpush.lockstep.client import SimLink
+from legpush.patience import SLICE_S, Patience, Stopwatch
+
+
+@contextmanager
+def own_simulators(
+    n: int,
+    logs: Path,
+    stop: threading.Event,
+    patience: Patience | None = None,
+    record: Path | None = None,
+    *,
+    kind: str = "simulators",
+    folder: Path | None = None,
+) -> Iterator[list[BusWorld]]:
+    """Worlds of `n` simulators that are started here, and end here; one that dies is replaced. What is said is recorded
+    into the new file `record`, if there is one. `kind` and `folder` are those of the `SimPool`.
+
+    They are there at once; each waits for its simulator when it is first stepped.
+    """
+    from legpush.processes.pool import SimPool
+
+    with (
+        SimPool(n, logs, stop, kind=kind, folder=folder, record=record) as pool,
+        Bus(pool.run, "agent", "main", pool.endpoints, recorded=record is not None) as bus,
+    ):
+        yield _worlds(bus, pool.names, stop, patience)
+
+
+@contextmanager
+def joined_simulators(
+    n: int, run: str, endpoints: Endpoints, stop: threading.Event, patience: Patience | None = None
+) -> Iterator[list[BusWorld]]:
+    """Worlds of the first `n` simulators, by name, that run at these endpoints; whoever runs them replaces the dead.
+
+    `PeerError` where there are not as many within the deadline.
+    """
+    with Bus(run, "agent", "main", endpoints) as bus:
+        names = find_simulators(bus, n, stop, (patience or Patience()).deadline_s)
+        yield _worlds(bus, names[:n], stop, patience)
+
+
+def find_simulators(bus: Bus, n: int, stop: threading.Event, deadline_s: float) -> tuple[str, ...]:
+    """Names of the live simulators, sorted, as soon as there are `n`; `PeerError` past the deadline."""
+    waited = Stopwatch()
+    while not stop.is_set():
+        names = tuple(sorted({peer.name for peer in bus.roster.live("sim")}))
+        if len(names) >= n:
+            return names
+        if waited.tick() > deadline_s:
+            raise PeerError(
+                f"Expected {n} simulators in run {bus.run} within {deadline_s:g} s, found "
+                f"{', '.join(names) or 'none'}, listening on {listing(bus.endpoints.listen)}, connecting "
+                f"to {listing(bus.endpoints.connect)}; `python -m sim_proc --run {bus.run} --name NAME` starts one"
+            )
+        stop.wait(SLICE_S)
+    raise StopRequestedError(f"Asked to stop while waiting for {n} simulators")
+
+
+def _worlds(bus: Bus, names: tuple[str, ...], stop: threading.Event, patience: Patience | None) -> list[BusWorld]:
+    worlds = [BusWorld(SimLink(bus, name, stop=stop, patience=patience)) for name in names]
+    bus.announce()
+    return worlds

@@ -1,0 +1,1 @@
+"""The learning task: what a policy observes, does, and is rewarded for."""

@@ -1,0 +1,90 @@
+"""What is learned: the action, the observation, the reward and the worlds of a pushing task, as one record."""
+
+from dataclasses import dataclass, field, fields
+from typing import Literal
+
+from legpush.errors import ConfigError
+from legpush.scenarios.file import load_scenario
+from legpush.scene.scenario import Scenario
+
+Interval = tuple[float, float]
+"""Lowest and highest value."""
+DEEPEST_M = 0.25
+"""What a push message allows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Domain:
+    """What an episode draws anew, besides the offsets of its scenario; None leaves it as it is there.
+
+    Uniformly, but for the distance: as many episodes between 0.1 and 0.2 m as between 0.5 and 1 m.
+    """
+
+    mass_kg: Interval | None = None
+    """Of the box."""
+    friction: Interval | None = None
+    """Of the box."""
+    distance_m: Interval | None = None
+    """From the box's nominal place to its goal, in the direction that the scenario has: the last pushes are the
+    difficult ones, and an episode that begins nearer has more of them."""
+
+    def __post_init__(self) -> None:
+        for name in (entry.name for entry in fields(self)):
+            interval = getattr(self, name)
+            if interval is not None and not 0.0 < interval[0] <= interval[1]:
+                raise ConfigError(f"Expected 0 < low <= high for {name} of the domain, got {interval}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskConfig:
+    """A pushing task; saved with every policy that was trained on it."""
+
+    entry: Literal["fixed", "variable"] = "variable"
+    """Whether the depth of a push is always the same or part of the action."""
+    action_form: Literal["continuous", "discrete"] = "continuous"
+    """Numbers in [-1, 1], or the published grid of w1, w2 and leg (fixed entry only)."""
+    observation: Literal["paper", "relative"] = "relative"
+    """World positions (Eq. 18), or everything relative to goal and box, mirrored so that the box is left of the line;
+    the leg of an action is mirrored with it."""
+    reward: Literal["paper", "tuned"] = "tuned"
+    """Eqs. 15 to 17, or progress in tolerances. `paper` ends an episode within the tolerances, `tuned` where no push
+    brings the box nearer."""
+    fixed_depth_m: float = 0.05
+    """Depth of every push with fixed entry."""
+    least_depth_m: float = 0.005
+    """Depth of the shallowest push with variable entry."""
+    max_depth_m: float = 0.10
+    """Depth of the deepest push with variable entry."""
+    limit_depth: bool = True
+    """With variable entry: whether the deepest push is at most the one that brings the box up to its goal."""
+    max_steps: int = 200
+    """Push cycles after which an episode is truncated."""
+    scenario: Scenario = field(default_factory=lambda: load_scenario("push"))
+    """Where the robot stands ready to push, the offsets that are drawn, and the goal with its tolerances."""
+    domain: Domain = Domain()
+    """What else varies from episode to episode."""
+
+    def __post_init__(self) -> None:
+        if self.action_form == "discrete" and self.entry != "fixed":
+            raise ConfigError(
+                "Expected entry `fixed` with action_form `discrete`: its grid has no depth, got `variable`"
+            )
+        if not 0.0 < self.fixed_depth_m <= DEEPEST_M:
+            raise ConfigError(f"Expected fixed_depth_m in (0, {DEEPEST_M}], got {self.fixed_depth_m}")
+        if not 0.0 < self.least_depth_m <= self.max_depth_m <= DEEPEST_M:
+            raise ConfigError(
+                f"Expected 0 < least_depth_m <= max_depth_m <= {DEEPEST_M}, got {self.least_depth_m} and "
+                f"{self.max_depth_m}"
+            )
+        if self.max_steps < 1:
+            raise ConfigError(f"Expected at least 1 for max_steps, got {self.max_steps}")
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether observation and action are those of the mirror image where the box is right of the line."""
+        return self.observation == "relative"
+
+    @property
+    def shallowest_m(self) -> float:
+        """Depth of the shallowest push there is."""
+        return self.fixed_depth_m if self.entry == "fixed" else self.least_depth_m

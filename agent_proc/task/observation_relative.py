@@ -1,0 +1,93 @@
+"""The profile `relative`: the box as its goal sees it, always left of the line.
+
+Where the leading edge of the box is right of the line through the goal, every element is that of the mirror image: y
+and angles change their sign. What was learned on one side holds on the other. The robot itself is not in it: every push
+cycle ends at the station. Trunk and feet tell by millimetres with which leg it pushed last, and a policy that sees them
+comes to alternate by that, which fails where the posture is another one, such as on a slope.
+"""
+
+from collections.abc import Callable
+from math import degrees, pi, radians
+from typing import Final
+
+import numpy as np
+
+from agent_proc.frames.goal_frame import LOOK_AHEAD_M, box_in_goal_frame, mirror_sign, steering_error_rad
+from agent_proc.task.observation import BEYOND_M, Entry, Floats, Table
+from legpush.messages.stepping import WorldState
+from legpush.scene.scenario import Scenario
+
+NEAR_M: Final = 0.05
+"""From about this length on, `box_near` grows with the logarithm of a distance."""
+NEAR_RAD: Final = radians(1.0)
+"""The same of an angle, for `heading_near`."""
+FAR_M: Final = 1.0
+"""What is farther short of its goal looks like this far."""
+
+
+def _box(world: WorldState, scenario: Scenario) -> Floats:
+    box = box_in_goal_frame(world, scenario)
+    return np.array([max(box.x_m, -FAR_M), mirror_sign(world, scenario) * box.y_m])
+
+
+def _headings(world: WorldState, scenario: Scenario) -> Floats:
+    box = box_in_goal_frame(world, scenario)
+    return mirror_sign(world, scenario) * np.array([box.yaw_rad, steering_error_rad(box)])
+
+
+def _room_limits(scenario: Scenario) -> tuple[Floats, Floats]:
+    high = np.full(2, np.hypot(*scenario.room.size_m) + BEYOND_M)
+    return -high, high
+
+
+def _near_limits(scenario: Scenario) -> tuple[Floats, Floats]:
+    low, high = _room_limits(scenario)
+    return np.arcsinh(low / NEAR_M), np.arcsinh(high / NEAR_M)
+
+
+def _limits(*high: float) -> Callable[[Scenario], tuple[Floats, Floats]]:
+    return lambda _: (-np.array(high), np.array(high))
+
+
+RELATIVE: Final[Table] = (
+    Entry(
+        name="box",
+        axes="xy",
+        size=2,
+        read=_box,
+        meaning=f"centre of the box; x is minus the distance that remains, {FAR_M:g} m at most",
+        frame="goal",
+        limits=_room_limits,
+    ),
+    Entry(
+        name="box_near",
+        axes="xy",
+        size=2,
+        read=lambda world, scenario: np.arcsinh(_box(world, scenario) / NEAR_M),
+        meaning=f"asinh of the same over {NEAR_M:g} m: the last centimetres count most",
+        unit="1",
+        frame="goal",
+        limits=_near_limits,
+    ),
+    Entry(
+        name="heading",
+        axes="yaw, steering",
+        size=2,
+        read=_headings,
+        meaning=f"heading of the box, and that less the one toward the goal's line {LOOK_AHEAD_M:g} m ahead",
+        unit="rad",
+        frame="goal",
+        limits=_limits(pi, pi),
+    ),
+    Entry(
+        name="heading_near",
+        axes="yaw, steering",
+        size=2,
+        read=lambda world, scenario: np.arcsinh(_headings(world, scenario) / NEAR_RAD),
+        meaning=f"asinh of the same over {degrees(NEAR_RAD):g}°",
+        unit="1",
+        frame="goal",
+        limits=_limits(*(float(np.arcsinh(pi / NEAR_RAD)),) * 2),
+    ),
+)
+"""8 elements, in the frame of the goal, mirrored where needed."""

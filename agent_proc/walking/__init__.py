@@ -1,0 +1,1 @@
+"""Walks to the box, around obstacles."""

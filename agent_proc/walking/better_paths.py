@@ -1,0 +1,79 @@
+"""Better paths while the robot walks: a new one is joined between gait cycles, where that saves enough."""
+
+from itertools import pairwise
+from math import ceil
+from typing import Final
+
+import numpy as np
+
+from agent_proc.frames.poses import distance_m, moved_m
+from legpush.geometry import Pose2
+from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.scene.clearance import Occupied
+from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
+
+LEAST_GAIN_M: Final = 0.1
+"""What a path has to save, turns counted, to be worth leaving another one for."""
+JOIN_EVERY_M: Final = 0.25
+JOIN_WITHIN_M: Final = 3.0
+"""Places of the new path that the robot may go straight to: from its nearest one so far ahead, one in so much."""
+SPACING_M: Final = 0.05
+SLACK_M: Final = 1e-3
+
+
+class BetterPaths:
+    """The improvements of a plan that the robot walks along, one for each gait cycle."""
+
+    def __init__(self, query: TrunkPathQuery, plan: Plan) -> None:
+        self.query = query
+        self._occupied = Occupied(query.grid)
+        self._best_m = plan.length_m
+        self._revision = 0
+
+    def next_revision(self) -> int | None:
+        """The number of the next one; None where no more follow."""
+        anytime = self.query.anytime
+        if anytime is None or self._revision >= anytime.n_improvements:
+            return None
+        self._revision += 1
+        return self._revision
+
+    def joined(self, plan: Plan, here: Pose2, left_m: float) -> tuple[Pose2, ...]:
+        """The path from here on along a plan, if that is shorter than what is left of the present one; else nothing."""
+        if plan.status != "exact" or plan.length_m >= self._best_m:
+            return ()
+        self._best_m = plan.length_m
+        present_m = self._occupied.nearest(here.xy()[np.newaxis]).distance_m - SLACK_M
+        required_m = max(min(self.query.clearance_m, present_m), FOOT_RECTANGLE_RADIUS_M)
+        ways = (self._way(plan.waypoints, k, here, required_m) for k in _places(plan.waypoints, here))
+        way = min((way for way in ways if way), key=cost_m, default=())
+        return way if way and cost_m(way) < left_m - LEAST_GAIN_M else ()
+
+    def _way(self, waypoints: tuple[Pose2, ...], k: int, here: Pose2, required_m: float) -> tuple[Pose2, ...]:
+        """From here straight to the k-th waypoint and on, or nothing where that is not free."""
+        there = waypoints[k]
+        line = np.array([here.xy(), there.xy()])
+        if self._occupied.nearest(line).distance_m < required_m:
+            return ()
+        length_m = distance_m(here, there)
+        if length_m == 0.0:
+            return (here, *waypoints[k:])
+        heading_rad = float(np.arctan2(*(line[1] - line[0])[::-1]))
+        n = max(1, ceil(length_m / SPACING_M))
+        points = np.linspace(line[0], line[1], n + 1).tolist()
+        straight = tuple(Pose2(x_m=x_m, y_m=y_m, yaw_rad=heading_rad) for x_m, y_m in points)
+        return (here, *straight, *waypoints[k:])
+
+
+def cost_m(way: tuple[Pose2, ...]) -> float:
+    """Length of a path, turns counted by the arcs of the feet."""
+    return sum(moved_m(a, b) for a, b in pairwise(way))
+
+
+def _places(waypoints: tuple[Pose2, ...], here: Pose2) -> list[int]:
+    """Waypoints from the one nearest to here on, `JOIN_EVERY_M` apart."""
+    points = np.array([waypoint.xy() for waypoint in waypoints])
+    nearest = int(np.hypot(*(points - here.xy()).T).argmin())
+    ahead_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points[nearest:], axis=0).T))])
+    wanted_m = np.arange(0.0, min(JOIN_WITHIN_M, float(ahead_m[-1])) + 1e-9, JOIN_EVERY_M)
+    return sorted({nearest + int(k) for k in np.searchsorted(ahead_m, wanted_m).clip(0, len(ahead_m) - 1)})

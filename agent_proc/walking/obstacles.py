@@ -1,0 +1,79 @@
+"""Obstacles that appear: the scenario as far as it is known, and whether what has appeared stands in a way.
+
+A way is kept where it is free of what is new, with the clearance that it was planned with; else another one is planned.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from agent_proc.frames.poses import moved_m
+from agent_proc.frames.station import station
+from agent_proc.pushing.stage import BoxPath
+from legpush.errors import PeerError
+from legpush.geometry import Pose2
+from legpush.messages.stepping import Appearance, WorldState
+from legpush.scene.faces import pushed_box
+from legpush.scene.footprints import Footprint, box_footprint, distance_m, obstacle_footprint
+from legpush.scene.occupancy import clearance_m, room_by_now
+from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M, CONTROL_PERIOD_S
+from legpush.scene.scenario import Rectangle, Scenario
+
+Floats = NDArray[np.float64]
+
+LOOK_STEP_M: Final = 0.05
+"""A way is looked at in places so far apart."""
+
+
+def known_scenario(scenario: Scenario, state: WorldState) -> Scenario:
+    """Without the obstacles that have not appeared; `PeerError` where one is reported that cannot appear."""
+    obstacles = scenario.room.obstacles
+    for each in state.appeared:
+        if each.obstacle >= len(obstacles) or obstacles[each.obstacle].appears_at_s == 0.0:
+            later = [str(index) for index, obstacle in enumerate(obstacles) if obstacle.appears_at_s > 0.0]
+            raise PeerError(
+                f"Expected in `appeared` at tick {state.tick} an obstacle that appears later "
+                f"({', '.join(later) or 'there is none'}), got {each.obstacle}"
+            )
+    room = room_by_now(scenario.room, {each.obstacle for each in state.appeared})
+    return scenario if room is scenario.room else replace(scenario, room=room)
+
+
+def in_words(appeared: Sequence[Appearance]) -> str:
+    """Which obstacles have appeared, and when."""
+    return ", ".join(f"room.obstacles[{each.obstacle}] at {each.tick * CONTROL_PERIOD_S:.1f} s" for each in appeared)
+
+
+def is_in_walk(obstacle: Rectangle, scenario: Scenario, waypoints: Sequence[Pose2], travelled_m: float = 0.0) -> bool:
+    """Whether an obstacle is nearer than the planner's clearance to what is left of a path of the trunk."""
+    ahead = _ahead_m(waypoints, travelled_m)
+    low = np.array([obstacle.x_min_m, obstacle.y_min_m]) - ahead
+    high = ahead - np.array([obstacle.x_max_m, obstacle.y_max_m])
+    apart = np.hypot(*np.maximum(np.maximum(low, high), 0.0).T)
+    return bool(apart.min() < clearance_m(scenario.planning))
+
+
+def is_in_push(obstacle: Rectangle, scenario: Scenario, path: BoxPath, from_m: float = 0.0) -> bool:
+    """Whether an obstacle is nearer than `pushing.margin_m` to box or robot on what is left of a stage."""
+    place, box, margin_m = obstacle_footprint(obstacle), pushed_box(scenario.box, path.face), scenario.pushing.margin_m
+    for at_m in np.append(np.arange(from_m, path.length_m, LOOK_STEP_M), path.length_m).tolist():
+        pose = path.pose(at_m)
+        robot = Footprint(pose=station(box, pose), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        if min(distance_m(place, box_footprint(box, pose)), distance_m(place, robot)) < margin_m:
+            return True
+    return False
+
+
+def _ahead_m(waypoints: Sequence[Pose2], travelled_m: float) -> Floats:
+    """Places on a path from a travelled length on, (n, 2); a turn counts as in `PathProgress`."""
+    at_m = np.concatenate([[0.0], np.cumsum([moved_m(a, b) for a, b in pairwise(waypoints)])])
+    begin_m, end_m = min(travelled_m, at_m[-1]), at_m[-1]
+    where = np.append(np.arange(begin_m, end_m, LOOK_STEP_M), end_m)
+    return np.stack(
+        [np.interp(where, at_m, [p.x_m for p in waypoints]), np.interp(where, at_m, [p.y_m for p in waypoints])],
+        axis=-1,
+    )

@@ -1,0 +1,1 @@
+"""Paths of the box with the robot behind it."""

@@ -1,0 +1,91 @@
+"""Whether the robot can walk around a box from one of its sides to another: connected places of the grid."""
+
+from collections.abc import Sequence
+from math import ceil
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from legpush.geometry import Pose2
+from legpush.messages.planning import OccupancyGrid
+from legpush.scene.footprints import Footprint
+from planner_proc.clearance.field import ClearanceField
+
+Floats = NDArray[np.float64]
+
+AROUND_M: Final = 2.5
+"""A way is looked for so far around the box first, and then in all of the room."""
+ROWS_AT_ONCE: Final = 256
+
+
+class WalkingSpace:
+    """Cells at whose centres the trunk keeps its clearance; the box is added to what is occupied, wherever it is."""
+
+    def __init__(self, grid: OccupancyGrid, field: ClearanceField, clearance_m: float) -> None:
+        """`field` is that of the grid."""
+        self._grid = grid
+        self._clearance_m = clearance_m
+        columns = np.arange(grid.n_columns)
+        self._free = np.empty((grid.n_rows, grid.n_columns), dtype=np.bool_)
+        for first in range(0, grid.n_rows, ROWS_AT_ONCE):
+            rows = np.arange(first, min(first + ROWS_AT_ONCE, grid.n_rows))
+            offsets = field.offsets_m(self._centres_m(rows, columns).reshape(-1, 2))
+            self._free[rows] = (np.hypot(*offsets.T) >= clearance_m).reshape(len(rows), len(columns))
+
+    def joins(self, begins_m: Floats, end_m: Floats, box: Footprint) -> bool:
+        """Whether there is a way from one of some points, (n, 2), to a point, (2,), around the box."""
+        row, column = self._cell(end_m)
+        if not (0 <= row < self._grid.n_rows and 0 <= column < self._grid.n_columns and self._free[row, column]):
+            return False
+        n = ceil(AROUND_M / self._grid.resolution_m)
+        row, column = self._cell(box.pose.xy())
+        near = (
+            slice(max(row - n, 0), max(row + n + 1, 1)),
+            slice(max(column - n, 0), max(column + n + 1, 1)),
+        )
+        return self._joins(begins_m, end_m, box, near) or self._joins(begins_m, end_m, box, (slice(None), slice(None)))
+
+    def _joins(self, begins_m: Floats, end_m: Floats, box: Footprint, part: tuple[slice, slice]) -> bool:
+        """The same within a part of the grid."""
+        free = self._free[part].copy()
+        rows, columns = (np.arange(*s.indices(n)) for s, n in zip(part, self._free.shape, strict=True))
+        if not (len(rows) and len(columns)):
+            return False
+        # The box covers all of a cell that it touches.
+        reach_m = self._clearance_m + self._grid.resolution_m
+        free &= _distance_m(box, self._centres_m(rows, columns)) >= reach_m
+        labels, _ = ndimage.label(free)
+
+        def label_at(point_m: Floats) -> int:
+            row, column = self._cell(point_m)
+            row, column = row - int(rows[0]), column - int(columns[0])
+            inside = 0 <= row < len(rows) and 0 <= column < len(columns)
+            return int(labels[row, column]) if inside else 0
+
+        end = label_at(end_m)
+        return end > 0 and any(label_at(begin_m) == end for begin_m in begins_m)
+
+    def _centres_m(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Floats:
+        """Of cells, (rows, columns, 2)."""
+        x, y = np.meshgrid(columns, rows)
+        centres: Floats = (np.stack([x, y], axis=-1) + 0.5) * self._grid.resolution_m + np.array(self._grid.origin_m)
+        return centres
+
+    def _cell(self, point_m: Floats) -> tuple[int, int]:
+        column, row = np.floor((point_m - np.array(self._grid.origin_m)) / self._grid.resolution_m).astype(int).tolist()
+        return row, column
+
+
+def places_behind(stand_off: Pose2, distances_m: Sequence[float]) -> Floats:
+    """Points straight back from a stand-off, (n, 2)."""
+    return stand_off.apply(np.array([[-distance_m, 0.0] for distance_m in distances_m]))
+
+
+def _distance_m(footprint: Footprint, points_m: Floats) -> Floats:
+    """From a footprint to points, (..., 2); 0 inside."""
+    seen = footprint.pose.inverse().apply(points_m.reshape(-1, 2))
+    beyond = np.maximum(np.abs(seen) - np.array([footprint.length_m, footprint.width_m]) / 2, 0.0)
+    distances: Floats = np.hypot(*beyond.T).reshape(points_m.shape[:-1])
+    return distances

@@ -1,0 +1,1 @@
+"""Exact distances to the occupied cells of a grid."""

@@ -1,0 +1,59 @@
+"""The check as a program: `python -m planner_proc.conformance -- COMMAND`, or `legpush plan-check -- COMMAND`."""
+
+import sys
+import threading
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import msgspec
+import tyro
+from rich.console import Console
+from rich.text import Text
+
+from agent_proc.learning_service import run_program
+from legpush.bus.bus import Bus
+from legpush.files import write_whole
+from legpush.options.conformance import PlanCheckOptions, split_at_dashes
+from legpush.service import stop_on_signals
+from planner_proc.conformance.bench import Bench
+from planner_proc.conformance.checks import Finding, run_checks
+from planner_proc.conformance.client import RUN, Client, PlannerProcess
+
+
+def main() -> int:
+    """Parse the command line and check; returns the exit code: 0 all passed, 1 not all."""
+    return run_program(lambda: _main(sys.argv[1:]))
+
+
+def _main(argv: list[str]) -> int:
+    flags, command = split_at_dashes(argv)
+    options = tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
+    return run(options, command, Console())
+
+
+def run(options: PlanCheckOptions, command: tuple[str, ...], console: Console) -> int:
+    """Start the planner, check it, and say what was found."""
+    stop: threading.Event = stop_on_signals()
+    findings: list[Finding] = []
+    with ExitStack() as stack:
+        logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-check-")))
+        planner = stack.enter_context(PlannerProcess(command, logs / "planner.log", stop))
+        clients = [Client(stack.enter_context(Bus(RUN, "agent", name, planner.endpoints)), planner) for name in "ab"]
+        bench = Bench(planner=planner, client=clients[0], other=clients[1], deadline_s=options.deadline_s)
+        for finding in run_checks(bench, options.only):
+            findings.append(finding)
+            mark, style = ("pass", "green") if finding.passed else ("FAIL", "bold red")
+            note = f": {finding.reason}" if finding.reason else ""
+            console.print(Text.assemble((mark, style), f"  {finding.name}{note}"), soft_wrap=True)
+    n_failed = sum(not finding.passed for finding in findings)
+    verdict = "all checks passed" if not n_failed else f"{n_failed} of {len(findings)} checks failed"
+    console.print(Text(verdict, style="bold"))
+    if options.json is not None:
+        report = {"command": command, "passed": n_failed == 0, "findings": findings}
+        write_whole(options.json, msgspec.json.format(msgspec.json.encode(report), indent=1) + b"\n")
+    return 1 if n_failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+"""Checks of paths, one function each: it says what is wrong, or nothing."""
+
+from typing import Final
+
+from msgspec.structs import replace
+
+from legpush.geometry import Pose2
+from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.scene.scenario import Steering
+from planner_proc.conformance.bench import EASY, REMARK, Bench
+from planner_proc.conformance.box_truth import box_faults
+from planner_proc.conformance.cases import Case, box_query
+from planner_proc.conformance.truth import faults
+
+RADIUS_M: Final = 0.5
+
+
+def plans(bench: Bench, case: Case) -> str:
+    """An honest status, and a path that is what it says."""
+    result = bench.client.ask(case.query, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    return judged(case.query, result.plan, case.expected)
+
+
+def judged(asked: TrunkPathQuery, plan: Plan, expected: tuple[str, ...]) -> str:
+    """What is wrong with an answer."""
+    found = faults(asked, plan)
+    if plan.status not in expected:
+        found.insert(0, f"its status is {plan.status} ({plan.reason}), expected {' or '.join(expected)}")
+    return "; ".join(found)
+
+
+def steers(bench: Bench, steering: Steering) -> str:
+    """A path with a turning radius; a planner may say that it knows none."""
+    asked = replace(EASY, planner="rrt", steering=steering, min_turning_radius_m=RADIUS_M, max_iterations=5000)
+    result = bench.client.ask(asked, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    if result.plan.status == "invalid" and result.plan.reason:
+        return f"{REMARK}it says that it cannot ({result.plan.reason})"
+    return judged(asked, result.plan, ("exact",))
+
+
+def knows_boxes(bench: Bench, goal: Pose2) -> str:
+    """A path of the box; a planner may say that it knows none."""
+    asked = box_query(goal)
+    result = bench.client.ask(asked, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    plan = result.plan
+    if plan.status in ("failed", "invalid") and plan.reason:
+        return f"{REMARK}it has none ({plan.reason}); missions need them"
+    if plan.status != "exact":
+        return f"its status is {plan.status} ({plan.reason}), expected exact"
+    return "; ".join(box_faults(asked, plan))

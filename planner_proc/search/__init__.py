@@ -1,0 +1,1 @@
+"""Searches a route for the trunk, with trees and roadmaps."""

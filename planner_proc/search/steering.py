@@ -1,0 +1,176 @@
+"""How two states of a search are joined: straight lines in the plane, or the shortest curves of a turning radius."""
+
+from abc import ABC, abstractmethod
+from itertools import pairwise
+from math import ceil, pi
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base as ob
+
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.common import Point2
+from legpush.messages.planning import TrunkPathQuery
+from planner_proc.clearance.field import ClearanceField
+
+Floats = NDArray[np.float64]
+
+SPACING_M: Final = 0.05
+"""Between the poses of a curve that is returned."""
+_CHECKED_M: Final = 0.1
+"""Between those of one that is checked."""
+_WHOLE_STEP: Final = 0.99
+"""A step that leads less far than this share of its length turns back on its way."""
+_CUSP_SAMPLES: Final = 21
+_CUSP_ROUNDS: Final = 3
+
+
+class Steer(ABC):
+    """A space of states, and which of the ways between them keep the clearance."""
+
+    space: Any
+
+    def __init__(self, query: TrunkPathQuery, field: ClearanceField) -> None:
+        self._query = query
+        self._field = field
+
+    @abstractmethod
+    def state(self, pose: Pose2) -> Any:
+        """A new state."""
+
+    @abstractmethod
+    def place(self, state: Any) -> Point2:
+        """Where it is."""
+
+    @abstractmethod
+    def is_free(self, a: Any, b: Any) -> bool:
+        """Whether the way from one state to another keeps the clearance all along."""
+
+    @abstractmethod
+    def curve(self, states: list[Any]) -> Floats | None:
+        """The way through some states as dense poses, (n, 3), made shorter; None where it is straight in between."""
+
+    def _bounds(self) -> Any:
+        """The plane, as far as the grid reaches."""
+        bounds = ob.RealVectorBounds(2)
+        for axis, (low_m, size_m) in enumerate(zip(self._query.grid.origin_m, self._field.size_m, strict=True)):
+            bounds.setLow(axis, low_m)
+            bounds.setHigh(axis, low_m + size_m)
+        return bounds
+
+
+class Straight(Steer):
+    """Points of the plane; the robot turns on the spot."""
+
+    def __init__(self, query: TrunkPathQuery, field: ClearanceField) -> None:
+        super().__init__(query, field)
+        self.space = ob.RealVectorStateSpace(2)
+        self.space.setBounds(self._bounds())
+        self._segment_is_free = field.segment_is_free
+        self._clearance_m = query.clearance_m
+
+    def state(self, pose: Pose2) -> Any:
+        state = self.space.allocState()
+        state[0], state[1] = pose.x_m, pose.y_m
+        return state
+
+    def place(self, state: Any) -> Point2:
+        return state[0], state[1]
+
+    def is_free(self, a: Any, b: Any) -> bool:
+        return self._segment_is_free((a[0], a[1]), (b[0], b[1]), self._clearance_m)
+
+    def curve(self, states: list[Any]) -> Floats | None:
+        return None
+
+
+class Curved(Steer):
+    """Poses, joined by Dubins' or Reeds and Shepp's curves."""
+
+    def __init__(self, query: TrunkPathQuery, field: ClearanceField) -> None:
+        super().__init__(query, field)
+        kind = ob.DubinsStateSpace if query.steering == "dubins" else ob.ReedsSheppStateSpace
+        self.space = kind(query.min_turning_radius_m)
+        self.space.setBounds(self._bounds())
+        self._at = self.space.allocState()
+        self._sagitta_m = min(_CHECKED_M**2 / (8.0 * query.min_turning_radius_m), _CHECKED_M / 2.0)
+        """How far an arc is from its chord: chords of other points are checked than are returned."""
+
+    def state(self, pose: Pose2) -> Any:
+        state = self.space.allocState()
+        state.setXY(pose.x_m, pose.y_m)
+        yaw_rad = wrap_angle(pose.yaw_rad)
+        # OMPL's headings end before pi.
+        state.setYaw(-pi if yaw_rad == pi else yaw_rad)
+        return state
+
+    def place(self, state: Any) -> Point2:
+        return state.getX(), state.getY()
+
+    def is_free(self, a: Any, b: Any) -> bool:
+        points_m = self._poses(a, b, _CHECKED_M)[:, :2]
+        return bool(self._field.free_segments(points_m, self._query.clearance_m + self._sagitta_m).all())
+
+    def curve(self, states: list[Any]) -> Floats | None:
+        kept = self._shortened(self._with_middles(states))
+        parts = [self._poses(a, b, SPACING_M) for a, b in pairwise(kept)]
+        return np.concatenate([parts[0][:1], *(part[1:] for part in parts)]) if parts else None
+
+    def _with_middles(self, states: list[Any]) -> list[Any]:
+        """States, and those half-way between them."""
+        found = states[:1]
+        for a, b in pairwise(states):
+            middle = self.space.allocState()
+            self.space.interpolate(a, b, 0.5, middle)
+            found += [middle, b]
+        return found
+
+    def _shortened(self, states: list[Any]) -> list[Any]:
+        """From each state straight to the last one that is free and nearer than over those in between."""
+        lengths_m = [self.space.distance(a, b) for a, b in pairwise(states)]
+        travelled_m = np.concatenate([[0.0], np.cumsum(lengths_m)])
+        kept, last = [0], len(states) - 1
+        while (here := kept[-1]) < last:
+            nearer = (
+                there
+                for there in range(last, here + 1, -1)
+                if self.space.distance(states[here], states[there]) < travelled_m[there] - travelled_m[here]
+                and self.is_free(states[here], states[there])
+            )
+            kept.append(next(nearer, here + 1))
+        return [states[k] for k in kept]
+
+    def _poses(self, a: Any, b: Any, spacing_m: float) -> Floats:
+        """From one state to another, so far apart or less, both included, and where the direction changes, (n, 3)."""
+        length_m = self.space.distance(a, b)
+        n = max(1, ceil(length_m / spacing_m))
+        poses = self._at_shares(a, b, np.linspace(0.0, 1.0, n + 1))
+        if self._query.steering == "dubins":
+            return poses
+        steps_m = np.hypot(*np.diff(poses[:, :2], axis=0).T)
+        turning = np.flatnonzero(steps_m < _WHOLE_STEP * length_m / n)
+        cusps = [self._cusp(a, b, k / n, (k + 1) / n) for k in turning.tolist()]
+        return np.insert(poses, turning + 1, cusps, axis=0) if cusps else poses
+
+    def _cusp(self, a: Any, b: Any, low: float, high: float) -> Floats:
+        """The pose between two shares of the way at which it turns back, (3,): farthest from both of them together.
+
+        From the first alone the other may be farther, where the way back is the longer one.
+        """
+        begin_m, end_m = self._at_shares(a, b, np.array([low, high]))[:, :2]
+        for _ in range(_CUSP_ROUNDS):
+            shares = np.linspace(low, high, _CUSP_SAMPLES)
+            poses = self._at_shares(a, b, shares)
+            apart_m = np.hypot(*(poses[:, :2] - begin_m).T) + np.hypot(*(poses[:, :2] - end_m).T)
+            best = int(apart_m.argmax())
+            low, high = shares[max(best - 1, 0)], shares[min(best + 1, _CUSP_SAMPLES - 1)]
+        cusp: Floats = poses[best]
+        return cusp
+
+    def _at_shares(self, a: Any, b: Any, shares: Floats) -> Floats:
+        poses = np.empty((len(shares), 3))
+        for k, share in enumerate(shares.tolist()):
+            self.space.interpolate(a, b, share, self._at)
+            poses[k] = self._at.getX(), self._at.getY(), self._at.getYaw()
+        return poses

@@ -1,0 +1,1 @@
+"""From a jagged route to a path that can be walked."""

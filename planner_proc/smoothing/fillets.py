@@ -1,0 +1,63 @@
+"""A polyline with its corners rounded by arcs: the plainest path with a minimum turning radius."""
+
+from itertools import pairwise
+from math import atan2, ceil, cos, pi, sin, tan
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner_proc.smoothing import polylines
+
+Floats = NDArray[np.float64]
+
+_STRAIGHT_RAD: Final = 1e-6
+
+
+def fillet(corners_m: Floats, radius_m: float, spacing_m: float) -> Floats | None:
+    """Lines, and an arc at each corner of a polyline, (n, 2), as points no farther apart than the spacing, (k, 2).
+
+    None where two arcs need more of the line between them than there is.
+    """
+    turns = polylines.turns(corners_m).tolist()
+    legs_m = np.hypot(*np.diff(corners_m, axis=0).T)
+    if any(abs(turn) > pi - 1e-3 for turn in turns):
+        return None
+    # An arc over equally spaced points turns by the same angle at each: through three of them goes its own circle.
+    tangents_m = np.array([0.0, *(radius_m * tan(abs(turn) / 2) for turn in turns), 0.0])
+    if (tangents_m[:-1] + tangents_m[1:] > legs_m + 1e-12).any():
+        return None
+    path = [corners_m[:1]]
+    for k, turn in enumerate(turns, start=1):
+        if abs(turn) > _STRAIGHT_RAD:
+            path.append(_arc(corners_m[k - 1], corners_m[k], turn, radius_m, spacing_m))
+    path.append(corners_m[-1:])
+    return _densified(path, spacing_m)
+
+
+def _arc(before_m: Floats, corner_m: Floats, turn_rad: float, radius_m: float, spacing_m: float) -> Floats:
+    """Points of the arc that cuts off a corner, both ends included."""
+    heading = atan2(*(corner_m - before_m)[::-1].tolist())
+    side = 1.0 if turn_rad > 0.0 else -1.0
+    along = np.array([cos(heading), sin(heading)])
+    begin = corner_m - radius_m * tan(abs(turn_rad) / 2) * along
+    centre = begin + side * radius_m * np.array([-sin(heading), cos(heading)])
+    n = max(2, ceil(radius_m * abs(turn_rad) / spacing_m))
+    angles = heading - side * pi / 2 + np.linspace(0.0, turn_rad, n + 1)
+    arc: Floats = centre + radius_m * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    return arc
+
+
+def _densified(parts: list[Floats], spacing_m: float) -> Floats:
+    """The parts with points on the lines between them; those within a part stay as they are."""
+    points = [parts[0]]
+    for before, after in pairwise(parts):
+        line = np.stack([before[-1], after[0]])
+        length_m = polylines.length(line)
+        if length_m > 1e-9:
+            n = max(1, ceil(length_m / spacing_m))
+            points.append(np.linspace(line[0], line[1], n + 1)[1:])
+            points.append(after[1:])
+        else:
+            points.append(after[1:])
+    return np.concatenate(points)

@@ -1,0 +1,61 @@
+"""What a path has to keep: its clearance and, where that is limited, its distance from the path of the search."""
+
+from collections.abc import Sequence
+from math import inf
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner_proc.clearance.field import ClearanceField
+from planner_proc.smoothing import polylines
+
+Floats = NDArray[np.float64]
+
+_MOST_HALVINGS: Final = 24
+_ROUNDING_M: Final = 1e-9
+
+
+class Tube:
+    """All points with the clearance and no farther from a path, (n, 2), than `max_deviation_m`."""
+
+    def __init__(
+        self, field: ClearanceField, clearance_m: float, path_m: Floats, max_deviation_m: float | None = None
+    ) -> None:
+        self.field = field
+        self.clearance_m = clearance_m
+        self._path_m = path_m
+        self._max_deviation_m = inf if max_deviation_m is None else max_deviation_m
+
+    def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float]) -> bool:
+        """Whether the whole segment between two points is in the tube."""
+        free = self.field.segment_is_free(a_m, b_m, self.clearance_m)
+        return free and (self._max_deviation_m == inf or bool(self._near(np.array([a_m, b_m]))[0]))
+
+    def free_segments(self, points_m: Floats) -> NDArray[np.bool_]:
+        """Which segments of a polyline, (n, 2), are in it, (n - 1,)."""
+        free = self.field.free_segments(points_m, self.clearance_m)
+        return free if self._max_deviation_m == inf else free & self._near(points_m)
+
+    def _near(self, points_m: Floats) -> NDArray[np.bool_]:
+        """Which segments stay near the path, (n - 1,).
+
+        Away from the middle of a piece, distances rise by at most its half length; pieces that this does not decide are
+        halved, and the smallest count as too far.
+        """
+        low_m, high_m = points_m[:-1], points_m[1:]
+        segment = np.arange(len(low_m))
+        near = np.ones(len(low_m), dtype=np.bool_)
+        for _ in range(_MOST_HALVINGS):
+            middle_m = 0.5 * (low_m + high_m)
+            half_m = 0.5 * np.hypot(*(high_m - low_m).T)
+            distances_m = polylines.distances(self._path_m, middle_m)
+            near[segment[distances_m > self._max_deviation_m]] = False
+            unsure = near[segment] & (distances_m + half_m > self._max_deviation_m + _ROUNDING_M)
+            if not unsure.any():
+                return near
+            low_m, middle_m, high_m, segment = low_m[unsure], middle_m[unsure], high_m[unsure], segment[unsure]
+            low_m, high_m = np.concatenate([low_m, middle_m]), np.concatenate([middle_m, high_m])
+            segment = np.concatenate([segment, segment])
+        near[segment] = False
+        return near

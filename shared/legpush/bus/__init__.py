@@ -1,0 +1,1 @@
+"""How messages travel: keys, channels, links, and which processes are there."""

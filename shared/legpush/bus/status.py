@@ -1,0 +1,61 @@
+"""What this process is doing, published about once per second for people, and for peers that wait for it."""
+
+import threading
+from math import inf
+from time import monotonic
+from types import TracebackType
+from typing import Final, Self
+
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.messages.common import Header
+from legpush.messages.telemetry import Status
+
+PERIOD_S: Final = 1.0
+SHORTEST_PERIOD_S: Final = 0.1
+"""Changes that follow faster than this are published as one."""
+
+Said = tuple[str, float | None, str, str]
+"""Phase, fraction, detail, waiting for."""
+
+
+class StatusBeacon:
+    """Publishes what `say` was told last: at once, and every `PERIOD_S` as a heartbeat on a thread of its own."""
+
+    def __init__(self, bus: Bus, phase: str = "idle") -> None:
+        self._publisher = bus.publisher(channels.statuses(bus.run, bus.role, bus.name))
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._beat, name="status", daemon=True)
+        self._said: Said = (phase, None, "", "")
+        self._published: Said = self._said
+        self._published_at = -inf
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._closed.set()
+        self._thread.join()
+
+    def say(self, phase: str, fraction: float | None = None, detail: str = "", waiting_for: str = "") -> None:
+        """From now on the process is in this `phase`, done to `fraction` where known.
+
+        Published from here, so that it is out before a library that holds the interpreter is called.
+        """
+        self._said = (phase, fraction, detail, waiting_for)
+        if monotonic() - self._published_at >= SHORTEST_PERIOD_S:
+            self._publish()
+
+    def _beat(self) -> None:
+        while not self._closed.wait(SHORTEST_PERIOD_S):
+            if self._said != self._published or monotonic() - self._published_at >= PERIOD_S:
+                self._publish()
+
+    def _publish(self) -> None:
+        self._published_at, self._published = monotonic(), self._said
+        self._publisher.send(self._status)
+
+    def _status(self, header: Header) -> Status:
+        phase, fraction, detail, waiting_for = self._published
+        return Status(header=header, phase=phase, fraction=fraction, detail=detail, waiting_for=waiting_for)

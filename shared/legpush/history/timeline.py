@@ -1,0 +1,221 @@
+"""An episode as it can be looked at: its steps, and a row of numbers for each tick, in arrays that grow."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from math import nan
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.geometry import rpy_from_quaternion
+from legpush.messages.stepping import Motion, Outcome, Trace, WorldState
+from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, TRUNK_QPOS
+from legpush.scene.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+TRUNK: Final = TRUNK_QPOS
+JOINTS: Final = JOINT_QPOS
+BOX: Final = BOX_QPOS
+"""Columns of `Timeline.qpos`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimelineStep:
+    """A step that was carried out, and the rows that it led to."""
+
+    number: int
+    motion: Motion
+    world: WorldState
+    """At its end."""
+    first_row: int
+    n_rows: int
+    """0 where it took no time."""
+    time_ns: int
+    """When it was answered, since 1970."""
+
+
+class Timeline:
+    """One episode; row 0 is its state after the first step that is known, and each further row is a later tick.
+
+    A step without a trace has one row, for its end, with NaN for what only a trace has.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Empty; `scenario` is that of its reset."""
+        self.scenario = scenario
+        self.steps: list[TimelineStep] = []
+        self.rewards: dict[int, float] = {}
+        """By the number of the step that earned it."""
+        self._columns = {
+            name: _Column(shape)
+            for name, shape in (
+                ("tick", ()),
+                ("qpos", (26,)),
+                ("roll_pitch_rad", (2,)),
+                ("tips_m", (4, 3)),
+                ("contact_forces_n", (4, 3)),
+                ("com_m", (3,)),
+                ("zmp_m", (2,)),
+                ("support_margin_m", ()),
+            )
+        }
+
+    def add(self, number: int, motion: Motion, outcome: Outcome, time_ns: int) -> None:
+        """The next step was carried out."""
+        first_row, trace = self.n_rows, outcome.trace
+        if trace is not None and trace.tick:
+            self._extend(trace)
+        elif not self.n_rows or outcome.world.tick > self.tick[-1]:
+            self._append(outcome.world)
+        self.steps.append(
+            TimelineStep(
+                number=number,
+                motion=motion,
+                world=outcome.world,
+                first_row=first_row,
+                n_rows=self.n_rows - first_row,
+                time_ns=time_ns,
+            )
+        )
+
+    @property
+    def n_rows(self) -> int:
+        """Ticks that are known."""
+        return self._columns["tick"].n
+
+    @property
+    def tick(self) -> Array:
+        """Control periods since the reset, (n,)."""
+        return self._columns["tick"].view()
+
+    @property
+    def time_s(self) -> Array:
+        """Simulated time since the reset, (n,)."""
+        return self.tick * CONTROL_PERIOD_S
+
+    @property
+    def qpos(self) -> Array:
+        """MuJoCo's generalized positions, (n, 26): `TRUNK`, `JOINTS`, `BOX`."""
+        return self._columns["qpos"].view()
+
+    @property
+    def roll_pitch_rad(self) -> Array:
+        """Of the trunk, (n, 2)."""
+        return self._columns["roll_pitch_rad"].view()
+
+    @property
+    def tips_m(self) -> Array:
+        """Centres of the foot spheres FL, FR, RL, RR, world frame, (n, 4, 3)."""
+        return self._columns["tips_m"].view()
+
+    @property
+    def contact_forces_n(self) -> Array:
+        """Of floor and box together on each foot, world frame, (n, 4, 3)."""
+        return self._columns["contact_forces_n"].view()
+
+    @property
+    def com_m(self) -> Array:
+        """Of the robot, world frame, (n, 3)."""
+        return self._columns["com_m"].view()
+
+    @property
+    def zmp_m(self) -> Array:
+        """On the floor, (n, 2)."""
+        return self._columns["zmp_m"].view()
+
+    @property
+    def support_margin_m(self) -> Array:
+        """Signed distance of the CoM's ground projection to the border of the support polygon, inside positive."""
+        return self._columns["support_margin_m"].view()
+
+    def box_error(self, rows: slice | NDArray[np.intp] = slice(None)) -> Array:
+        """Distance of the box from its goal [m] and the angle between their headings [rad], in [0, pi], (n, 2)."""
+        pose = self.scenario.goal.pose.pose()
+        box = self.qpos[rows, BOX]
+        yaw = rpy_from_quaternion(box[:, 3:])[:, 2] - pose.yaw_rad
+        away = np.hypot(box[:, 0] - pose.x_m, box[:, 1] - pose.y_m)
+        return np.column_stack([away, np.abs((yaw + np.pi) % (2 * np.pi) - np.pi)])
+
+    def step_at(self, row: int) -> TimelineStep:
+        """The step that led to a row: of those that end there, the last."""
+        return self.steps[self.step_index_at(row)]
+
+    def step_index_at(self, row: int) -> int:
+        """Where `step_at` is among the steps."""
+        return bisect_right(self.steps, row, key=lambda step: step.first_row) - 1
+
+    def rows_at(self, ticks: Array) -> NDArray[np.intp]:
+        """The last row up to each tick, or the first one there is."""
+        rows: NDArray[np.intp] = np.maximum(np.searchsorted(self.tick, ticks, side="right") - 1, 0)
+        return rows
+
+    def row_at(self, time_ns: int) -> int:
+        """The last row that was known at a time since 1970."""
+        done = bisect_right(self.steps, time_ns, key=lambda step: step.time_ns)
+        return max(0, (self.steps[done].first_row if done < len(self.steps) else self.n_rows) - 1)
+
+    def time_ns_at(self, row: int) -> int:
+        """When a row was computed, since 1970: a step's rows are spread between the answer before and its own."""
+        index = self.step_index_at(row)
+        step = self.steps[index]
+        began = self.steps[index - 1].time_ns if index else step.time_ns
+        share = (row - step.first_row + 1) / max(step.n_rows, 1)
+        return began + round(share * (step.time_ns - began))
+
+    def _extend(self, trace: Trace) -> None:
+        for name, column in self._columns.items():
+            column.extend(np.array(getattr(trace, name), dtype=np.float64))
+
+    def _append(self, world: WorldState) -> None:
+        trunk, box = world.trunk, world.box
+        qpos = (
+            *trunk.position_m,
+            *trunk.orientation_wxyz,
+            *world.joint_positions_rad,
+            *box.position_m,
+            *box.orientation_wxyz,
+        )
+        row = {
+            "tick": world.tick,
+            "qpos": qpos,
+            "roll_pitch_rad": rpy_from_quaternion(np.array(trunk.orientation_wxyz)[None])[0, :2],
+            "tips_m": world.tips_m,
+            "contact_forces_n": (nan,) * 3,
+            "com_m": (nan,) * 3,
+            "zmp_m": (nan,) * 2,
+            "support_margin_m": nan,
+        }
+        for name, column in self._columns.items():
+            shape = column.view().shape[1:]
+            column.extend(np.broadcast_to(np.asarray(row[name], dtype=np.float64), shape)[None])
+
+
+def is_whole(trace: Trace) -> bool:
+    """Whether it has a whole row for each of its ticks."""
+    lengths = {len(getattr(trace, name)) for name in trace.__struct_fields__}
+    return len(lengths) == 1 and all(len(row) == BOX.stop for row in trace.qpos)
+
+
+class _Column:
+    """An array that grows at its end."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.n = 0
+        self._rows = np.empty((64, *shape))
+
+    def extend(self, rows: Array) -> None:
+        n = self.n + len(rows)
+        if n > len(self._rows):
+            grown = np.empty((max(n, 2 * len(self._rows)), *self._rows.shape[1:]))
+            grown[: self.n] = self._rows[: self.n]
+            self._rows = grown
+        self._rows[self.n : n] = rows
+        self.n = n
+
+    def view(self) -> Array:
+        """What is there, read-only, as later rows do not change it."""
+        view = self._rows[: self.n]
+        view.flags.writeable = False
+        return view

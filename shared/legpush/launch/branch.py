@@ -1,0 +1,69 @@
+"""`legpush branch`: a run that continues a recorded mission."""
+
+import shlex
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from rich.console import Console
+
+from legpush.launch.mission_recorder import next_file
+from legpush.launch.run import Place, Programs, process_arguments, run_mission
+from legpush.messages.common import Role
+from legpush.options.recordings import BranchOptions
+from legpush.options.run import RunOptions
+from legpush.recording.branch import RecordedPast, parse_point, sha256_of
+from legpush.recording.facts import unpack_mission
+from legpush.recording.mcap_file.reader import read_recording
+
+
+def branch(options: BranchOptions) -> int:
+    """Run it; the exit code of the mission."""
+    at = parse_point(options.at)
+    recording = read_recording(options.files)
+    RecordedPast(recording, at)
+    flags = ["--branch-of", *(str(path.absolute()) for path in recording.files), "--branch-at", str(at)]
+    for name in ("planner", "box_mass_kg", "box_friction"):
+        if (value := getattr(options, name)) is not None:
+            flags += [f"--branch-{name.replace('_', '-')}", str(value)]
+
+    def process(role: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
+        return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
+
+    about = {
+        "parent_file": " ".join(path.name for path in recording.files),
+        "parent_sha256": sha256_of(recording.files),
+        "parent_episode": str(at.episode),
+        "parent_step": str(at.step),
+        "branch": shlex.join(sys.argv[1:]),
+    }
+    with TemporaryDirectory(prefix="legpush-branch-") as folder:
+        mission = unpack_mission(recording, Path(folder))
+        run = RunOptions(
+            scenario=str(mission.scenario),
+            seed=mission.facts.seed,
+            policy=options.policy or mission.facts.policy,
+            push_map=mission.push_map,
+            planner_command=options.planner_command,
+            out=options.out,
+            record=options.record or default_file(options),
+            video=options.video,
+        )
+        programs = Programs(process=process, again=lambda folder: again(options, folder), kind="branch")
+        return run_mission(run, Console(), programs, about)
+
+
+def default_file(options: BranchOptions) -> Path:
+    """Where the new recording goes: beside the old one, under a name that is free."""
+    first, at = options.files[0], parse_point(options.at)
+    file = first.with_name(f"{first.stem}-branch-{at.episode}-{at.step}{first.suffix}")
+    return next_file(file) if file.exists() else file
+
+
+def again(options: BranchOptions, folder: Path) -> str:
+    """The command that goes on with an interrupted branch; what it records is a file of its own."""
+    words = ["legpush", "branch", *map(str, options.files), "--at", options.at, "--out", str(folder)]
+    for name in ("policy", "planner", "planner_command", "box_mass_kg", "box_friction"):
+        if (value := getattr(options, name)) is not None:
+            words += [f"--{name.replace('_', '-')}", str(value)]
+    return shlex.join([*words, "--video"] if options.video else words)

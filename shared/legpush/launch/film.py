@@ -1,0 +1,44 @@
+"""The film of a run: a process of its own, since whether and how a machine can draw is known only when it tries."""
+
+import sys
+from pathlib import Path
+from typing import Final
+
+from legpush.launch.display import Display
+from legpush.launch.supervisor import INTERRUPTED, Verdict
+from legpush.options.export import View
+from legpush.patience import SLICE_S, Stopwatch
+from legpush.processes.child import Command, describe_exit
+from legpush.processes.crew import Crew, Interrupted
+
+NO_OPENGL: Final = 4
+"""Exit code of the film process where no OpenGL library can be used; it says so in a line."""
+LONGEST_S: Final = 900.0
+"""A film that takes longer is given up."""
+
+
+def film_arguments(folder: Path, camera: View = "follow") -> tuple[str, ...]:
+    """The command line that films the run in `folder`."""
+    flags = () if camera == "follow" else ("--camera", camera)
+    return (sys.executable, "-P", "-m", "sim_proc.render", str(folder), *flags)
+
+
+def film(command: Command, crew: Crew, display: Display, longest_s: float = LONGEST_S) -> Verdict | None:
+    """Make the film, or say why there is none; only an interrupt changes how the run ended."""
+    process = crew.start(command)
+    stopwatch = Stopwatch()
+    while process.exit_code is None:
+        display.progress("filming", None, "".join(process.last_words(1)), "")
+        event = crew.next_event(SLICE_S)
+        if isinstance(event, Interrupted):
+            crew.stop()
+            return Verdict(INTERRUPTED, f"interrupted by {event.by.name} while filming")
+        if stopwatch.tick() > longest_s:
+            crew.stop()
+            display.notice(f"no video: it was not ready after {longest_s:g} s; see {command.log}")
+            return None
+    if process.exit_code == NO_OPENGL:
+        display.notice("\n".join(process.last_words(1)) or "no video: no OpenGL library can be used")
+    elif process.exit_code != 0:
+        display.notice("\n    ".join((f"no video: it {describe_exit(process.exit_code)}", *process.last_words())))
+    return None

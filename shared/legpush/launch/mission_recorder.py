@@ -1,0 +1,91 @@
+"""The recorder of a mission: started with it, ended with it, and no reason for it to end."""
+
+import json
+import sys
+from collections.abc import Mapping
+from itertools import count
+from pathlib import Path
+from typing import Any, Final
+
+from legpush.bus.endpoints import Endpoints
+from legpush.launch.display import Display
+from legpush.processes.child import Command, Process, describe_exit
+from legpush.processes.crew import Crew
+from legpush.runs.folder import REPORT_FILE
+
+NOTES_AT_MOST: Final = 10_000
+INCOMPLETE: Final = 1
+"""Exit code of a recorder whose recording is whole, but lacks something."""
+
+
+def recorder_arguments(
+    file: Path, run: str, endpoints: Endpoints, about: Mapping[str, str] | None = None
+) -> tuple[str, ...]:
+    """The command line of a recorder; `about` becomes metadata of the recording."""
+    argv = [sys.executable, "-P", "-m", "legpush.launch.record", str(file.absolute()), "--run", run]
+    argv += ["--listen", *endpoints.listen, "--connect", *endpoints.connect]
+    for name, value in (about or {}).items():
+        argv += ["--about", f"{name}={value}"]
+    return tuple(argv)
+
+
+def next_file(file: Path) -> Path:
+    """A new file for what goes on after this one: `m-2.mcap` after `m.mcap`, or with the first number that is free."""
+    stem, _, number = file.stem.rpartition("-")
+    first = file.with_name(f"{stem}{file.suffix}")
+    if not (number.isdecimal() and first.exists()):
+        first = file
+    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
+    return next(path for path in map(first.with_name, names) if not path.exists())
+
+
+def what_is_missing(process: Process) -> list[str]:
+    """What a recorder that came to its end said about its recording."""
+    words = process.last_words(NOTES_AT_MOST)
+    start = max((i for i, line in enumerate(words) if line.startswith("wrote ")), default=len(words))
+    return [line.strip() for line in words[start + 1 :]]
+
+
+class MissionRecorder:
+    """Starts the recorder process, tells the user when it fails, and puts into the report what became of it."""
+
+    def __init__(self, file: Path, run: str, endpoints: Endpoints, display: Display) -> None:
+        self._file = file.absolute()
+        self._run = run
+        self._endpoints = endpoints
+        self._display = display
+        self._process: Process | None = None
+        self._failure: str | None = None
+
+    def start(self, crew: Crew, log: Path, environment: Mapping[str, str], about: Mapping[str, str]) -> None:
+        """Start it; `about` becomes metadata of the recording."""
+        argv = recorder_arguments(self._file, self._run, self._endpoints, about)
+        self._process = crew.start(Command(role="recorder", argv=argv, log=log, environment=environment))
+
+    def ended(self, process: Process) -> None:
+        """The recorder ended although the mission goes on: tell the user at once."""
+        words = process.last_words(1)
+        said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
+        self._failure = (
+            f"the recorder {describe_exit(process.exit_code or 0)}{said}; the mission goes on without; "
+            f"`legpush recover {self._file}` saves what was recorded"
+        )
+        self._display.notice(self._failure)
+
+    def report(self, folder: Path) -> None:
+        """After the mission: say what is missing, and add `recording` to its report."""
+        if self._process is None:
+            return
+        code = self._process.exit_code
+        if self._failure is None and code not in (0, INCOMPLETE):
+            self.ended(self._process)
+        notes = what_is_missing(self._process)
+        if self._failure is None and code == INCOMPLETE:
+            self._display.notice("\n    ".join(("the recording is not complete:", *notes)))
+        report = folder / REPORT_FILE
+        if report.exists():
+            recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
+            recording["notes"] = [self._failure] if self._failure is not None else notes
+            half = report.with_suffix(".part")
+            half.write_text(json.dumps({**json.loads(report.read_bytes()), "recording": recording}, indent=2) + "\n")
+            half.replace(report)

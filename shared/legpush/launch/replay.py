@@ -1,0 +1,166 @@
+"""`legpush replay`: verify a recording, let it take the part of a process, or publish it again."""
+
+import logging
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Final, Literal
+
+from rich.console import Console
+
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import Endpoints
+from legpush.errors import RecordingError, StopRequestedError
+from legpush.launch.display import make_display
+from legpush.launch.run import Place, Programs, process_arguments, run_mission
+from legpush.lockstep.client import PastStep, SimLink
+from legpush.messages.common import Role
+from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.options.recordings import ReplayOptions
+from legpush.options.run import RunOptions
+from legpush.plans.client import PlanLink
+from legpush.processes.pool import SimPool
+from legpush.recording.episodes import difference, read_episodes, same
+from legpush.recording.facts import unpack_mission
+from legpush.recording.mcap_file.reader import read_recording
+from legpush.recording.plans import read_plans
+from legpush.recording.publish import from_start, publish
+from legpush.recording.verify import Verified, verify
+from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.service import stop_on_signals
+
+INTERRUPTED: Final = 130
+
+
+def replay(options: ReplayOptions) -> int:
+    """Do what the options say; the exit code."""
+    logging.basicConfig(level=logging.ERROR)
+    if options.verify:
+        return verify_files(options.files, Console())
+    if options.as_role == "agent":
+        return play_agent(options.files, Console())
+    if options.as_role is not None:
+        return play(options, options.as_role, Console())
+    return publish_again(options)
+
+
+def publish_again(options: ReplayOptions) -> int:
+    """Hand everything to whoever records or watches; 0 at the end, 130 where it is interrupted before."""
+    recording = read_recording(options.files)
+    from_start(recording, options.start_s)
+    stop = stop_on_signals()
+    with Bus(options.run, "launcher", "replay", Endpoints(listen=options.listen)) as bus:
+        bus.announce()
+        connect = " ".join(options.listen)
+        sys.stdout.write(
+            f"publishing as run {options.run}; `legpush record FILE --run {options.run} --connect {connect}`\n"
+        )
+        sys.stdout.flush()
+        turn = n = 0
+        while not stop.is_set() and (options.loop or turn == 0):
+            n += publish(bus, recording, options.rate, options.start_s, stop, turn)
+            turn += 1
+    sys.stdout.write(f"published {n} messages\n")
+    return INTERRUPTED if stop.is_set() and not options.loop else 0
+
+
+def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Console) -> int:
+    """Run the recorded mission with the recording in the place of one process; the exit code of the mission."""
+    with TemporaryDirectory(prefix="legpush-replay-") as folder:
+        mission = unpack_mission(read_recording(options.files), Path(folder))
+        files = tuple(str(path.absolute()) for path in options.files)
+
+        def process(of: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
+            if of == role:
+                return (sys.executable, "-P", "-m", "legpush.recording.play", role, *files)
+            return process_arguments(of, run, place)
+
+        run = RunOptions(
+            scenario=str(mission.scenario),
+            seed=mission.facts.seed,
+            policy=mission.facts.policy,
+            push_map=mission.push_map,
+            out=options.out,
+            video=False,
+        )
+        return run_mission(run, console, Programs(process=process, kind="replay"))
+
+
+def play_agent(files: tuple[Path, ...], console: Console) -> int:
+    """Ask a live planner and simulator what was asked, and compare their answers."""
+    recording = read_recording(files)
+    plans, stop = read_plans(recording), stop_on_signals()
+    with ExitStack() as stack:
+        logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-replay-")))
+        planners = stack.enter_context(SimPool(1, logs, stop, kind="replay", role="planner"))
+        bus = stack.enter_context(Bus(planners.run, "agent", "planning", planners.endpoints))
+        link = PlanLink(bus, stop=stop)
+        bus.announce()
+        for number, record in enumerate(plans):
+            for revision, expected in sorted(record.plans.items()):
+                got = link.revision(revision, record.query) if revision else link.plan(record.query)
+                if expected.status != "cancelled" and not same(expected, got):
+                    path, one, other = difference(expected, got)
+                    sys.stdout.write(f"first divergence at plan {number}, field {path}: expected {one}, got {other}\n")
+                    return 1
+            link.cancel()
+    sys.stdout.write(f"identical: {len(plans)} plans\n")
+    return verify_files(files, console)
+
+
+def verify_files(files: tuple[Path, ...], console: Console) -> int:
+    """Compare with a simulator process of its own; 0 where it is identical, 1 where not."""
+    recording = read_recording(files)
+    episodes = read_episodes(recording)
+    if not any(episode.carried_out() or episode.damage for episode in episodes):
+        raise RecordingError(
+            f"{files[0]}: expected a recording with an episode from its reset on, got one of "
+            f"{len(recording.messages)} messages without"
+        )
+    stop = stop_on_signals()
+    began = perf_counter()
+    with ExitStack() as stack:
+        logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-verify-")))
+        pool = stack.enter_context(SimPool(1, logs, stop, kind="replay"))
+        bus = stack.enter_context(Bus(pool.run, "agent", "main", pool.endpoints))
+        display = stack.enter_context(make_display(console))
+        world = LinkedWorld(SimLink(bus, pool.names[0], stop=stop))
+        bus.announce()
+        try:
+            verified = verify(episodes, world.step, lambda text: display.progress("verifying", None, text, ""))
+        except StopRequestedError as error:
+            raise StopRequestedError("interrupted: not verified") from error
+    sys.stdout.write(_words(verified, perf_counter() - began))
+    if verified.divergence is None and not recording.is_complete:
+        notes = recording.completeness.get("notes") or "its recorder did not come to an end"
+        sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
+    if recording.n_lost:
+        sys.stdout.write(f"{recording.n_lost} messages that were recorded cannot be read: not verified\n")
+    return 0 if verified.divergence is None and not recording.n_lost else 1
+
+
+def _words(verified: Verified, wall_s: float) -> str:
+    """What came out, for people."""
+    if verified.divergence is not None:
+        return f"{verified.divergence}\n"
+    seconds = verified.n_ticks * CONTROL_PERIOD_S
+    return f"identical: {verified.n_steps} steps, {seconds:.1f} s simulated in {wall_s:.1f} s\n"
+
+
+class LinkedWorld:
+    """A simulator on the bus, where a `Reset` begins a new episode."""
+
+    def __init__(self, link: SimLink) -> None:
+        self._link = link
+        self._past: list[PastStep] = []
+
+    def step(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """Carry out one motion."""
+        if isinstance(motion, Reset):
+            self._past = []
+            self._link.begin()
+        outcome = self._link.step(motion, self._past, with_trace=with_trace)
+        self._past.append(PastStep(motion, outcome.state_crc))
+        return outcome

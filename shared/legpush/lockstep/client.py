@@ -1,0 +1,127 @@
+"""The agent's end of the lockstep: stop and wait, and bring a simulator that came back to where the episode is."""
+
+import logging
+import threading
+from collections.abc import Mapping, Sequence
+from time import time_ns
+from typing import NamedTuple
+
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.bus.channels import Answer
+from legpush.bus.exchange import Exchange, OnWait, no_report
+from legpush.errors import MotionError, PeerError
+from legpush.messages.common import Header
+from legpush.messages.stepping import Action, Motion, Outcome, Refusal
+from legpush.messages.telemetry import Reward, RewardTerm
+from legpush.patience import Patience
+
+log = logging.getLogger(__name__)
+
+
+class PastStep(NamedTuple):
+    """A step that was carried out, and the state it led to."""
+
+    motion: Motion
+    state_crc: int
+
+
+class SimLink:
+    """Asks one simulator by name, one action at a time.
+
+    Episodes are numbered by the clock when they begin, in milliseconds, so that two agents never mean different
+    episodes by one number, and a later episode has the higher number.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        sim: str,
+        *,
+        stop: threading.Event,
+        patience: Patience | None = None,
+        on_wait: OnWait = no_report,
+    ) -> None:
+        self.sim = sim
+        self._bus = bus
+        answers = bus.subscribe(channels.answers(bus.run, sim))
+        self._actions = bus.publisher(channels.actions(bus.run, sim))
+        self._rewards = bus.publisher(channels.rewards(bus.run, sim))
+        self._exchange: Exchange[Answer] = Exchange(bus, answers, ("sim", sim), patience or Patience(), stop, on_wait)
+        self._in_step: str | None = None
+        self.episode = -1
+
+    def begin(self, episode: int | None = None) -> int:
+        """Begin a new episode, or go on with the one that has this number; returns the number."""
+        self._in_step = None
+        self.episode = max(self.episode + 1, time_ns() // 1_000_000) if episode is None else episode
+        return self.episode
+
+    def step(self, motion: Motion, past: Sequence[PastStep], *, with_trace: bool = False) -> Outcome:
+        """What `motion` leads to as the step after `past`, all of the episode's steps up to now.
+
+        A simulator that does not have the state after `past` is led there by doing it all again, each state checked.
+        `MotionError` where the simulator cannot carry the motion out, `PeerError` where it does not answer.
+        """
+        led: set[str] = set()
+        while True:
+            answer = self._ask(len(past), motion, with_trace)
+            if not isinstance(answer, Refusal):
+                self._in_step = answer.header.incarnation
+                self._exchange.settle()
+                return answer.outcome
+            if answer.cause == "invalid":
+                raise MotionError(f"Step {len(past)}: {answer.reason}")
+            if answer.header.incarnation in (self._in_step, *led):
+                raise PeerError(
+                    f"{self._exchange.peer} refuses step {len(past)}: {answer.reason}; is another agent using it?"
+                )
+            led.add(answer.header.incarnation)
+            self._lead(past, answer)
+
+    def tell_reward(self, step: int, terms: Mapping[str, float]) -> None:
+        """Let people know what a step of the present episode earned, term by term."""
+        episode = self.episode
+
+        def build(header: Header) -> Reward:
+            return Reward(
+                header=header,
+                sim=self.sim,
+                episode=episode,
+                step=step,
+                value=sum(terms.values()),
+                terms=tuple(RewardTerm(name=name, value=value) for name, value in terms.items()),
+            )
+
+        self._rewards.send(build)
+
+    def _lead(self, past: Sequence[PastStep], refusal: Refusal) -> None:
+        """Bring the simulator that refused to the state after `past`, in an episode that is new to it."""
+        self.begin(max(self.begin(), refusal.next_episode + 1))
+        for index, step in enumerate(past):
+            answer = self._ask(index, step.motion, with_trace=False)
+            if isinstance(answer, Refusal):
+                if answer.cause == "invalid":
+                    raise PeerError(f"{self._exchange.peer} refuses step {index} of the journal: {answer.reason}")
+                return
+            self._in_step = answer.header.incarnation
+            if answer.outcome.state_crc != step.state_crc:
+                raise PeerError(
+                    f"Expected state {step.state_crc:08x} after step {index} of the journal, got "
+                    f"{answer.outcome.state_crc:08x} from {self._exchange.peer}: it computes something else"
+                )
+        if past:
+            log.info("%s was led through %d steps again, state %08x", self._exchange.peer, len(past), past[-1][1])
+
+    def _ask(self, step: int, motion: Motion, with_trace: bool) -> Answer:
+        episode = self.episode
+
+        def build(header: Header) -> Action:
+            return Action(header=header, episode=episode, step=step, motion=motion, with_trace=with_trace)
+
+        def fits(answer: Answer) -> bool:
+            return (answer.agent_incarnation, answer.episode, answer.step) == (self._bus.incarnation, episode, step)
+
+        return self._exchange.ask(
+            f"step {step} ({type(motion).__name__.lower()})", lambda: self._actions.send(build), fits
+        )

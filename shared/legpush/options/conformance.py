@@ -1,0 +1,50 @@
+"""What `legpush plan-check` can be told."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from legpush.errors import ConfigError
+from legpush.options.run import program_path
+
+USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- COMMAND..."
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanCheckOptions:
+    """Check a planner: `legpush plan-check [OPTIONS] -- COMMAND...` starts it and asks it over the bus.
+
+    Exit codes: 0 all checks passed, 1 not all, 2 bad input, 130 interrupted.
+    """
+
+    deadline_s: Annotated[float, tyro.conf.arg(name="deadline", metavar="S")] = 20.0
+    """The planner has so long for each answer."""
+    only: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT ...")] = ()
+    """Run only the checks that have one of these texts in their name."""
+    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Write the findings there as well."""
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
+            raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")
+        if self.json is not None and not self.json.absolute().parent.is_dir():
+            raise ConfigError(f"Expected a file in an existing folder for --json, got {self.json}")
+
+
+def split_at_dashes(argv: Sequence[str]) -> tuple[list[str], tuple[str, ...]]:
+    """Flags, and the planner's command with its program's absolute path; `ConfigError` where there is no command."""
+    words = list(argv)
+    if "--" not in words:
+        return (words, ()) if {"-h", "--help"} & set(words) else _refuse(words)
+    at = words.index("--")
+    if at + 1 == len(words):
+        _refuse(words)
+    return words[:at], (program_path(words[at + 1]), *words[at + 2 :])
+
+
+def _refuse(words: Sequence[str]) -> tuple[list[str], tuple[str, ...]]:
+    raise ConfigError(f"Expected the planner's command after `--`: {USAGE}, got {' '.join(words) or 'nothing'}")

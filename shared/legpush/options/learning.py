@@ -1,0 +1,203 @@
+"""What `legpush train`, `evaluate` and `calibrate` can be told, and how their programs are started."""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Final, Literal, NoReturn
+
+import tyro
+
+from legpush.errors import ConfigError
+from legpush.messages.common import MAX_DEPTH_M
+from legpush.options.run import require_new_file
+
+MAX_SIMULATORS: Final = 8
+"""Started at most unless more are asked for."""
+
+
+USUAL_DEPTH_M: Final = 0.05
+"""Of the pushes that missions make."""
+
+
+def default_simulators() -> int:
+    """One per core that this process may use, capped."""
+    return min(len(os.sched_getaffinity(0)), MAX_SIMULATORS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulatorOptions:
+    """Which simulators are used."""
+
+    simulators: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """How many; one per core, 8 at most, if not given."""
+    join: Annotated[str | None, tyro.conf.arg(metavar="RUN")] = None
+    """Join the simulators of this run, which are running already, instead of starting some."""
+    listen: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
+    """With --join: where to listen for them."""
+    connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
+    """With --join: where they listen."""
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Record everything that is said into this new MCAP file; see `legpush replay`."""
+
+    def __post_init__(self) -> None:
+        if self.simulators is not None and self.simulators < 1:
+            raise ConfigError(f"Expected at least 1 for --simulators, got {self.simulators}")
+        if self.join is None and (self.listen or self.connect):
+            raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
+        if self.join is not None and self.record is not None:
+            raise ConfigError("Expected either --join or --record, got both; `legpush record` records a run that runs")
+        if self.record is not None:
+            require_new_file(self.record, "--record")
+
+    @property
+    def n_simulators(self) -> int:
+        """How many are used."""
+        return self.simulators if self.simulators is not None else default_simulators()
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainOptions(SimulatorOptions):
+    """Train a policy: start simulators, learn, evaluate now and then, keep the best policy.
+
+    Ctrl-C leaves a checkpoint; `--resume DIR` goes on from it to the very weights of a training that was not stopped.
+    Exit codes: 0 trained, 2 bad input, 3 a simulator failed, 130 interrupted.
+    """
+
+    profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
+    """paper, tuned, sac, td3, or the path of a profile file."""
+    entry: Literal["fixed", "variable"] = "variable"
+    """Whether all pushes are equally deep, or the policy chooses."""
+    actions: Literal["continuous", "discrete"] = "continuous"
+    """The form of the action; discrete is the published grid of w1, w2 and leg."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Draws initial weights, exploration and initial conditions."""
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
+    """Where the robot stands ready to push, and the goal."""
+    steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Replaces the profile's number of push cycles."""
+    mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw the mass of the box anew for each episode."""
+    friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw the friction of the box anew for each episode."""
+    distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw how far the goal is from the box anew for each episode."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the training, `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
+    resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Go on with the training in this folder, with the settings that it was begun with."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.seed < 2**32:
+            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        if self.steps is not None and self.steps < 1:
+            raise ConfigError(f"Expected at least 1 for --steps, got {self.steps}")
+        if self.resume is not None and self.out is not None:
+            raise ConfigError("Expected either --resume DIR, which goes on in its folder, or --out DIR, got both")
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateOptions(SimulatorOptions):
+    """Evaluate a policy: episodes from seeded initial conditions, errors with 95 % intervals.
+
+    Exit codes: 0 evaluated, 2 bad input, 3 a simulator failed, 130 interrupted.
+    """
+
+    policy: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="POLICY")]
+    """scripted, the name of a shipped policy, a policy folder, a model file (.zip) that Stable-Baselines3 saved, or
+    module:factory of your own."""
+    normalizer: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """With a model file: what `VecNormalize.save` wrote, if observations were normalized in its training."""
+    episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 20
+    """For each value that is swept."""
+    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 9000
+    """The episodes' initial conditions are drawn from this seed and those after it."""
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
+    """Where the robot stands ready to push, and the goal with its tolerances."""
+    sweep: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="FIELD=VALUE,...")] = ()
+    """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9, box.size_m=0.4x0.5x0.4,0.8x0.4x0.4,
+    box.shape=cuboid,l_shape or room.slope_deg=0,5; may be given again for other fields."""
+    grid: bool = False
+    """Evaluate every combination of the swept values instead of one field after the other."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder for episodes.csv, episodes.parquet, summary.json and evaluation.png; `runs/<time>-evaluate-<policy>` if
+    not given."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.episodes < 1:
+            raise ConfigError(f"Expected at least 1 for --episodes, got {self.episodes}")
+        if not 0 <= self.first_seed <= 2**32 - self.episodes:
+            raise ConfigError(
+                f"Expected seeds from 0 to {2**32 - 1}, got {self.episodes} from --first-seed {self.first_seed} on"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrateOptions(SimulatorOptions):
+    """Measure what pushes do to a box: travel and turn by face, leg, curve and depth, and the circle it turns on.
+
+    `legpush run --push-map FILE` plans and follows paths by it. Exit codes: 0 measured, 1 the robot fell, 2 bad input,
+    3 a simulator failed, 130 interrupted.
+    """
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    """Whose box is measured, on an open floor."""
+    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """Replaces the scenario's box mass."""
+    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's box friction."""
+    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+    """How deep to push."""
+    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = (0.5,)
+    """Shapes of the curve: w1 = w2; missions push by the first one."""
+    series: Annotated[int, tyro.conf.arg(metavar="N")] = 2
+    """Series of eight pushes, four with each leg, for every face, curve and depth."""
+    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 8000
+    """The places of the box are drawn from this seed and those after it."""
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")] = Path("push_map.json")
+    """The new file."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.series < 1:
+            raise ConfigError(f"Expected at least 1 for --series, got {self.series}")
+        if not 0 <= self.first_seed <= 2**32 - self.series:
+            raise ConfigError(
+                f"Expected seeds from 0 to {2**32 - 1}, got {self.series} from --first-seed {self.first_seed} on"
+            )
+        if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):
+            raise ConfigError(
+                f"Expected depths above 0 and at most {MAX_DEPTH_M} m for --depths-m, got {self.depths_m}"
+            )
+        if not any(depth_m >= USUAL_DEPTH_M for depth_m in self.depths_m):
+            raise ConfigError(f"Expected a depth of {USUAL_DEPTH_M} m or more in --depths-m, got {self.depths_m}")
+        for flag, values in (("--depths-m", self.depths_m), ("--curves", self.curves)):
+            if len(set(values)) < len(values):
+                raise ConfigError(f"Expected each value once for {flag}, got {values}")
+        if not self.curves or not all(0.0 <= w <= 1.0 for w in self.curves):
+            raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
+
+
+Program = Literal[
+    "agent_proc.programs.train",
+    "agent_proc.programs.evaluate",
+    "agent_proc.programs.calibrate",
+    "agent_proc.programs.draw_room",
+    "agent_proc.programs.show_map",
+    "planner_proc.conformance",
+    "sim_proc.export",
+    "sim_proc.view",
+]
+"""A module that Python runs as a program."""
+
+
+def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
+    """Become the program for it; `argv` are its options."""
+    from legpush.launch.run import child_environment
+
+    # -P: what lies in the working directory is no part of the program.
+    command = [sys.executable, "-P", "-m", program, *argv]
+    os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted

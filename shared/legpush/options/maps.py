@@ -1,0 +1,50 @@
+"""What `legpush map` can be told."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from legpush.errors import ConfigError
+from legpush.scenarios.map_files import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions:
+    """Draw a map from above as legpush reads it, x to the right and y up, and print what is in it.
+
+    A scenario is drawn as the planner gets it, with start, box, goal and what the trunk keeps clear.
+    Exit codes: 0 drawn, 2 bad input.
+    """
+
+    action: tyro.conf.Positional[Literal["show"]]
+    """What to do."""
+    file: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME|FILE")]
+    """A built-in scenario, a scenario file, the YAML file of a ROS map, or a grid of 0 and 1 in a .csv or .npy file."""
+    output: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
+    """The picture, `<name>_map.png` here if not given. No file is overwritten but a picture that this command made."""
+    cell_m: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    """Side of a cell; asked for with .csv and .npy files, which do not say it."""
+    first_row: FirstRow | None = None
+    """Where the first row of a .csv or .npy file lies: at the highest y, or at y = 0."""
+
+    def __post_init__(self) -> None:
+        """Refuse flags that do not belong to the kind of file (`ConfigError`)."""
+        suffix = suffix_of(self.file)
+        if suffix in IMAGE_SUFFIXES:
+            valid = " or ".join(MAP_SERVER_SUFFIXES)
+            raise ConfigError(f"{self.file}: expected a map with its scale: of an image, its {valid} file")
+        for flag, value in (("--cell-m", self.cell_m), ("--first-row", self.first_row)):
+            if value is None and suffix in CELL_SUFFIXES:
+                raise ConfigError(f"{self.file}: expected --cell-m and --first-row, which a {suffix} file does not say")
+            if value is not None and suffix not in CELL_SUFFIXES:
+                raise ConfigError(f"{self.file}: expected {flag} only with {' and '.join(CELL_SUFFIXES)} files")
+        if self.cell_m is not None and not 0.0 < self.cell_m < float("inf"):
+            raise ConfigError(f"Expected more than 0 for --cell-m, got {self.cell_m}")
+        if self.output is not None and (suffix_of(self.output.name) != ".png" or not self.output.parent.is_dir()):
+            raise ConfigError(f"Expected a .png file in an existing folder for --output, got {self.output}")
+
+    def picture(self) -> Path:
+        """Where the picture goes."""
+        return Path(f"{Path(self.file).stem}_map.png") if self.output is None else self.output

@@ -1,0 +1,95 @@
+"""What `legpush run` can be told."""
+
+import os
+import shlex
+import shutil
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Final
+
+import tyro
+
+from legpush.errors import ConfigError
+from legpush.scene.scenario import PlannerName, Steering
+
+DEFAULT_POLICY: Final = "variable"
+"""The shipped one that chooses leg, curve and depth."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Run a mission: start planner, simulator and agent, watch over them, and report.
+
+    Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 gave up on a process, 130 interrupted.
+    """
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    """A built-in scenario (`legpush scenarios list`) or the path of a scenario file."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Draws the offsets of start and box, and the path: equal seeds, equal missions, bit for bit."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished run goes on in its folder."""
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
+    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
+    module:factory."""
+    push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
+    planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
+    """Another planner process, such as "python examples/grid_planner.py"; `docs/protocol.md` says what it has to do."""
+    planner: PlannerName | None = None
+    """Replaces the scenario's planner."""
+    steering: Steering | None = None
+    """Replaces how the scenario's paths are steered; dubins and reeds_shepp need a turning radius."""
+    turning_radius_m: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    """Replaces the scenario's least turning radius of the robot's paths."""
+    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """Replaces the scenario's box mass."""
+    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's box friction."""
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Record everything that the processes publish into this new MCAP file; see `legpush replay`."""
+    video: bool = True
+    """Render mission.mp4 at the end."""
+    deadline_s: Annotated[float | None, tyro.conf.arg(name="deadline", metavar="S")] = None
+    """Give up when the mission is not over after this many seconds."""
+    inject_faults: Annotated[float, tyro.conf.arg(metavar="P")] = 0.0
+    """Drop, duplicate, delay and reorder each message between the processes, each with this probability (a test)."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.seed < 2**32:
+            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        if not 0.0 <= self.inject_faults < 1.0:
+            raise ConfigError(f"Expected a probability in [0, 1) for --inject-faults, got {self.inject_faults}")
+        if self.record is not None:
+            require_new_file(self.record, "--record")
+        if self.planner_command is not None:
+            split_command(self.planner_command)
+        if self.deadline_s is not None and not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
+            raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")
+
+
+def split_command(command: str) -> tuple[str, ...]:
+    """Program, with its absolute path, and arguments; `ConfigError` where there is no such program."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise ConfigError(f"Expected a command for --planner-command, got {command!r} ({error})") from error
+    if not words:
+        raise ConfigError("Expected a command for --planner-command, got nothing")
+    return (program_path(words[0]), *words[1:])
+
+
+def program_path(name: str) -> str:
+    """Absolute path of a program by name or path; `ConfigError` where there is none."""
+    program = shutil.which(name)
+    if program is None:
+        raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is none")
+    return os.path.abspath(program)
+
+
+def require_new_file(path: Path, flag: str) -> None:
+    """`ConfigError` unless the file can be made."""
+    folder = path.absolute().parent
+    if os.path.lexists(path) or not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise ConfigError(f"Expected a new file in an existing folder for {flag}, got {path}")

@@ -1,0 +1,1 @@
+"""Asking a planner, and being one."""

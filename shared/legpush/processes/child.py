@@ -1,0 +1,100 @@
+"""One child process in a group of its own: started, watched, and ended together with everything it started."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import psutil
+
+from legpush.processes import parent_watch as leash
+
+TAIL_LINES: Final = 12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """How to start a process, and where its output goes."""
+
+    role: str
+    """What people call it."""
+    argv: tuple[str, ...]
+    """The program's absolute path, then its arguments."""
+    log: Path
+    """Standard output and standard error are appended here."""
+    environment: Mapping[str, str]
+    flags_again: tuple[str, ...] = ()
+    """What is added to `argv` when it has to be started again."""
+
+    def again(self) -> "Command":
+        """How to start it when it has died."""
+        return replace(self, argv=self.argv + self.flags_again, flags_again=())
+
+
+class Process:
+    """A running process group; its leader is the command's process.
+
+    Start it on a thread that lives as long as it should: the kernel kills it when that thread ends.
+    """
+
+    def __init__(self, command: Command, on_exit: Callable[["Process"], None]) -> None:
+        """`on_exit` is called on another thread once the whole group has ended and `exit_code` is known."""
+        self.command = command
+        self.role = command.role
+        self.exit_code: int | None = None
+        """Negative is the signal that ended it; None while it runs."""
+        self._on_exit = on_exit
+        self._reaping = threading.Lock()
+        with command.log.open("ab") as log:
+            self._log_start = log.tell()
+            self._child = subprocess.Popen(
+                [sys.executable, "-I", "-S", leash.__file__, str(os.getpid()), *command.argv],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                env=dict(command.environment),
+            )
+        self.pid = self._child.pid
+        threading.Thread(target=self._wait, name=f"wait for {self.role}", daemon=True).start()
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send a signal to the whole group; nothing happens once it has ended."""
+        with self._reaping:
+            if self.exit_code is None:
+                os.killpg(self.pid, number)
+
+    def is_frozen(self) -> bool:
+        """Whether it is stopped, by SIGSTOP or a debugger, and so can neither go on nor end."""
+        try:
+            return psutil.Process(self.pid).status() in (psutil.STATUS_STOPPED, psutil.STATUS_TRACING_STOP)
+        except psutil.NoSuchProcess:
+            return False
+
+    def last_words(self, n_lines: int = TAIL_LINES) -> tuple[str, ...]:
+        """The last lines that it wrote, without empty ones."""
+        with self.command.log.open("rb") as log:
+            end = log.seek(0, os.SEEK_END)
+            log.seek(max(self._log_start, end - 200 * n_lines))
+            lines = log.read().decode(errors="replace").splitlines()
+        return tuple(line.rstrip() for line in lines if line.strip())[-n_lines:]
+
+    def _wait(self) -> None:
+        """Wait for the leader, end what it left behind, and only then let its number go to other processes."""
+        os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT)
+        with self._reaping:
+            os.killpg(self.pid, signal.SIGKILL)
+            self.exit_code = self._child.wait()
+        self._on_exit(self)
+
+
+def describe_exit(exit_code: int) -> str:
+    """`exited with 3`, `was killed by SIGKILL`."""
+    if exit_code >= 0:
+        return f"exited with {exit_code}"
+    return f"was killed by {signal.Signals(-exit_code).name}"

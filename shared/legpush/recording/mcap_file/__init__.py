@@ -1,0 +1,1 @@
+"""The MCAP file format: records, a writer and a reader."""

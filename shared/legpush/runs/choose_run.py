@@ -1,0 +1,91 @@
+"""Which run a recorder or viewer watches.
+
+In this order:
+
+1. With endpoints (`--connect`): what listens there, in the run `--run`, `LEGPUSH_RUN` or `local`.
+2. With a name (`--run`, else `LEGPUSH_RUN`): the live run of a launcher that has this name or folder; if there is none,
+   processes that were started by hand, on their fixed ports, in the run of this name.
+3. With neither: the one live run; several are an error that lists them; if there is none, processes that were started
+   by hand, on their fixed ports, in the run `local`.
+
+So `LEGPUSH_RUN` says the same to every process that is started in a terminal: which run it belongs to. Launchers name
+their runs themselves, by their folders, whatever it says.
+"""
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from legpush.bus.endpoints import Endpoints, listing, local
+from legpush.errors import ConfigError
+from legpush.runs.live_runs import LiveRun, find_live_runs
+from legpush.service import DEFAULT_RUN
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watched:
+    """A run, and where its processes listen."""
+
+    run: str
+    endpoints: Endpoints
+    launched: LiveRun | None = None
+    """None where its processes were started by hand."""
+
+    @property
+    def folder(self) -> Path | None:
+        """What the run leaves behind, where that is known."""
+        return Path(self.launched.folder) if self.launched is not None and self.launched.folder is not None else None
+
+    def __str__(self) -> str:
+        """For people."""
+        return str(self.launched) if self.launched is not None else f"{self.run} at {listing(self.endpoints.connect)}"
+
+
+def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched:
+    """The run to watch: the live one if there is one, else processes that were, or will be, started by hand.
+
+    `run` and `connect` are what the command line says. `ConfigError` where several are meant, or `run` is no name.
+    """
+    return find_run(run, connect) or by_hand(run)
+
+
+def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched | None:
+    """The same, but None where no launcher has such a run going yet: whoever waits for one asks again."""
+    if connect:
+        return by_hand(run, connect)
+    name, live = _name(run), find_live_runs()
+    meant = live if name is None else _called(name, live)
+    if not meant:
+        return None
+    if len(meant) > 1:
+        raise ConfigError(f"Expected --run with the name or folder of one of the live runs: {_list(meant)}")
+    return Watched(run=meant[0].run, endpoints=Endpoints(connect=meant[0].connect), launched=meant[0])
+
+
+def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched:
+    """Processes that were started by hand, on their fixed ports if no endpoints are given."""
+    name = _name(run) or DEFAULT_RUN
+    if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", name) is None:
+        raise ConfigError(
+            f"Expected the name or folder of a live run, or 1 to 64 letters, digits, - or _ for --run, got {name!r}; "
+            f"live: {_list(find_live_runs()) or 'none'}"
+        )
+    return Watched(run=name, endpoints=Endpoints(connect=connect or local("recorder").connect))
+
+
+def _name(run: str | None) -> str | None:
+    """What the command line says, else the environment."""
+    return run if run is not None else os.environ.get("LEGPUSH_RUN") or None
+
+
+def _called(name: str, live: Sequence[LiveRun]) -> Sequence[LiveRun]:
+    """Those in this folder, else those of this name."""
+    folder = Path(name).resolve()
+    in_folder = [run for run in live if run.folder is not None and Path(run.folder).resolve() == folder]
+    return in_folder or [run for run in live if run.run == name]
+
+
+def _list(live: Sequence[LiveRun]) -> str:
+    return "; ".join(map(str, live))

@@ -1,0 +1,83 @@
+"""The folder of a run: where it is, and that it is ours to write to."""
+
+import fcntl
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import Final
+
+from legpush.errors import ConfigError
+from legpush.scenarios.file import dump_scenario
+from legpush.scene.scenario import Scenario
+
+SCENARIO_FILE: Final = "scenario.toml"
+LOGS: Final = "logs"
+REPORT_FILE: Final = "report.json"
+PICTURE_FILE: Final = "mission.png"
+VIDEO_FILE: Final = "mission.mp4"
+
+
+def default_folder(scenario: Scenario, seed: int, now: datetime) -> Path:
+    """`runs/<timestamp>-<scenario>-seed<N>`, under the working directory."""
+    return Path("runs") / f"{now:%Y%m%d-%H%M%S}-{scenario.name}-seed{seed}"
+
+
+def is_begun(folder: Path) -> bool:
+    """Whether a mission began in this folder before, which goes on now."""
+    return any(folder.glob("*.journal"))
+
+
+def run_name(folder: Path) -> str:
+    """Name of a run on the bus: that of its folder, so that a run that goes on is the same run."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", folder.name)[:64] or "run"
+
+
+@contextmanager
+def run_folder(folder: Path, scenario: Scenario) -> Iterator[None]:
+    """Make the folder, with the resolved scenario and a place for logs in it, and keep other launchers out meanwhile.
+
+    The folder of an earlier run of the same scenario may be used again: that run goes on where it ended. Any other
+    folder with something in it is a `ConfigError`.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError as error:
+        raise _unusable(folder, error) from error
+    try:
+        _lock(lock, folder)
+        _fill(folder, dump_scenario(scenario).encode())
+        yield
+    finally:
+        os.close(lock)
+
+
+def _lock(descriptor: int, folder: Path) -> None:
+    """Held until the descriptor is closed, even if by a crash."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise ConfigError(f"{folder}: expected a folder of its own, but another launcher is running in it") from error
+
+
+def _fill(folder: Path, scenario: bytes) -> None:
+    """Write what a run starts from, or see that it is there."""
+    file = folder / SCENARIO_FILE
+    try:
+        if file.exists():
+            if file.read_bytes() != scenario:
+                raise ConfigError(f"{folder}: expected a new folder, got that of a run of another scenario")
+        elif any(folder.iterdir()):
+            raise ConfigError(f"{folder}: expected a new or empty folder, or that of a run, got one with other files")
+        else:
+            file.write_bytes(scenario)
+        (folder / LOGS).mkdir(exist_ok=True)
+    except OSError as error:
+        raise _unusable(folder, error) from error
+
+
+def _unusable(folder: Path, error: OSError) -> ConfigError:
+    return ConfigError(f"{folder}: expected a folder that can be written to ({error.strerror})")

@@ -1,0 +1,134 @@
+"""The runs that launchers have going, as others on this machine find them: a file beside the sockets of each.
+
+A launcher keeps the file locked for as long as its run lasts. The kernel unlocks it when the launcher ends, however it
+ends, so a file that is not locked belongs to nobody.
+"""
+
+import fcntl
+import os
+import stat
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
+from time import time
+from typing import Annotated, Final, Self
+
+import msgspec
+from msgspec import Meta, Struct
+
+from legpush.bus.endpoints import Endpoints
+from legpush.errors import EndpointError
+from legpush.messages.common import PROTOCOL_VERSION, Count, Name
+
+PREFIX: Final = "legpush-"
+"""How directories of sockets are called in the temporary directory."""
+RUN_FILE: Final = "run.json"
+MAX_BYTES: Final = 65536
+"""Of such a file; a larger one is none."""
+PRINTABLE: Final = r"^[^\x00-\x1f\x7f]+$(?!\n)"
+
+
+class LiveRun(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A run that is going on."""
+
+    protocol: Count
+    run: Name
+    """Its name on the bus."""
+    kind: Annotated[str, Meta(pattern=PRINTABLE)]
+    """Whose it is: the subcommand that launched it, such as `run` or `train`."""
+    folder: Annotated[str, Meta(pattern=PRINTABLE)] | None
+    """Absolute, None where the run leaves no folder behind."""
+    pid: Count
+    """Of the launcher."""
+    began_unix_s: float
+    connect: Annotated[tuple[str, ...], Meta(min_length=1)]
+    """Where its processes listen, for those who watch."""
+
+    def __str__(self) -> str:
+        """`20261126-091500-default-seed0 (run, in /home/me/runs/20261126-091500-default-seed0)`."""
+        where = f", in {self.folder}" if self.folder is not None else ""
+        return f"{self.run} ({self.kind}{where})"
+
+    @classmethod
+    def now(cls, run: str, kind: str, folder: Path | None, connect: Sequence[str]) -> Self:
+        """A run that this process launches now."""
+        return cls(
+            protocol=PROTOCOL_VERSION,
+            run=run,
+            kind=kind,
+            folder=None if folder is None else str(folder.absolute()),
+            pid=os.getpid(),
+            began_unix_s=time(),
+            connect=tuple(connect),
+        )
+
+
+@contextmanager
+def socket_directory() -> Iterator[Path]:
+    """A directory of mode 0700 for the sockets of a run, where `find_live_runs` looks."""
+    with TemporaryDirectory(prefix=PREFIX) as directory:
+        yield Path(directory)
+
+
+@contextmanager
+def shown(run: LiveRun, directory: Path) -> Iterator[None]:
+    """Let others find this run by its directory of sockets, until the context is left or this process ends."""
+    half, whole = directory / f"{RUN_FILE}.part", directory / RUN_FILE
+    with half.open("wb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        file.write(msgspec.json.encode(run))
+        file.flush()
+        half.rename(whole)
+        try:
+            yield
+        finally:
+            whole.unlink(missing_ok=True)
+
+
+def find_live_runs() -> tuple[LiveRun, ...]:
+    """The runs of this user that launchers with the same temporary directory (`TMPDIR`) have going, oldest first.
+
+    What others put there, what cannot be read, another protocol's and what a killed launcher left behind is skipped.
+    """
+    with os.scandir(gettempdir()) as entries:
+        directories = [Path(entry.path) for entry in entries if entry.name.startswith(PREFIX) and _is_private(entry)]
+    runs = (_read(directory / RUN_FILE) for directory in directories)
+    return tuple(sorted((run for run in runs if run is not None), key=lambda run: (run.began_unix_s, run.run)))
+
+
+def _is_private(entry: os.DirEntry[str]) -> bool:
+    """Whether it is a directory, no link to one, that only this user can enter."""
+    try:
+        status = entry.stat(follow_symlinks=False)
+    except OSError:
+        return False
+    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) & 0o077 == 0
+
+
+def _read(path: Path) -> LiveRun | None:
+    """The run in a file, None where it is none that lives."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    except OSError:
+        return None
+    try:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or not _is_locked(descriptor):
+            return None
+        run = msgspec.json.decode(os.read(descriptor, MAX_BYTES), type=LiveRun)
+        Endpoints(connect=run.connect)
+    except (OSError, UnicodeDecodeError, msgspec.MsgspecError, EndpointError):
+        return None
+    finally:
+        os.close(descriptor)
+    return run if run.protocol == PROTOCOL_VERSION else None
+
+
+def _is_locked(descriptor: int) -> bool:
+    """Whether somebody keeps the file locked."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    return False

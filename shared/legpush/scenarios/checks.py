@@ -1,0 +1,249 @@
+"""Whether a scenario can be carried out at all: everything inside the room, with space where it is needed.
+
+What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed. An
+obstacle that appears later may do so anywhere in the room: it waits until nothing is in its place.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import degrees, hypot, radians, sin
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.errors import ScenarioError
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.common import MAX_CELLS
+from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
+from legpush.scene.footprints import (
+    Footprint,
+    behind_box,
+    box_footprint,
+    distance_m,
+    distance_to_border_m,
+    distance_to_point_m,
+    obstacle_footprint,
+)
+from legpush.scene.occupancy import clearance_m, grid_shape
+from legpush.scene.reference import Reference, first_straight_m, reference_curve
+from legpush.scene.robot import (
+    BODY_LENGTH_M,
+    BODY_WIDTH_M,
+    FOOT_RADIUS_M,
+    FOOT_RECTANGLE_LENGTH_M,
+    FOOT_RECTANGLE_RADIUS_M,
+    FOOT_RECTANGLE_WIDTH_M,
+)
+from legpush.scene.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Planning, Rectangle, Room, Scenario
+
+REFERENCE_END_M: Final = 0.01
+REFERENCE_END_DEG: Final = 0.5
+"""How far the goal may be from where the reference ends."""
+REFERENCE_EVERY: Final = 5
+"""Points of the reference at which space is checked."""
+
+
+def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
+    """Raise a `ScenarioError` that begins with `where`, names the field and says how far it is off."""
+    try:
+        _check(scenario)
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
+
+
+def _check(scenario: Scenario) -> None:
+    """The checks, from the room to the goal."""
+    room, box, offsets = scenario.room, scenario.box, scenario.randomization
+    _check_room(room)
+    _check_planning(scenario.planning)
+
+    start, box_pose, goal_pose = scenario.start.pose(), box.pose.pose(), scenario.goal.pose.pose()
+    clear = clearance_m(scenario.planning)
+    start_reach = hypot(offsets.start_xy_m, offsets.start_xy_m)
+    foot_reach = start_reach + _turn_reach(FOOT_RECTANGLE_RADIUS_M, offsets.start_yaw_deg)
+    box_reach = hypot(offsets.box_xy_m, offsets.box_xy_m) + _turn_reach(hypot(*box.size_m[:2]) / 2, offsets.box_yaw_deg)
+
+    _check_circle(room, start, clear, start_reach, "start", "the robot's trunk")
+    _check_box(room, box_footprint(box, box_pose), box_reach, "box.pose", "the box")
+    _check_box(room, box_footprint(box, goal_pose), 0.0, "goal.pose", "the box at its goal")
+
+    feet = Footprint(
+        pose=start,
+        length_m=FOOT_RECTANGLE_LENGTH_M + 2 * FOOT_RADIUS_M,
+        width_m=FOOT_RECTANGLE_WIDTH_M + 2 * FOOT_RADIUS_M,
+    )
+    gap = distance_m(feet, box_footprint(box, box_pose))
+    _require(
+        gap,
+        foot_reach + box_reach,
+        "start",
+        "between the robot's feet and the box",
+        _because(0.0, foot_reach + box_reach),
+    )
+
+    faces = tuple(face for face in scenario.pushing.faces if face in PUSHABLE[box.shape])
+    if not faces:
+        valid = ", ".join(PUSHABLE[box.shape])
+        raise ScenarioError(
+            f"at `pushing.faces`: expected a face that a {box.shape} can be pushed at ({valid}), "
+            f"got {', '.join(scenario.pushing.faces)}"
+        )
+    if scenario.reference is not None:
+        _check_reference(scenario, scenario.reference)
+        faces = ("rear",)
+    _check_any(faces, lambda face: _check_place_to_begin(scenario, face))
+    _check_any(faces, lambda face: _check_place_to_end(scenario, face))
+
+
+def _check_any(faces: Sequence[Face], check: Callable[[Face], None]) -> None:
+    """One of the faces passes; else the error is that of the first one."""
+    errors: list[ScenarioError] = []
+    for face in faces:
+        try:
+            return check(face)
+        except ScenarioError as error:
+            errors.append(error)
+    raise errors[0] if len(errors) == 1 else ScenarioError(f"{errors[0]}; nor is there space at another face")
+
+
+def _check_place_to_begin(scenario: Scenario, face: Face) -> None:
+    """The robot can come to stand behind a face of the box."""
+    offsets = scenario.randomization
+    box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.box.pose.pose(), face)
+    for back_m, what in (
+        (STAND_OFF_M, "the robot's place where walking ends"),
+        (STATION_M, "the robot's place to push"),
+    ):
+        behind = behind_box(box, pose, back_m)
+        swing = _turn_reach(box.size_m[0] / 2 + back_m, offsets.box_yaw_deg) + hypot(offsets.box_xy_m, offsets.box_xy_m)
+        clear = clearance_m(scenario.planning)
+        where = f"{what}, {back_m:.2f} m behind the {face} face,"
+        _check_circle(scenario.room, behind, clear, swing, "box.pose", where)
+
+
+def _check_place_to_end(scenario: Scenario, face: Face) -> None:
+    """The robot can stand behind a face of the box at its goal."""
+    box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.goal.pose.pose(), face)
+    behind = behind_box(box, pose, STATION_M)
+    what = f"the robot's place behind the {face} face of the box at its goal"
+    _check_circle(scenario.room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", what)
+
+
+def _check_planning(planning: Planning) -> None:
+    """A better path is joined by straight lines."""
+    curved = planning.steering != "straight" or planning.min_turning_radius_m > 0.0
+    if planning.anytime is not None and curved:
+        raise ScenarioError(
+            "at `planning.anytime`: expected the steering straight and no min_turning_radius_m with better paths while "
+            f"walking, got {planning.steering} and {planning.min_turning_radius_m:g} m"
+        )
+
+
+def _check_reference(scenario: Scenario, reference: Reference) -> None:
+    """It ends at the goal, and box and robot have space all along it."""
+    if "rear" not in scenario.pushing.faces:
+        raise ScenarioError(
+            f"at `pushing.faces`: expected the rear face, at which a reference is pushed, "
+            f"got {', '.join(scenario.pushing.faces)}"
+        )
+    needed_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
+    if needed_m > (straight_m := first_straight_m(reference)):
+        raise ScenarioError(
+            f"at `pushing.calibration_pushes`: expected at most {int(straight_m / CALIBRATION_PUSH_M)}, for which the "
+            f"reference begins straight ({straight_m:g} m, {CALIBRATION_PUSH_M} m each), got "
+            f"{scenario.pushing.calibration_pushes}"
+        )
+    curve = reference_curve(reference, scenario.box.pose.pose())
+    x_m, y_m, yaw_rad = curve[-1].tolist()
+    end, goal = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)), scenario.goal.pose.pose()
+    off_m = hypot(end.x_m - goal.x_m, end.y_m - goal.y_m)
+    if off_m > REFERENCE_END_M or degrees(abs(wrap_angle(end.yaw_rad - goal.yaw_rad))) > REFERENCE_END_DEG:
+        raise ScenarioError(
+            f"at `goal.pose`: expected where the reference ends, x_m {end.x_m:.3f}, y_m {end.y_m:.3f}, "
+            f"yaw_deg {degrees(end.yaw_rad):.2f}, got x_m {goal.x_m:g}, y_m {goal.y_m:g}, "
+            f"yaw_deg {degrees(goal.yaw_rad):g}"
+        )
+    for x_m, y_m, yaw_rad in curve[::REFERENCE_EVERY].tolist():
+        pose = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad))
+        where = f"at ({x_m:.2f}, {y_m:.2f}) on the reference"
+        behind = behind_box(scenario.box, pose, STATION_M)
+        robot = Footprint(pose=behind, length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        for footprint, what in ((box_footprint(scenario.box, pose), "the box"), (robot, "the robot")):
+            margin_m = scenario.pushing.margin_m
+            _check_box(scenario.room, footprint, margin_m, "reference", f"{what} {where}", " (`pushing.margin_m`)")
+
+
+def _check_room(room: Room) -> None:
+    """A map that fits into a message, and no obstacle outside it."""
+    n_columns, n_rows = grid_shape(room)
+    if n_columns * n_rows > MAX_CELLS:
+        raise ScenarioError(
+            f"at `room.resolution_m`: expected at most {MAX_CELLS} cells of {room.resolution_m} m in "
+            f"{room.size_m[0]} x {room.size_m[1]} m, got {n_columns * n_rows}"
+        )
+    width_m, height_m = room.size_m
+    for index, wall in enumerate(room.obstacles):
+        if wall.x_max_m <= 0.0 or wall.y_max_m <= 0.0 or wall.x_min_m >= width_m or wall.y_min_m >= height_m:
+            raise ScenarioError(
+                f"at `room.obstacles[{index}]`: expected a rectangle in the room, x 0 to {width_m}, y 0 to {height_m}, "
+                f"got x {wall.x_min_m} to {wall.x_max_m}, y {wall.y_min_m} to {wall.y_max_m}"
+            )
+
+
+def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, field: str, what: str) -> None:
+    """A circle about a pose is free wherever the seed may move it."""
+    because = _because(radius_m, reach_m)
+    point = centre.xy()
+    border = distance_to_border_m(point[np.newaxis], room)
+    _require(border, radius_m + reach_m, field, f"from {what} to the border of the room", because)
+    for index, wall in _near(room, point[np.newaxis], radius_m + reach_m):
+        distance = distance_to_point_m(obstacle_footprint(wall), point)
+        _require(distance, radius_m + reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
+
+
+def _check_box(
+    room: Room, footprint: Footprint, reach_m: float, field: str, what: str, because: str | None = None
+) -> None:
+    """A box is free wherever the seed may move it, or with another distance for the reason that is given."""
+    because = _because(0.0, reach_m) if because is None else because
+    corners = footprint.corners()
+    border = distance_to_border_m(corners, room)
+    _require(border, reach_m, field, f"from {what} to the border of the room", because)
+    for index, wall in _near(room, corners, reach_m):
+        distance = distance_m(obstacle_footprint(wall), footprint)
+        _require(distance, reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
+
+
+def _near(room: Room, points: NDArray[np.float64], reach_m: float) -> Iterator[tuple[int, Rectangle]]:
+    """The obstacles that do not appear later, with their indices, not farther than `reach_m` along an axis from all
+    points, (n, 2).
+    """
+    (x_low, y_low), (x_high, y_high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    for index, wall in enumerate(room.obstacles):
+        along_x_m = max(wall.x_min_m - x_high, x_low - wall.x_max_m)
+        along_y_m = max(wall.y_min_m - y_high, y_low - wall.y_max_m)
+        if wall.appears_at_s == 0.0 and along_x_m < reach_m and along_y_m < reach_m:
+            yield index, wall
+
+
+def _require(distance: float, least_m: float, field: str, between: str, because: str) -> None:
+    """At least `least_m` of distance; negative is how deep it is inside."""
+    if distance < least_m:
+        got = f"{distance:.3f} m" if distance > 0.0 else f"{-distance:.3f} m inside"
+        raise ScenarioError(
+            f"at `{field}`: expected at least {least_m:.3f} m {between}{because}, got {got}: "
+            f"{least_m - distance:.3f} m too little"
+        )
+
+
+def _because(radius_m: float, reach_m: float) -> str:
+    """What a least distance is made of, where it is made of more than one thing."""
+    parts = [f"{radius_m:.3f} m for the robot"] * (radius_m > 0.0) + [f"{reach_m:.3f} m for `randomization`"] * (
+        reach_m > 0.0
+    )
+    return f" ({' and '.join(parts)})" if parts else ""
+
+
+def _turn_reach(arm_m: float, half_width_deg: float) -> float:
+    """How far the end of an arm moves when it turns by up to `half_width_deg`."""
+    return 2 * arm_m * sin(radians(min(half_width_deg, 180.0)) / 2)

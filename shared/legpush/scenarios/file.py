@@ -1,0 +1,159 @@
+"""Scenario files: TOML to a checked `Scenario` and back."""
+
+import tomllib
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import reduce
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from operator import getitem
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import tomli_w
+
+from legpush.errors import MessageError, ScenarioError
+from legpush.messages.codec import convert
+from legpush.scenarios.checks import check_scenario
+from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
+from legpush.scenarios.map_files import OccupancyMap
+from legpush.scene.scenario import Scenario
+from legpush.schema_errors import explain
+
+SUFFIX: Final = ".toml"
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """A built-in scenario by its name, or the one in a file: a `Path`, or a text with `/` or `.toml` in it.
+
+    A grid file that it names is read as well, so that the record is complete in itself. `ScenarioError` names the
+    file, the field, and what was expected there.
+    """
+    return load_with_map(name_or_path)[0]
+
+
+def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | None]:
+    """The same, and the map that its grid file holds; None where it names no such file."""
+    source = scenario_source(name_or_path)
+    where = str(source)
+    plain = _read_toml(source)
+    grid = take_grid(plain, where)
+    occupancy = None if grid is None else read_grid(grid, _folder(source))
+    if occupancy is not None:
+        plain["room"]["size_m"] = list(occupancy.size_m)
+    try:
+        scenario = convert(plain, Scenario)
+    except MessageError as error:
+        raise ScenarioError(f"{where}: {explain(str(error), plain, Scenario, also={'room': GRID_FIELDS})}") from error
+    if grid is not None and occupancy is not None:
+        scenario = furnished(scenario, grid, occupancy, where)
+    try:
+        check_scenario(scenario, where)
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}{frame_note(grid, occupancy)}") from error
+    return scenario, occupancy
+
+
+def dump_scenario(scenario: Scenario) -> str:
+    """The scenario as TOML with every field in it that has a value; loading it gives an equal record."""
+    return tomli_w.dumps(_without_nothing(msgspec.to_builtins(scenario)))
+
+
+def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """The scenario with other values at paths such as `box.mass_kg`; `ScenarioError` where one cannot be used."""
+    changed = change_fields(scenario, changes)
+    check_scenario(changed, "command line")
+    return changed
+
+
+def change_fields(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """The same without the check of whether it can be carried out."""
+    plain = msgspec.to_builtins(scenario)
+    for path, value in changes.items():
+        *tables, field = path.split(".")
+        reduce(getitem, tables, plain)[field] = value
+    try:
+        return convert(plain, Scenario)
+    except MessageError as error:
+        raise ScenarioError(f"command line: {explain(str(error), plain, Scenario)}") from error
+
+
+def scenario_names() -> tuple[str, ...]:
+    """The built-in scenarios, sorted."""
+    return tuple(sorted(Path(e.name).stem for e in _builtin_folder().iterdir() if e.name.endswith(SUFFIX)))
+
+
+def scenario_source(name_or_path: str | Path) -> Traversable:
+    """The file behind a name or path; an unknown name is a `ScenarioError` that lists the valid ones."""
+    text = str(name_or_path)
+    if isinstance(name_or_path, Path) or "/" in text or text.endswith(SUFFIX):
+        return Path(name_or_path)
+    names = scenario_names()
+    if text not in names:
+        nearest = get_close_matches(text, names, n=1)
+        hint = f" (did you mean `{nearest[0]}`?)" if nearest else ""
+        raise ScenarioError(
+            f"Expected the name of a scenario ({', '.join(names)}) or the path of a {SUFFIX} file, got `{text}`{hint}"
+        )
+    return _builtin_folder() / f"{text}{SUFFIX}"
+
+
+def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
+    """Write a built-in scenario, comments and all, to `target`, and its grid file beside it; returns what it wrote.
+
+    `ScenarioError` where one of the files exists or cannot be written.
+    """
+    source = scenario_source(name)
+    copies = {target: source.read_bytes()}
+    grid_file = _read_toml(source).get("room", {}).get("grid_file")
+    if grid_file is not None:
+        copies[target.parent / grid_file] = (_folder(source) / grid_file).read_bytes()
+    for path, content in copies.items():
+        _write_new(path, content)
+    return tuple(copies)
+
+
+def write_scenario(scenario: Scenario, target: Path) -> Path:
+    """Write every field to a new file; `ScenarioError` where it exists or cannot be written."""
+    _write_new(target, dump_scenario(scenario).encode())
+    return target
+
+
+def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
+    """A table without fields that are None, which TOML cannot say; they are the defaults."""
+    return {
+        name: _without_nothing(value) if isinstance(value, dict) else value
+        for name, value in table.items()
+        if value is not None
+    }
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    try:
+        with path.open("xb") as file:
+            file.write(content)
+    except OSError as error:
+        raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
+
+
+def _read_toml(source: Traversable) -> dict[str, Any]:
+    """The tables of a TOML file."""
+    try:
+        return tomllib.loads(source.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{source}: expected a readable scenario file ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{source}: expected UTF-8 text, got byte {error.start} that is not ({error})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{source}: expected TOML ({error})") from error
+
+
+def _folder(source: Traversable) -> Traversable:
+    """The folder that relative paths in a scenario file start from."""
+    return source.parent if isinstance(source, Path) else _builtin_folder()
+
+
+def _builtin_folder() -> Traversable:
+    """The packaged scenario files."""
+    return files("legpush") / "scenarios"

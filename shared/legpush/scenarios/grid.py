@@ -1,0 +1,162 @@
+"""Rooms from a map in a file beside the scenario file: its walls as few rectangles."""
+
+from importlib.resources.abc import Traversable
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from msgspec import Meta, Struct
+from msgspec.structs import fields, replace
+from numpy.typing import NDArray
+
+from legpush.errors import MessageError, ScenarioError
+from legpush.messages.codec import convert
+from legpush.scenarios.map_files import (
+    CELL_SUFFIXES,
+    IMAGE_SUFFIXES,
+    MAP_SERVER_SUFFIXES,
+    FirstRow,
+    OccupancyMap,
+    read_cells,
+    suffix_of,
+)
+from legpush.scene.scenario import MAX_OBSTACLES, PoseDeg, Positive, Rectangle, Scenario
+from legpush.schema_errors import explain
+
+
+class CellSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The fields of `[room]` that stand for its size and walls, where the file has nothing but cells."""
+
+    grid_file: Annotated[str, Meta(min_length=1)]
+    """CSV file beside the scenario file, with one line per row and one number per cell, 0 free, 1 wall; or NumPy file
+    of a two-dimensional array of the same numbers."""
+    cell_m: Positive
+    """Side of a cell."""
+    first_row: FirstRow
+    """Where the first row of the file lies: at the highest y, as MATLAB reads a map, or at y = 0."""
+
+
+class MapSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The same where it is the YAML file of a ROS map, which says how large a cell is; its first row is the top one."""
+
+    grid_file: Annotated[str, Meta(min_length=1)]
+    frame: Literal["room", "map"] = "room"
+    """What poses and obstacles in the scenario file are counted from: the lower left corner of the map, as everywhere
+    in legpush, or the origin of the map's own frame."""
+
+
+GridSource = CellSource | MapSource
+GRID_FIELDS: Final = tuple(dict.fromkeys(field.name for kind in (CellSource, MapSource) for field in fields(kind)))
+
+
+def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
+    """Take the fields of a `GridSource` out of the `room` table of a file; None where it has none of them."""
+    room = plain.get("room")
+    if not isinstance(room, dict) or not room.keys() & set(GRID_FIELDS):
+        return None
+    taken = {key: room.pop(key) for key in GRID_FIELDS if key in room}
+    if "grid_file" not in taken:
+        raise ScenarioError(f"{where}: at `room.grid_file`: expected a value, got nothing, beside {', '.join(taken)}")
+    name = str(taken["grid_file"])
+    suffix = suffix_of(name)
+    if suffix not in (*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES):
+        valid = ", ".join((*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES))
+        hint = " (of an image, name its YAML file)" if suffix in IMAGE_SUFFIXES else ""
+        raise ScenarioError(f"{where}: at `room.grid_file`: expected a file that ends in {valid}, got '{name}'{hint}")
+    kind: type[GridSource] = MapSource if suffix in MAP_SERVER_SUFFIXES else CellSource
+    why = "which says it itself" if kind is MapSource else "which has no frame of its own"
+    for field in taken:
+        if field not in {valid.name for valid in fields(kind)}:
+            raise ScenarioError(f"{where}: at `room.{field}`: expected nothing beside `{name}`, {why}")
+    if "size_m" in room:
+        raise ScenarioError(f"{where}: at `room.size_m`: expected nothing, since `room.grid_file` says the size")
+    try:
+        return convert(taken, kind)
+    except MessageError as error:
+        raise ScenarioError(f"{where}: {explain(str(error), taken, kind, at='room')}") from error
+
+
+def read_grid(grid: GridSource, folder: Traversable) -> OccupancyMap:
+    """The map in the file; `ScenarioError` names the file and what is wrong in it."""
+    if isinstance(grid, CellSource):
+        return read_cells(folder / grid.grid_file, grid.cell_m, grid.first_row)
+    from legpush.scenarios.map_server import read_map_server
+
+    return read_map_server(folder, grid.grid_file)
+
+
+def furnished(scenario: Scenario, grid: GridSource, occupancy: OccupancyMap, where: str) -> Scenario:
+    """The scenario with the map's walls after its own obstacles, and everything in the frame of the room."""
+    if isinstance(grid, MapSource) and grid.frame == "map":
+        scenario = _moved(scenario, -occupancy.origin_m[0], -occupancy.origin_m[1])
+    listed, cells = scenario.room.obstacles, merged_cells(occupancy.occupied)
+    if len(listed) + len(cells) > MAX_OBSTACLES:
+        raise ScenarioError(
+            f"{where}: at `room.grid_file`: expected at most {MAX_OBSTACLES} obstacles, got the cells of "
+            f"`{grid.grid_file}` in {len(cells)} rectangles and {len(listed)} in `room.obstacles`: single cells that "
+            "differ from those around them need a rectangle each"
+        )
+    walls = _rectangles(cells, occupancy.cell_m)
+    return replace(scenario, room=replace(scenario.room, obstacles=(*listed, *walls)))
+
+
+def frame_note(grid: GridSource | None, occupancy: OccupancyMap | None) -> str:
+    """What an error about places in the room has to add where the map has an origin of its own; else nothing."""
+    if not isinstance(grid, MapSource) or occupancy is None or occupancy.origin_m == (0.0, 0.0):
+        return ""
+    corner = f"the lower left corner of `{grid.grid_file}`, ({occupancy.origin_m[0]:g}, {occupancy.origin_m[1]:g})"
+    if grid.frame == "map":
+        return f" (places are counted from {corner} in the map's frame)"
+    return f' (places are counted from {corner} in the map\'s frame, which `room.frame = "map"` counts in)'
+
+
+def merged_rectangles(occupied: NDArray[np.bool_], cell_m: float) -> tuple[Rectangle, ...]:
+    """Rectangles that cover exactly the occupied cells, (rows, columns), row 0 at y = 0, without overlapping."""
+    return _rectangles(merged_cells(occupied), cell_m)
+
+
+def merged_cells(occupied: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """The same in cells, (n, 4): first row, row after the last, first column, column after the last.
+
+    Cells side by side in a row make a run; equal runs of rows one above the other make a rectangle.
+    """
+    n_rows, n_columns = occupied.shape
+    padded = np.zeros((n_rows, n_columns + 2), dtype=np.int8)
+    padded[:, 1:-1] = occupied
+    steps = np.diff(padded, axis=1)
+    rows, first = np.nonzero(steps == 1)
+    last = np.nonzero(steps == -1)[1]
+    order = np.lexsort((rows, last, first))
+    rows, first, last = rows[order], first[order], last[order]
+    goes_on = (np.diff(rows) == 1) & (np.diff(first) == 0) & (np.diff(last) == 0)
+    begins = np.concatenate([[True], ~goes_on])[: len(rows)]
+    ends = np.concatenate([~goes_on, [True]])[: len(rows)]
+    merged = np.stack([rows[begins], rows[ends] + 1, first[begins], last[begins]], axis=-1)
+    return merged[np.lexsort((merged[:, 2], merged[:, 0], merged[:, 1]))]
+
+
+def _rectangles(cells: NDArray[np.intp], cell_m: float) -> tuple[Rectangle, ...]:
+    return tuple(
+        Rectangle(x_min_m=first * cell_m, x_max_m=last * cell_m, y_min_m=first_row * cell_m, y_max_m=after_row * cell_m)
+        for first_row, after_row, first, last in cells.tolist()
+    )
+
+
+def _moved(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
+    """Start, box, goal and obstacles by as much along x and y."""
+
+    def pose(old: PoseDeg) -> PoseDeg:
+        return replace(old, x_m=old.x_m + x_m, y_m=old.y_m + y_m)
+
+    obstacles = tuple(
+        Rectangle(
+            x_min_m=old.x_min_m + x_m, x_max_m=old.x_max_m + x_m, y_min_m=old.y_min_m + y_m, y_max_m=old.y_max_m + y_m
+        )
+        for old in scenario.room.obstacles
+    )
+    return replace(
+        scenario,
+        room=replace(scenario.room, obstacles=obstacles),
+        start=pose(scenario.start),
+        box=replace(scenario.box, pose=pose(scenario.box.pose)),
+        goal=replace(scenario.goal, pose=pose(scenario.goal.pose)),
+    )

@@ -1,0 +1,1 @@
+"""Walking and pushing: footsteps, balance and swings, in NumPy alone."""

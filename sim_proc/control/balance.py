@@ -1,0 +1,168 @@
+"""Where the centre of mass goes, and with which foot forces: support polygon, ZMP preview, force distribution.
+
+The trunk's centre of mass is planned as a linear inverted pendulum of constant height: a jerk sequence that keeps the
+zero-moment point near its reference, by linear least squares over the steps ahead (ZMP preview control). The reference
+is Eq. 8's: toward the centroid of the supporting feet, as far as the wanted margin asks.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.scene.robot import CONTROL_PERIOD_S
+from sim_proc.gravity import GRAVITY_M_S2
+
+JERK_WEIGHT: Final = 1e-6
+END_WEIGHT: Final = 0.1
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComPlan:
+    """A planned motion of the centre of mass over the ground, one row per tick, world frame."""
+
+    position_m: Array
+    velocity_m_s: Array
+    acceleration_m_s2: Array
+    zmp_m: Array
+
+    def state(self, tick: int) -> Array:
+        """Position, velocity and acceleration at a tick, (3, 2)."""
+        return np.stack([self.position_m[tick], self.velocity_m_s[tick], self.acceleration_m_s2[tick]])
+
+
+def plan_com(
+    state: Array, zmp_reference_m: Array, weights: tuple[float, ...], end_velocity_m_s: Array, height_m: float
+) -> ComPlan:
+    """The least-squares motion from `state` (3, 2) for a ZMP reference (n, 2) with one weight per tick."""
+    from_reference, from_state, from_end = _preview_gains(weights, height_m)
+    position, velocity, acceleration = (
+        a @ zmp_reference_m + b @ state + np.outer(c, end_velocity_m_s)
+        for a, b, c in zip(from_reference, from_state, from_end, strict=True)
+    )
+    zmp = position - height_m / GRAVITY_M_S2 * acceleration
+    return ComPlan(position_m=position, velocity_m_s=velocity, acceleration_m_s2=acceleration, zmp_m=zmp)
+
+
+@lru_cache(maxsize=256)
+def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Array], list[Array], list[Array]]:
+    """Linear maps from reference, initial state and end velocity to position, velocity and acceleration.
+
+    Minimizes `sum w (zmp - reference)^2 + JERK_WEIGHT |jerk|^2 + END_WEIGHT (end velocity error^2 + 0.01 end
+    acceleration^2)` over piecewise constant jerks.
+    """
+    dt, n = CONTROL_PERIOD_S, len(weights)
+    time = dt * np.arange(1, n + 1)
+    zero, one = np.zeros(n), np.ones(n)
+    free = [np.stack(rows, axis=1) for rows in ((one, time, time**2 / 2), (zero, one, time), (zero, zero, one))]
+    lag = np.subtract.outer(np.arange(n), np.arange(n))
+    past = lag >= 0
+    forced = [
+        np.where(past, dt**3 * (1 / 6 + lag / 2 + lag**2 / 2), 0.0),
+        np.where(past, dt**2 * (0.5 + lag), 0.0),
+        np.where(past, dt, 0.0),
+    ]
+    zmp_free = free[0] - height_m / GRAVITY_M_S2 * free[2]
+    zmp_forced = forced[0] - height_m / GRAVITY_M_S2 * forced[2]
+    weighted = zmp_forced.T * np.asarray(weights)
+    ends = [(END_WEIGHT, forced[1][-1], free[1][-1]), (0.01 * END_WEIGHT, forced[2][-1], free[2][-1])]
+    normal = weighted @ zmp_forced + JERK_WEIGHT * np.eye(n) + sum(w * np.outer(f, f) for w, f, _ in ends)
+    by_state = -(weighted @ zmp_free + sum(w * np.outer(f, g) for w, f, g in ends))
+    by_end = END_WEIGHT * forced[1][-1]
+    jerk = np.linalg.solve(normal, np.column_stack([weighted, by_state, by_end]))
+    by_reference, by_state, by_end = jerk[:, :n], jerk[:, n : n + 3], jerk[:, n + 3]
+    return (
+        [f @ by_reference for f in forced],
+        [g + f @ by_state for f, g in zip(forced, free, strict=True)],
+        [f @ by_end for f in forced],
+    )
+
+
+def support_margin(points_m: Array, feet_m: Array, standing: NDArray[np.bool_]) -> Array:
+    """Signed distance of each point (n, 2) to the border of its support polygon, inside positive, (n,).
+
+    `feet_m` (n, 4, 2) are the feet and `standing` (n, 4) says which of them carry load. With two feet the polygon is
+    their segment, with fewer a point, so the margin is at most zero.
+    """
+    margins = np.empty(len(points_m))
+    for mask in np.unique(standing, axis=0):
+        rows = np.flatnonzero((standing == mask).all(axis=1))
+        feet, points = feet_m[rows][:, mask], points_m[rows]
+        n_feet = int(mask.sum())
+        if n_feet >= 3:
+            centre = feet.mean(axis=1, keepdims=True)
+            angle = np.arctan2(feet[:, :, 1] - centre[:, :, 1], feet[:, :, 0] - centre[:, :, 0])
+            feet = np.take_along_axis(feet, np.argsort(angle, axis=1)[:, :, None], axis=1)
+            edge = np.roll(feet, -1, axis=1) - feet
+            to_point = points[:, None] - feet
+            cross = edge[:, :, 0] * to_point[:, :, 1] - edge[:, :, 1] * to_point[:, :, 0]
+            margins[rows] = (cross / np.linalg.norm(edge, axis=2)).min(axis=1)
+        elif n_feet == 2:
+            edge, to_point = feet[:, 1] - feet[:, 0], points - feet[:, 0]
+            share = np.clip((edge * to_point).sum(axis=1) / (edge * edge).sum(axis=1), 0.0, 1.0)
+            margins[rows] = -np.linalg.norm(to_point - share[:, None] * edge, axis=1)
+        elif n_feet == 1:
+            margins[rows] = -np.linalg.norm(points - feet[:, 0], axis=1)
+        else:
+            margins[rows] = -np.linalg.norm(points - feet_m[rows].mean(axis=1), axis=1)
+    return margins
+
+
+def triangle_margin(points_m: Array, support_feet_m: Array) -> Array:
+    """Signed distance of points (n, 2) to the border of one triangle of feet (3, 2), inside positive, (n,)."""
+    margins: Array = _edge_distances(points_m, support_feet_m).min(axis=1)
+    return margins
+
+
+def shifted_reference(nominal_m: Array, support_feet_m: Array, margin_m: float) -> Array:
+    """The point (2,) on the way from `nominal_m` to the centroid of three feet (3, 2) (Eq. 8) that has the margin.
+
+    The nominal point itself where it has the margin already, the centroid where even that has not.
+    """
+    centroid: Array = support_feet_m.mean(axis=0)
+    at_nominal, at_centroid = _edge_distances(np.stack([nominal_m, centroid]), support_feet_m)
+    short = at_nominal < margin_m
+    if not short.any():
+        return nominal_m
+    if (at_centroid[short] < margin_m).any():
+        return centroid
+    fraction = float(((margin_m - at_nominal[short]) / (at_centroid[short] - at_nominal[short])).max())
+    shifted: Array = nominal_m + fraction * (centroid - nominal_m)
+    return shifted
+
+
+def _edge_distances(points_m: Array, support_feet_m: Array) -> Array:
+    """Signed distances of points (n, 2) to the edges of a triangle (3, 2), inside positive, (n, 3)."""
+    first, second, third = support_feet_m
+    turn = (second[0] - first[0]) * (third[1] - first[1]) - (second[1] - first[1]) * (third[0] - first[0])
+    corners = support_feet_m if turn > 0 else support_feet_m[::-1]
+    edge = np.roll(corners, -1, axis=0) - corners
+    normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
+    distances: Array = ((points_m[:, None] - corners) * normal).sum(axis=2)
+    return distances
+
+
+def foot_forces(feet_m: Array, load_share: Array, zmp_m: Array, acceleration_m_s2: Array, mass_kg: float) -> Array:
+    """Ground reaction forces (n, 4, 3) that carry the weight with the ZMP (n, 2) and accelerate the robot (n, 2).
+
+    On a slope the acceleration is meant against free fall along the floor.
+
+    The vertical forces have the least norm, weighted by `load_share` (n, 4), that balances about the ZMP (Eq. 9; what
+    pushing the box takes is small beside the weight and left to the servos). The horizontal force is shared in
+    proportion to them.
+    """
+    n = len(zmp_m)
+    lever = feet_m[:, :, :2] - zmp_m[:, None]
+    balance = np.stack([np.ones((n, 4)), lever[:, :, 0], lever[:, :, 1]], axis=1)
+    weighted = balance * load_share[:, None]
+    wanted = np.zeros((n, 3, 1))
+    wanted[:, 0] = mass_kg * GRAVITY_M_S2
+    multipliers = np.linalg.solve(weighted @ balance.transpose(0, 2, 1), wanted)
+    vertical = (weighted * multipliers).sum(axis=1)
+    horizontal = (vertical / GRAVITY_M_S2)[:, :, None] * acceleration_m_s2[:, None]
+    forces: Array = np.concatenate([horizontal, vertical[:, :, None]], axis=2)
+    return forces

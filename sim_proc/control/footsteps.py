@@ -1,0 +1,78 @@
+"""Footsteps along a path: each waypoint places the foot rectangle, its corners' displacements are the legs' steps."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.geometry import Pose2
+from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M, LEGS, Leg, foot_rectangle_b
+
+Array = NDArray[np.float64]
+
+GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
+"""Lateral sequence crawl: the weight changes sides twice a cycle."""
+STRIDE_M: Final = 0.4
+MAX_STEP_M: Final = 0.48
+MAX_TURN_RAD: Final = 0.6
+"""Limits of one gait cycle: advance of the trunk, displacement of a foot, change of heading."""
+_ADVANCES: Final = np.linspace(1.0, 0.05, 20)
+
+
+class PosePath:
+    """A path of planar poses by its travelled length, in which turning counts by the arc that the feet describe."""
+
+    def __init__(self, waypoints: Sequence[Pose2]) -> None:
+        """Join the waypoints by straight lines and uniform turns, the short way round."""
+        xy = np.array([[p.x_m, p.y_m] for p in waypoints])
+        yaw = np.unwrap([p.yaw_rad for p in waypoints])
+        moved = np.linalg.norm(np.diff(xy, axis=0), axis=1)
+        turned = np.abs(np.diff(yaw)) * FOOT_RECTANGLE_RADIUS_M
+        self._travelled = np.concatenate([[0.0], np.cumsum(moved + turned)])
+        self._xy_yaw = np.column_stack([xy, yaw])
+        self.length_m = float(self._travelled[-1])
+
+    def poses(self, travelled_m: Array) -> Array:
+        """x, y and (unwrapped) yaw at travelled lengths (...,), clamped to the path, (..., 3)."""
+        return np.stack([np.interp(travelled_m, self._travelled, column) for column in self._xy_yaw.T], axis=-1)
+
+    def corners(self, travelled_m: Array) -> Array:
+        """Foot rectangle corner of each leg at its own travelled length, (..., 4) to (..., 4, 2)."""
+        pose = self.poses(travelled_m)
+        c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+        corner = foot_rectangle_b()
+        x = pose[..., 0] + c * corner[:, 0] - s * corner[:, 1]
+        y = pose[..., 1] + s * corner[:, 0] + c * corner[:, 1]
+        return np.stack([x, y], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CycleTargets:
+    """Where one gait cycle brings the feet along the path."""
+
+    travelled_m: Array
+    """Of each leg's rectangle, in the order of `LEGS`, (4,); their mean is where the trunk is."""
+    feet_m: Array
+    """(4, 2)"""
+
+
+def next_cycle(path: PosePath, travelled_m: Array, feet_m: Array) -> CycleTargets:
+    """The longest gait cycle within the limits, from feet `feet_m` (4, 2) whose rectangles are at `travelled_m` (4,).
+
+    A leg that swings at phase phi of the cycle lands where the trunk will be half a cycle later, so that at mid-stance
+    every foot is under its own hip; at the end of the path all come together in the last rectangle.
+    """
+    phase = np.empty(4)
+    for place, leg in enumerate(GAIT_ORDER):
+        phase[LEGS.index(leg)] = (place + 0.5) / len(GAIT_ORDER)
+    start = float(travelled_m.mean())
+    advance = STRIDE_M * _ADVANCES[:, None]
+    candidates = np.clip(start + advance * (phase + 0.5), travelled_m, path.length_m)
+    corners = path.corners(candidates)
+    step = np.linalg.norm(corners - feet_m, axis=-1).max(axis=1)
+    turn = np.abs(path.poses(candidates.mean(axis=1))[:, 2] - path.poses(np.array(start))[2])
+    allowed = np.flatnonzero((step <= MAX_STEP_M) & (turn <= MAX_TURN_RAD))
+    best = int(allowed[0]) if allowed.size else len(candidates) - 1
+    return CycleTargets(travelled_m=candidates[best], feet_m=corners[best])

@@ -1,0 +1,1 @@
+"""The robot in numbers: leg kinematics, standing pose, masses and servo gains."""

@@ -1,0 +1,116 @@
+"""What surrounds the robot in the MuJoCo model: floor, light, walls, goal markers."""
+
+from math import cos, radians, sin
+from typing import Final
+
+import mujoco
+
+from legpush.scene.scenario import Box, Goal, Room, Scenario
+
+WALL_GREY: Final = (0.62, 0.65, 0.69, 1.0)
+APPEARED_OCHRE: Final = (0.80, 0.58, 0.30, 1.0)
+GOAL_GREEN: Final = (0.12, 0.65, 0.32, 0.9)
+
+
+def add_scenery(spec: mujoco.MjSpec, scenario: Scenario) -> None:
+    """Add floor, light, walls and goal markers to a model."""
+    _add_looks(spec)
+    floor_x, floor_y = scenario.room.size_m
+    spec.worldbody.add_geom(
+        name="floor",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[floor_x / 2, floor_y / 2, 0.1],
+        pos=[floor_x / 2, floor_y / 2, 0.0],
+        material="floor",
+    )
+    _add_walls(spec, scenario.room)
+    _add_goal(spec, scenario.goal, scenario.box)
+
+
+def _add_looks(spec: mujoco.MjSpec) -> None:
+    spec.visual.global_.offwidth = 1920
+    spec.visual.global_.offheight = 1080
+    spec.visual.headlight.ambient[:] = (0.35, 0.35, 0.35)
+    spec.visual.headlight.diffuse[:] = (0.35, 0.35, 0.35)
+    spec.visual.quality.shadowsize = 4096
+    spec.visual.quality.offsamples = 2
+    spec.add_texture(
+        name="tiles",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        mark=mujoco.mjtMark.mjMARK_EDGE,
+        rgb1=[0.86, 0.87, 0.88],
+        rgb2=[0.80, 0.81, 0.83],
+        markrgb=[0.74, 0.75, 0.77],
+        width=256,
+        height=256,
+    )
+    floor = spec.add_material(name="floor", texrepeat=[1.0, 1.0], texuniform=True)
+    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.93, 0.95, 0.98],
+        rgb2=[0.72, 0.79, 0.87],
+        width=64,
+        height=384,
+    )
+    spec.worldbody.add_light(
+        name="sun",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=[0, 0, 8],
+        dir=[-0.35, 0.45, -1.0],
+        diffuse=[0.55, 0.55, 0.55],
+        castshadow=True,
+    )
+
+
+def wall_name(index: int) -> str:
+    """Of an obstacle's geom, and of its body if it appears later."""
+    return f"wall_{index}"
+
+
+def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
+    """A wall that appears later is a body that can be put somewhere else meanwhile; the model has it in its place."""
+    for index, wall in enumerate(room.obstacles):
+        half = [(wall.x_max_m - wall.x_min_m) / 2, (wall.y_max_m - wall.y_min_m) / 2, room.wall_height_m / 2]
+        centre = [wall.x_min_m + half[0], wall.y_min_m + half[1], half[2]]
+        later = wall.appears_at_s > 0.0
+        body = spec.worldbody.add_body(name=wall_name(index), mocap=True, pos=centre) if later else spec.worldbody
+        body.add_geom(
+            name=wall_name(index),
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=half,
+            pos=[0.0, 0.0, 0.0] if later else centre,
+            rgba=APPEARED_OCHRE if later else WALL_GREY,
+            contype=0,
+            conaffinity=0,
+        )
+
+
+def _add_goal(spec: mujoco.MjSpec, goal: Goal, box: Box) -> None:
+    """The outline of the box at its goal pose, flat on the floor, with an arrow for its heading; nothing touches it."""
+    length, width, _ = box.size_m
+    yaw = radians(goal.pose.yaw_deg)
+    body = spec.worldbody.add_body(
+        name="goal", pos=[goal.pose.x_m, goal.pose.y_m, 0.0], quat=[cos(yaw / 2), 0, 0, sin(yaw / 2)]
+    )
+    line = 0.012
+    marks = {
+        "goal_front": ([length / 2, 0.0], [line, width / 2]),
+        "goal_rear": ([-length / 2, 0.0], [line, width / 2]),
+        "goal_left": ([0.0, width / 2], [length / 2, line]),
+        "goal_right": ([0.0, -width / 2], [length / 2, line]),
+        "goal_heading": ([length / 4, 0.0], [length / 4, line]),
+    }
+    for name, (centre, half) in marks.items():
+        body.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=[*centre, 0.001],
+            size=[*half, 0.002],
+            rgba=GOAL_GREEN,
+            contype=0,
+            conaffinity=0,
+        )

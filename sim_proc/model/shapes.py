@@ -1,0 +1,109 @@
+"""What a MuJoCo model looks like, as plain numbers: bodies that hang on each other, and the shapes on them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.scene.scenario import Scenario
+from sim_proc.model.world import build_model
+
+Array = NDArray[np.float64]
+Kind = Literal["plane", "sphere", "capsule", "cylinder", "box", "mesh"]
+
+KINDS: Final[dict[int, Kind]] = {
+    int(mujoco.mjtGeom.mjGEOM_PLANE): "plane",
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
+    int(mujoco.mjtGeom.mjGEOM_MESH): "mesh",
+}
+FLOOR_GREY: Final = (0.83, 0.84, 0.86, 1.0)
+"""Instead of the texture."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """A geom."""
+
+    name: str
+    kind: Kind
+    position_m: Array
+    """In the frame of its body, (3,), as is the quaternion."""
+    quaternion_wxyz: Array
+    size_m: Array
+    """MuJoCo's half sizes, (3,): of a sphere its radius; of a capsule or cylinder radius and half length, along z."""
+    rgba: tuple[float, float, float, float]
+    triangles_m: Array
+    """Of a mesh, in its own frame, (n, 3, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """A body."""
+
+    name: str
+    parent: str
+    """`world` for those that stand or move freely in it."""
+    position_m: Array
+    """In the frame of its parent, (3,), as is the quaternion: of a hinge at angle 0; not meant for free ones."""
+    quaternion_wxyz: Array
+    joint: Literal["none", "hinge", "free"]
+    axis: Array
+    """Of a hinge, (3,), through the origin of the body."""
+    qpos: int
+    """First column of the joint in `qpos`."""
+    shapes: tuple[Shape, ...]
+
+
+def parts_of(scenario: Scenario) -> list[Part]:
+    """All bodies of a scenario's world, the world itself first, each behind its parent."""
+    return parts_of_model(build_model(scenario))
+
+
+def parts_of_model(model: mujoco.MjModel) -> list[Part]:
+    """The same of a model."""
+    return [_part(model, body) for body in range(model.nbody)]
+
+
+def _part(model: mujoco.MjModel, body: int) -> Part:
+    joint, kind = int(model.body_jntadr[body]), "none"
+    if joint >= 0:
+        kind = "free" if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE else "hinge"
+    return Part(
+        name=model.body(body).name,
+        parent=model.body(int(model.body_parentid[body])).name,
+        position_m=model.body_pos[body].copy(),
+        quaternion_wxyz=model.body_quat[body].copy(),
+        joint=kind,  # type: ignore[arg-type]
+        axis=model.jnt_axis[joint].copy() if kind == "hinge" else np.zeros(3),
+        qpos=int(model.jnt_qposadr[joint]) if joint >= 0 else -1,
+        shapes=tuple(_shapes(model, body)),
+    )
+
+
+def _shapes(model: mujoco.MjModel, body: int) -> Iterator[Shape]:
+    first = int(model.body_geomadr[body])
+    for geom in range(first, first + int(model.body_geomnum[body])):
+        kind = KINDS[int(model.geom_type[geom])]
+        rgba = FLOOR_GREY if kind == "plane" else tuple(map(float, model.geom_rgba[geom]))
+        yield Shape(
+            name=model.geom(geom).name,
+            kind=kind,
+            position_m=model.geom_pos[geom].copy(),
+            quaternion_wxyz=model.geom_quat[geom].copy(),
+            size_m=model.geom_size[geom].copy(),
+            rgba=rgba,  # type: ignore[arg-type]
+            triangles_m=_triangles(model, int(model.geom_dataid[geom])) if kind == "mesh" else np.empty((0, 3, 3)),
+        )
+
+
+def _triangles(model: mujoco.MjModel, mesh: int) -> Array:
+    vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(np.float64)
+    faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
+    triangles: Array = vertices[faces]
+    return triangles

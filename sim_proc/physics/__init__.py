@@ -1,0 +1,1 @@
+"""The running physics; `Physics.run` is the one function that advances it."""

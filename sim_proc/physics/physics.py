@@ -1,0 +1,211 @@
+"""The running world: MuJoCo's model and data behind arrays in the order of `LEGS`, and the control loop itself."""
+
+import zlib
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import Final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.errors import LegpushError
+from legpush.geometry import Pose2
+from legpush.messages.stepping import Appearance
+from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
+from legpush.scene.scenario import Scenario
+from sim_proc.model.scenery import wall_name
+from sim_proc.model.world import (
+    PHYSICS_STEP_S,
+    POSITION_GAIN_N_M_RAD,
+    STANDING_HEIGHT_M,
+    build_model,
+    standing_joints_rad,
+)
+from sim_proc.physics.appearing import Waiting
+
+Array = NDArray[np.float64]
+
+FALL_TILT_RAD: Final = radians(30.0)
+FALL_HEIGHT_M: Final = 0.3
+PARKED_M: Final = 1000.0
+"""So far below the floor is what has not appeared: nothing touches it, no ray and no camera meets it."""
+STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
+
+JOINT_QVEL: Final = slice(6, 18)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """What was measured at each tick, one row per tick; all but `qpos` as of 2 ms before its end."""
+
+    qpos: Array
+    """(n, 26): trunk (7), joints (12), box (7)."""
+    tips_m: Array
+    """(n, 4, 3)"""
+    floor_forces_n: Array
+    """(n, 4, 3), of the floor on each foot."""
+    box_forces_n: Array
+    """(n, 4, 3), of the box on each foot."""
+    com_m: Array
+    """(n, 3), of the robot."""
+    ctrl: Array
+    """(n, 12), what the servos were commanded."""
+
+
+class Physics:
+    """One world in one state; `run` is the only thing that moves it."""
+
+    def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2) -> None:
+        """Stand the robot at `trunk` and the box at `box`, at rest."""
+        self.model = build_model(scenario)
+        self.data = mujoco.MjData(self.model)
+        model, data = self.model, self.data
+        self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
+        self._trunk_body = model.body("trunk").id
+        gravity = model.opt.gravity
+        self.downhill: Array = gravity[:2] / -gravity[2]
+        """How far from its foot on the floor a plumb line of unit height ends, world frame, (2,)."""
+        self.mass_kg = float(model.body_subtreemass[self._trunk_body])
+        self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
+        self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
+        self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
+        self._com = self._sensors["com"]
+        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, STANDING_HEIGHT_M, *_yaw_quaternion(trunk.yaw_rad)]
+        data.qpos[JOINT_QPOS] = standing_joints_rad().ravel()
+        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
+        data.ctrl[:] = data.qpos[JOINT_QPOS]
+        self._waiting = Waiting(scenario.room, scenario.box)
+        for index in self._waiting.indices:
+            data.mocap_pos[self._wall(index), 2] = -PARKED_M
+        self.appeared: tuple[Appearance, ...] = ()
+        """What has appeared, in that order."""
+        mujoco.mj_forward(model, data)
+        self.tick = 0
+        self.fallen = False
+
+    def run(self, joint_commands_rad: Array, joint_torques_n_m: Array) -> Recording:
+        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stops short at a fall.
+
+        An obstacle that is due is put in its place at the end of a tick.
+
+        Each servo is commanded `q + (torque + qfrc_bias) / Kp`: the bias forces of gravity and motion are cancelled
+        with their present values, the rest of the feed-forward was planned. Raises `LegpushError` where MuJoCo warns
+        or the state stops being finite. Tips, forces and the CoM are those of the last physics step's beginning.
+        """
+        model, data = self.model, self.data
+        n = len(joint_commands_rad)
+        qpos, tips = np.empty((n, model.nq)), np.empty((n, 4, 3))
+        sensors, ctrls = np.empty((n, model.nsensordata)), np.empty((n, model.nu))
+        commands = joint_commands_rad + joint_torques_n_m / POSITION_GAIN_N_M_RAD
+        bias, ctrl = data.qfrc_bias[JOINT_QVEL], data.ctrl
+        upright = cos(FALL_TILT_RAD)
+        done = 0
+        for k in range(n):
+            np.multiply(bias, 1.0 / POSITION_GAIN_N_M_RAD, out=ctrl)
+            ctrl += commands[k]
+            ctrls[k] = ctrl
+            mujoco.mj_step(model, data, STEPS_PER_TICK)
+            qpos[k] = data.qpos
+            data.site_xpos.take(self._tip_sites, axis=0, out=tips[k])
+            sensors[k] = data.sensordata
+            done = k + 1
+            if self._waiting.next_tick <= self.tick + done:
+                self._let_appear(self.tick + done)
+            row = qpos[k]
+            if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < FALL_HEIGHT_M:
+                self.fallen = True
+                break
+        self._check(qpos[:done])
+        self.tick += done
+        return Recording(
+            qpos=qpos[:done],
+            tips_m=tips[:done],
+            floor_forces_n=-sensors[:done, self._floor_forces].reshape(done, 4, 3),
+            box_forces_n=-sensors[:done, self._box_forces].reshape(done, 4, 3),
+            com_m=sensors[:done, self._com],
+            ctrl=ctrls[:done],
+        )
+
+    def alter(self, scenario: Scenario) -> None:
+        """Go on in the world of a scenario that differs from the present one in mass or friction of the box alone."""
+        self.model = build_model(scenario)
+
+    def _let_appear(self, tick: int) -> None:
+        """Put in their places what can appear at the end of a tick."""
+        for index in self._waiting.take(tick, self.trunk_pose(), self.box_pose()):
+            self.data.mocap_pos[self._wall(index)] = self.model.body(wall_name(index)).pos
+            self.appeared += (Appearance(obstacle=index, tick=tick),)
+
+    def _wall(self, index: int) -> int:
+        """The row of an obstacle that appears later in MuJoCo's positions of such bodies."""
+        return int(self.model.body(wall_name(index)).mocapid[0])
+
+    def _check(self, qpos: Array) -> None:
+        """`LegpushError` if MuJoCo warned, or the state stopped being finite, in these ticks."""
+        when = f"between ticks {self.tick} and {self.tick + len(qpos)}: the episode cannot go on"
+        for warning in mujoco.mjtWarning.__members__.values():
+            if warning != mujoco.mjtWarning.mjNWARNING and self.data.warning[warning].number:
+                raise LegpushError(f"MuJoCo warned of {warning.name} {when}")
+        if not np.isfinite(qpos).all():
+            raise LegpushError(f"qpos stopped being finite {when}")
+
+    def sensor(self, name: str) -> Array:
+        """A copy of what a sensor of the model reads."""
+        values: Array = self.data.sensordata[self._sensors[name]].copy()
+        return values
+
+    def tips_m(self) -> Array:
+        """Centres of the foot spheres, (4, 3)."""
+        tips: Array = self.data.site_xpos[self._tip_sites]
+        return tips
+
+    def floor_forces_n(self) -> Array:
+        """Forces of the floor on the feet, (4, 3)."""
+        forces: Array = -self.data.sensordata[self._floor_forces].reshape(4, 3)
+        return forces
+
+    def box_forces_n(self) -> Array:
+        """Forces of the box on the feet, (4, 3)."""
+        forces: Array = -self.data.sensordata[self._box_forces].reshape(4, 3)
+        return forces
+
+    def trunk_angular_velocity_rad_s(self) -> Array:
+        """World frame, (3,); MuJoCo keeps it in the trunk's frame."""
+        rotation = self.data.xmat[self._trunk_body].reshape(3, 3)
+        velocity: Array = rotation @ self.data.qvel[3:6]
+        return velocity
+
+    def com_m(self) -> Array:
+        """Centre of mass of the robot, (3,)."""
+        com: Array = self.data.subtree_com[self._trunk_body].copy()
+        return com
+
+    def box_pose(self) -> Pose2:
+        """Pose of the box, projected to the floor."""
+        return _planar(self.data.qpos[BOX_QPOS])
+
+    def trunk_pose(self) -> Pose2:
+        """Pose of the trunk, projected to the floor."""
+        return _planar(self.data.qpos[TRUNK_QPOS])
+
+    def state_crc(self) -> int:
+        """CRC-32 of MuJoCo's integration state."""
+        signature = mujoco.mjtState.mjSTATE_INTEGRATION
+        state = np.empty(mujoco.mj_stateSize(self.model, signature))
+        mujoco.mj_getState(self.model, self.data, state, signature)
+        return zlib.crc32(state.tobytes())
+
+
+def _slice_of(model: mujoco.MjModel, sensor: int) -> slice:
+    start = int(model.sensor_adr[sensor])
+    return slice(start, start + int(model.sensor_dim[sensor]))
+
+
+def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
+    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)
+
+
+def _planar(free_joint_qpos: Array) -> Pose2:
+    x, y, _, qw, qx, qy, qz = (float(value) for value in free_joint_qpos)
+    return Pose2(x_m=x, y_m=y, yaw_rad=float(np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))))

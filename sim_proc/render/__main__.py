@@ -1,0 +1,77 @@
+"""`python -m sim_proc.render FOLDER`: the recorded episode of a run as `mission.mp4`, rendered off screen.
+
+Exit code 4 means that no OpenGL library for off-screen rendering is present; then nothing is written.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from legpush.errors import ConfigError, LegpushError
+from legpush.lockstep.episode import read_episode
+from legpush.options.export import View
+from sim_proc.render.film import film_of, timeline_of
+from sim_proc.render.rendering import NO_OPENGL, Take, frame_rows, render, use_backend, usual_speed
+
+
+@dataclass(frozen=True, kw_only=True)
+class VideoConfig:
+    """Film the recorded episode of a run."""
+
+    folder: tyro.conf.Positional[Path]
+    """Folder that `legpush run` left."""
+    camera: View = "follow"
+    """Where it is seen from."""
+    speed: Annotated[float | None, tyro.conf.arg(metavar="X")] = None
+    """Simulated seconds per second of video; by default 3, or more for a long mission."""
+    fps: float = 20.0
+    """Frames per second of video."""
+    width: int = 854
+    height: int = 480
+    """Pixels of a frame."""
+
+
+def main() -> None:
+    """Film; one line on stderr if it cannot be done."""
+    config = tyro.cli(VideoConfig)
+    try:
+        code = film_run(config)
+    except LegpushError as error:
+        sys.stderr.write(f"error: {error}\n")
+        code = error.exit_code
+    except KeyboardInterrupt:
+        code = 130
+    sys.exit(code)
+
+
+def film_run(config: VideoConfig) -> int:
+    """Write `mission.mp4` into the folder; the exit code."""
+    journals = sorted(config.folder.glob("episode-*.journal"))
+    if not journals:
+        raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {config.folder}")
+    where = str(journals[-1])
+    film = film_of(timeline_of(read_episode(journals[-1]), where), where)
+    if not use_backend(f"legpush render {config.folder}"):
+        return NO_OPENGL
+    speed = config.speed or usual_speed(film.duration_s)
+    take = Take(
+        rows=frame_rows(len(film.qpos), speed, config.fps),
+        fps=config.fps,
+        width=config.width,
+        height=config.height,
+        view=config.camera,
+    )
+    render(film, take, config.folder / "mission.mp4", _say)
+    return 0
+
+
+def _say(n_done: int, n_segments: int) -> None:
+    sys.stdout.write(f"{n_done} of {n_segments} segments rendered\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""What is filmed of an episode: which ticks, with which marks on the floor, and what the cameras follow."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.errors import JournalError, RecordingError
+from legpush.geometry import rpy_from_quaternion
+from legpush.history.timeline import BOX, TRUNK, Timeline
+from legpush.lockstep.episode import PlanRecord, StepRecord
+from legpush.messages.stepping import Follow, Reset
+from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.scenario import Scenario
+from sim_proc.observation import LOADED_N
+
+Array = NDArray[np.float64]
+
+SMOOTHING_S: Final = 3.0
+"""Cameras follow places and headings averaged over this long."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Footprint:
+    """Where a foot came down, from a row on."""
+
+    row: int
+    position_m: Array
+    front: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """An episode, ready to be filmed: one row for every tick."""
+
+    scenario: Scenario
+    first_tick: int
+    """Of row 0."""
+    qpos: Array
+    """(n, 26)"""
+    trunk_m: Array
+    """The robot's smoothed place, (n, 2)."""
+    heading_rad: Array
+    """The robot's smoothed heading, (n,)."""
+    box_m: Array
+    """The box's smoothed place, (n, 2)."""
+    box_heading_rad: Array
+    """The box's smoothed heading, (n,)."""
+    paths_m: list[tuple[int, Array]]
+    """Paths by the row from which they are followed, each (k, 2)."""
+    footprints: list[Footprint]
+    hidden_until: dict[int, int | None]
+    """By the place of an obstacle that appears later: the row from which it is seen, None for never."""
+
+    @property
+    def duration_s(self) -> float:
+        """Simulated time."""
+        return (len(self.qpos) - 1) * CONTROL_PERIOD_S
+
+
+def timeline_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Timeline:
+    """The records of one journal; `JournalError` names `where` if there is no reset among them."""
+    timeline: Timeline | None = None
+    n_steps = 0
+    for record in records:
+        if isinstance(record, StepRecord):
+            if isinstance(record.motion, Reset):
+                timeline = Timeline(record.motion.scenario)
+            if timeline is not None:
+                timeline.add(n_steps, record.motion, record.outcome, 0)
+            n_steps += 1
+    if timeline is None:
+        raise JournalError(f"{where}: expected an episode recorded with traces, got none that begins")
+    return timeline
+
+
+def film_of(timeline: Timeline, where: str) -> Film:
+    """What to film of an episode; `RecordingError` names `where` if nothing in it was traced.
+
+    Where ticks are missing, as in steps without a trace, the one before them stands still meanwhile.
+    """
+    if not np.isfinite(timeline.com_m).any():
+        raise RecordingError(f"{where}: expected an episode recorded with traces, got none that moves")
+    ticks = timeline.tick.astype(int)
+    rows = np.searchsorted(ticks, np.arange(ticks[0], ticks[-1] + 1), side="right") - 1
+    qpos = timeline.qpos[rows]
+    trunk, box = qpos[:, TRUNK], qpos[:, BOX]
+    forces = np.linalg.norm(timeline.contact_forces_n[rows], axis=2)
+    return Film(
+        scenario=timeline.scenario,
+        first_tick=int(ticks[0]),
+        qpos=qpos,
+        trunk_m=_smooth_place(trunk),
+        heading_rad=_smooth_heading(trunk),
+        box_m=_smooth_place(box),
+        box_heading_rad=_smooth_heading(box),
+        paths_m=[
+            (
+                int(ticks[min(step.first_row, len(ticks) - 1)] - ticks[0]),
+                np.array([[point.x_m, point.y_m] for point in step.motion.waypoints]),
+            )
+            for step in timeline.steps
+            if isinstance(step.motion, Follow)
+        ],
+        footprints=_footprints(timeline.tips_m[rows], forces),
+        hidden_until=_hidden_until(timeline, int(ticks[0])),
+    )
+
+
+def _hidden_until(timeline: Timeline, first_tick: int) -> dict[int, int | None]:
+    rows = {each.obstacle: max(0, each.tick - first_tick) for each in timeline.steps[-1].world.appeared}
+    obstacles = enumerate(timeline.scenario.room.obstacles)
+    return {index: rows.get(index) for index, obstacle in obstacles if obstacle.appears_at_s > 0.0}
+
+
+def _footprints(tips_m: Array, forces_n: Array) -> list[Footprint]:
+    """Where each foot begins to carry load; one whose force is not known carries it all the time."""
+    loaded = ~(forces_n < LOADED_N)
+    landed = loaded[1:] & ~loaded[:-1] & (tips_m[1:, :, 2] < 2 * tips_m[0, :, 2].max())
+    return [
+        Footprint(row=int(row) + 1, position_m=tips_m[row + 1, leg, :2], front=leg < 2)
+        for row, leg in np.argwhere(landed)
+    ]
+
+
+def _smooth_place(pose: Array) -> Array:
+    return np.column_stack([_smooth(pose[:, 0]), _smooth(pose[:, 1])])
+
+
+def _smooth_heading(pose: Array) -> Array:
+    return _smooth(np.unwrap(rpy_from_quaternion(pose[:, 3:])[:, 2]))
+
+
+def _smooth(values: Array) -> Array:
+    """A centred moving average with a raised-cosine window, held at the ends, (n,)."""
+    half = round(SMOOTHING_S / CONTROL_PERIOD_S / 2)
+    window = np.hanning(2 * half + 3)[1:-1]
+    padded = np.concatenate([np.full(half, values[0]), values, np.full(half, values[-1])])
+    return np.convolve(padded, window / window.sum(), mode="valid")

@@ -1,0 +1,196 @@
+"""Films as files: frames are rendered in parallel, in segments that ffmpeg joins."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import ceil
+from multiprocessing.synchronize import Event
+from pathlib import Path
+from typing import Final
+
+import imageio_ffmpeg
+import numpy as np
+
+from legpush.errors import LegpushError
+from legpush.options.export import View
+from legpush.scene.robot import CONTROL_PERIOD_S
+from sim_proc.render.film import Film
+
+BACKENDS: Final = ("egl", "osmesa")
+DRAW_NOTHING: Final = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 8, 8).render()"
+NO_OPENGL: Final = 4
+"""Exit code of programs that cannot draw."""
+SEGMENT_FRAMES: Final = 60
+LONGEST_S: Final = 30.0
+LEAST_SPEED: Final = 3.0
+"""Unless a speed is asked for: three times real time, or faster where the film would be longer than `LONGEST_S`."""
+SMALL: Final = ("-crf", "24", "-preset", "veryfast", "-threads", "1")
+LOSSLESS: Final = ("-qp", "0", "-preset", "ultrafast", "-threads", "1")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Take:
+    """How a film is shown."""
+
+    rows: tuple[int, ...]
+    """Of the film, one for each frame."""
+    fps: float
+    width: int
+    height: int
+    view: View = "follow"
+    gif: bool = False
+    """Else an MP4 file with H.264."""
+
+
+def frame_rows(n_rows: int, speed: float, fps: float) -> tuple[int, ...]:
+    """The rows that are shown, of the first `n_rows`: the last one that was reached when each frame is due."""
+    stride = speed / (fps * CONTROL_PERIOD_S)
+    rows = np.floor(np.arange(ceil(n_rows / stride)) * stride + 1e-9).astype(int)
+    return tuple(rows[rows < n_rows].tolist())
+
+
+def usual_speed(duration_s: float) -> float:
+    """Simulated seconds per second of film."""
+    return max(LEAST_SPEED, duration_s / LONGEST_S)
+
+
+def working_backend() -> str | None:
+    """The first OpenGL backend that draws, tried in a process of its own; `MUJOCO_GL` decides if set."""
+    asked = os.environ.get("MUJOCO_GL")
+    for backend in (asked,) if asked else BACKENDS:
+        attempt = subprocess.run(
+            [sys.executable, "-P", "-c", DRAW_NOTHING],
+            env={**os.environ, "MUJOCO_GL": backend},
+            capture_output=True,
+            check=False,
+        )
+        if attempt.returncode == 0:
+            return backend
+    return None
+
+
+def use_backend(again: str) -> bool:
+    """Choose how this process and its workers draw; where nothing draws, say what to install and run `again`."""
+    backend = working_backend()
+    if backend is None:
+        sys.stderr.write(
+            "No OpenGL library for off-screen rendering was found, so there is no video. "
+            f"Install one (Debian: libegl1 and libgl1-mesa-dri, or libosmesa6) and run `{again}`.\n"
+        )
+        return False
+    os.environ.update(MUJOCO_GL=backend, LP_NUM_THREADS="1")  # one thread per worker for Mesa's software renderer
+    return True
+
+
+def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]) -> None:
+    """Write the film to a file, which is replaced; `say` hears how many of how many segments are done."""
+    with tempfile.TemporaryDirectory(prefix="legpush-video-") as scratch:
+        listing = _render_segments(film, take, Path(scratch), say)
+        if take.gif:
+            _join_as_gif(listing, target)
+        else:
+            _ffmpeg(*_joined(listing), "-c", "copy", "-movflags", "+faststart", str(target))
+
+
+def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, int], None]) -> Path:
+    """Render them all; the file that lists them."""
+    n_segments = ceil(len(take.rows) / SEGMENT_FRAMES)
+    jobs = [
+        (scratch / f"{index:05d}.mp4", take.rows[index * SEGMENT_FRAMES : (index + 1) * SEGMENT_FRAMES])
+        for index in range(n_segments)
+    ]
+    context = multiprocessing.get_context("spawn")
+    stop = context.Event()
+    workers = min(len(os.sched_getaffinity(0)), n_segments)
+    with ProcessPoolExecutor(workers, context, initializer=_open_camera, initargs=(film, take, stop)) as pool:
+        with _deaf_children():
+            segments = [pool.submit(_render_segment, job) for job in jobs]
+        try:
+            for n_done, segment in enumerate(as_completed(segments), start=1):
+                segment.result()
+                say(n_done, n_segments)
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+    listing = scratch / "segments.txt"
+    listing.write_text("".join(f"file '{path}'\n" for path, _ in jobs))
+    return listing
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Processes that are started meanwhile ignore Ctrl-C in their terminal: they are told by an event."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+_worker: dict[str, object] = {}
+"""Of a render worker: its camera, its take and the event that stops it."""
+
+
+def _open_camera(film: Film, take: Take, stop: Event) -> None:
+    from sim_proc.render.camera import Camera, FrameSize
+
+    _worker.update(
+        camera=Camera(film, FrameSize(width=take.width, height=take.height), take.view), take=take, stop=stop
+    )
+
+
+def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
+    from sim_proc.render.camera import Camera
+
+    path, rows = job
+    camera, take, stop = _worker["camera"], _worker["take"], _worker["stop"]
+    if not isinstance(camera, Camera) or not isinstance(take, Take) or not isinstance(stop, Event):
+        raise TypeError("The worker was not opened")
+    if stop.is_set():
+        return
+    writer = imageio_ffmpeg.write_frames(
+        str(path),
+        (take.width, take.height),
+        fps=take.fps,
+        codec="libx264rgb" if take.gif else "libx264",
+        pix_fmt_out="rgb24" if take.gif else "yuv420p",
+        macro_block_size=2,
+        quality=None,
+        ffmpeg_log_level="error",
+        output_params=list(LOSSLESS if take.gif else SMALL),
+    )
+    writer.send(None)
+    for row in rows:
+        writer.send(camera.frame(row).tobytes())
+        if stop.is_set():  # a film of one frame is one: ffmpeg has nothing to complain about
+            break
+    writer.close()
+
+
+def _joined(listing: Path) -> tuple[str, ...]:
+    return ("-f", "concat", "-safe", "0", "-i", str(listing))
+
+
+def _join_as_gif(listing: Path, target: Path) -> None:
+    """In two passes: the best 256 colors of all frames, then the frames with them."""
+    palette = listing.with_name("palette.png")
+    _ffmpeg(*_joined(listing), "-vf", "palettegen=stats_mode=diff", str(palette))
+    colors = "paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
+    _ffmpeg(*_joined(listing), "-i", str(palette), "-lavfi", colors, "-loop", "0", str(target))
+
+
+def _ffmpeg(*arguments: str) -> None:
+    """Run it; `LegpushError` with what it says where it fails. The last argument is the file that it writes."""
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-nostdin", "-loglevel", "error", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        why = done.stderr.strip() or f"it ended with {done.returncode}"
+        raise LegpushError(f"ffmpeg could not write {Path(arguments[-1]).name}: {why}")

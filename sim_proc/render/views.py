@@ -1,0 +1,70 @@
+"""Where a film is seen from."""
+
+from dataclasses import dataclass
+from math import pi, radians, tan
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from legpush.options.export import View
+from legpush.scene.robot import CONTROL_PERIOD_S
+from sim_proc.render.film import Film
+
+FIELD_OF_VIEW_RAD: Final = radians(45.0)
+"""From the upper to the lower border of a frame: MuJoCo's default."""
+AHEAD_M: Final = 0.35
+"""Cameras that follow the robot look at a point this far ahead of it."""
+LOOK_HEIGHT_M: Final = 0.2
+ORBIT_S: Final = 60.0
+"""Simulated time of one turn."""
+FROM_ABOVE: Final[tuple[View, ...]] = ("top", "room")
+ROOM_BORDER: Final = 1.08
+"""What is seen of the floor, over what the room has."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """A free camera of MuJoCo: what it looks at, and from where."""
+
+    at_m: NDArray[np.float64]
+    """World frame, (3,)."""
+    distance_m: float
+    azimuth_rad: float
+    """Direction in which it looks, about z."""
+    elevation_rad: float
+    """Negative: it looks down."""
+
+
+def look(film: Film, view: View, row: int, aspect: float) -> Look:
+    """How a view has the film's row; `aspect` is width over height of the frame."""
+    heading = float(film.heading_rad[row])
+    match view:
+        case "follow":
+            return _at_robot(film, row, heading + radians(65.0), -28.0)
+        case "side":
+            return _at_robot(film, row, heading + pi / 2, -15.0, distance_m=2.6)
+        case "front":
+            return _at_robot(film, row, heading + pi, -22.0)
+        case "rear":
+            return _at_robot(film, row, heading, -22.0)
+        case "orbit":
+            return _at_robot(film, row, float(film.heading_rad[0]) + 2 * pi * row * CONTROL_PERIOD_S / ORBIT_S, -28.0)
+        case "top":
+            return _at_robot(film, row, pi / 2, -90.0, distance_m=4.5)
+        case "box":
+            at = np.array([*film.box_m[row], film.scenario.box.size_m[2] / 2])
+            azimuth = float(film.box_heading_rad[row]) + radians(50.0)
+            return Look(at_m=at, distance_m=2.2, azimuth_rad=azimuth, elevation_rad=radians(-24.0))
+        case "room":
+            x, y = film.scenario.room.size_m
+            distance = ROOM_BORDER * max(y, x / aspect) / (2 * tan(FIELD_OF_VIEW_RAD / 2))
+            at = np.array([x / 2, y / 2, 0.0])
+            return Look(at_m=at, distance_m=distance, azimuth_rad=pi / 2, elevation_rad=-pi / 2)
+
+
+def _at_robot(film: Film, row: int, azimuth_rad: float, elevation_deg: float, distance_m: float = 3.3) -> Look:
+    heading = film.heading_rad[row]
+    ahead = AHEAD_M * np.array([np.cos(heading), np.sin(heading)])
+    at = np.array([*(film.trunk_m[row] + ahead), LOOK_HEIGHT_M])
+    return Look(at_m=at, distance_m=distance_m, azimuth_rad=azimuth_rad, elevation_rad=radians(elevation_deg))

@@ -1,0 +1,112 @@
+"""Policies in the files of Stable-Baselines3 itself."""
+
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from stable_baselines3 import A2C, DQN, PPO, SAC, TD3
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
+
+from agent_proc.learning.env import PushEnv, policy_observation, policy_push
+from agent_proc.policies.folder import PolicyError
+from agent_proc.policies.registry import make_policy
+from agent_proc.task.config import TaskConfig
+from tests.agent.fake_world import FakeWorld, make_state, scenario_at_station
+
+SCENARIO = scenario_at_station()
+STATE = make_state(SCENARIO.start.pose(), SCENARIO.box.pose.pose())
+TASKS = {
+    "relative, variable": TaskConfig(scenario=SCENARIO),
+    "paper, fixed": TaskConfig(entry="fixed", observation="paper", reward="paper", scenario=SCENARIO),
+    "paper, discrete": TaskConfig(
+        entry="fixed", action_form="discrete", observation="paper", reward="paper", scenario=SCENARIO
+    ),
+}
+
+
+def saved(path: Path, kind: Callable[..., BaseAlgorithm], env: gymnasium.Env[Any, Any] | VecNormalize) -> BaseAlgorithm:
+    """A new model of that kind, in that file."""
+    model = kind("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [8]})
+    model.save(path)
+    return model
+
+
+@pytest.mark.parametrize("kind", [PPO, A2C, SAC, TD3])
+@pytest.mark.parametrize("name", ["relative, variable", "paper, fixed"])
+def test_a_model_pushes_as_it_predicts(tmp_path: Path, kind: type[BaseAlgorithm], name: str) -> None:
+    task = TASKS[name]
+    model = saved(tmp_path / "model.zip", kind, PushEnv(task, FakeWorld()))
+    action, _ = model.predict(policy_observation(task, STATE, SCENARIO), deterministic=True)
+
+    push = make_policy(str(tmp_path / "model.zip")).decide(STATE, SCENARIO)
+
+    assert push == policy_push(task, action, STATE, SCENARIO)
+
+
+def test_a_model_of_the_published_grid_is_known_by_its_actions(tmp_path: Path) -> None:
+    saved(tmp_path / "model.zip", PPO, PushEnv(TASKS["paper, discrete"], FakeWorld()))
+
+    push = make_policy(str(tmp_path / "model.zip")).decide(STATE, SCENARIO)
+
+    assert push is not None
+    assert (push.w1 * 10) % 1 == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_normalizer_shows_the_model_what_it_saw_in_training(tmp_path: Path) -> None:
+    task = TASKS["relative, variable"]
+    env = VecNormalize(DummyVecEnv([lambda: PushEnv(task, FakeWorld())]))
+    env.reset()
+    moments: Any = env.obs_rms
+    moments.mean[:], moments.var[:] = 0.3, 4.0
+    model = saved(tmp_path / "model.zip", PPO, env)
+    env.save(str(tmp_path / "normalize.pkl"))
+    seen = np.clip((policy_observation(task, STATE, SCENARIO) - 0.3) / np.sqrt(4.0 + env.epsilon), -10, 10)
+    action, _ = model.predict(seen.astype(np.float32), deterministic=True)
+
+    with_it = make_policy(str(tmp_path / "model.zip"), tmp_path / "normalize.pkl").decide(STATE, SCENARIO)
+    without = make_policy(str(tmp_path / "model.zip")).decide(STATE, SCENARIO)
+
+    assert with_it is not None
+    assert without is not None
+    expected = policy_push(task, action, STATE, SCENARIO)
+    assert (with_it.w1, with_it.w2, with_it.depth_m) == pytest.approx((expected.w1, expected.w2, expected.depth_m))
+    assert with_it.leg == expected.leg
+    assert abs(with_it.w1 - without.w1) > 1e-6
+
+
+def test_a_file_that_is_no_model_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "text.zip").write_text("no zip")
+
+    with pytest.raises(PolicyError, match=r"text.zip: expected a model saved by Stable-Baselines3"):
+        make_policy(str(tmp_path / "text.zip"))
+    with pytest.raises(PolicyError, match=r"none.zip: expected a model saved by Stable-Baselines3.*No such file"):
+        make_policy(str(tmp_path / "none.zip"))
+
+
+def test_a_model_of_another_task_is_refused_with_the_spaces_that_fit(tmp_path: Path) -> None:
+    saved(tmp_path / "other.zip", PPO, gymnasium.make("CartPole-v1"))
+    saved(tmp_path / "dqn.zip", DQN, gymnasium.make("CartPole-v1"))
+
+    with pytest.raises(PolicyError, match=r"other.zip: expected observations of shape .*\(25,\) \(paper\).*got \(4,\)"):
+        make_policy(str(tmp_path / "other.zip"))
+    with pytest.raises(PolicyError, match=r"dqn.zip: expected a model of PPO, A2C, SAC, TD3 or DDPG"):
+        make_policy(str(tmp_path / "dqn.zip"))
+
+
+def test_a_normalizer_that_does_not_fit_is_refused(tmp_path: Path) -> None:
+    saved(tmp_path / "model.zip", PPO, PushEnv(TASKS["relative, variable"], FakeWorld()))
+    other = VecNormalize(DummyVecEnv([lambda: gymnasium.make("CartPole-v1")]))
+    other.save(str(tmp_path / "other.pkl"))
+    (tmp_path / "dict.pkl").write_bytes(pickle.dumps({}))
+
+    with pytest.raises(PolicyError, match=r"other.pkl: expected 8 means.*got 4"):
+        make_policy(str(tmp_path / "model.zip"), tmp_path / "other.pkl")
+    with pytest.raises(PolicyError, match=r"dict.pkl: expected a `VecNormalize` with norm_obs, got dict"):
+        make_policy(str(tmp_path / "model.zip"), tmp_path / "dict.pkl")
+    with pytest.raises(PolicyError, match=r"Expected a model file \(.zip\) with --normalizer, got 'scripted'"):
+        make_policy("scripted", tmp_path / "other.pkl")

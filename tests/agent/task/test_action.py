@@ -1,0 +1,94 @@
+"""What an action means: bounds, legs, depth, and the mirror."""
+
+from math import nan
+
+import numpy as np
+import pytest
+from gymnasium import spaces
+
+from agent_proc.push_model.model import PushModel
+from agent_proc.task.action import action_space, deepest_push_m, no_push_helps, to_push
+from agent_proc.task.config import TaskConfig
+from legpush.errors import ConfigError
+from legpush.geometry import Pose2
+from legpush.messages.stepping import Push, WorldState
+from tests.agent.fake_world import make_scenario, make_state
+
+SCENARIO = make_scenario()
+"""The goal is at x = 7, y = 3."""
+FIXED = TaskConfig(entry="fixed")
+VARIABLE = TaskConfig()
+GRID = TaskConfig(entry="fixed", action_form="discrete", observation="paper")
+
+
+def world_with_box(x_m: float, y_m: float = 3.0, yaw_rad: float = 0.0) -> WorldState:
+    return make_state(Pose2(x_m=x_m - 0.618, y_m=y_m, yaw_rad=yaw_rad), Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad))
+
+
+FAR = world_with_box(6.0)
+
+
+def push(task: TaskConfig, action: list[float], world: WorldState = FAR) -> Push:
+    kind = np.int64 if task.action_form == "discrete" else np.float32
+    return to_push(np.array(action, dtype=kind), task, world, SCENARIO)
+
+
+def test_each_form_has_the_space_that_learners_expect() -> None:
+    assert action_space(GRID) == spaces.MultiDiscrete([8, 8, 2])
+    assert action_space(FIXED) == spaces.Box(-1.0, 1.0, (3,), np.float32)
+    assert action_space(VARIABLE) == spaces.Box(-1.0, 1.0, (4,), np.float32)
+
+
+def test_the_corners_of_the_space_are_the_extremes_of_the_push() -> None:
+    assert push(FIXED, [-1.0, 1.0, -1.0]) == Push(w1=0.0, w2=1.0, leg="FL", depth_m=FIXED.fixed_depth_m)
+    assert push(VARIABLE, [1.0, -1.0, 1.0, -1.0]) == Push(w1=1.0, w2=0.0, leg="FR", depth_m=VARIABLE.least_depth_m)
+    assert push(VARIABLE, [1.0, -1.0, 1.0, 1.0]).depth_m == pytest.approx(VARIABLE.max_depth_m)
+
+
+def test_the_published_grid_runs_from_a_tenth_to_eight_tenths() -> None:
+    assert push(GRID, [0, 7, 0]) == Push(w1=0.1, w2=0.8, leg="FL", depth_m=GRID.fixed_depth_m)
+    assert push(GRID, [2, 4, 1]) == Push(w1=0.3, w2=0.5, leg="FR", depth_m=GRID.fixed_depth_m)
+
+
+@pytest.mark.parametrize("action", [[0.0, 0.0, 0.0, nan], [0.0, 0.0, 0.0, 1.1], [0.0, 0.0, 0.0]])
+def test_an_action_outside_its_space_is_refused(action: list[float]) -> None:
+    with pytest.raises(ConfigError, match="Expected an action in Box"):
+        push(VARIABLE, action)
+
+
+def test_the_leg_is_that_of_the_mirror_image_where_the_box_is_right_of_the_line() -> None:
+    left, right = world_with_box(6.0, 3.05), world_with_box(6.0, 2.95)
+
+    assert [push(FIXED, [0.0, 0.0, leg], left).leg for leg in (-1.0, 1.0)] == ["FL", "FR"]
+    assert [push(FIXED, [0.0, 0.0, leg], right).leg for leg in (-1.0, 1.0)] == ["FR", "FL"]
+
+
+def test_the_leg_is_as_it_says_where_nothing_is_mirrored() -> None:
+    right = world_with_box(6.0, 2.95)
+
+    assert [push(GRID, [0, 0, leg], right).leg for leg in (0, 1)] == ["FL", "FR"]
+
+
+@pytest.mark.parametrize("short_m", [0.02, 0.03, 0.05, 0.07])
+def test_the_deepest_push_brings_the_box_up_to_its_goal_and_no_farther(short_m: float) -> None:
+    world = world_with_box(7.0 - short_m)
+
+    depth_m = push(VARIABLE, [0.0, 0.0, 0.0, 1.0], world).depth_m
+
+    model = PushModel()
+    assert np.interp(depth_m, model.depth_m, model.forward_m) == pytest.approx(short_m)
+
+
+def test_the_depth_stays_between_its_limits_wherever_the_box_is() -> None:
+    assert deepest_push_m(VARIABLE, world_with_box(5.0), SCENARIO) == VARIABLE.max_depth_m
+    assert deepest_push_m(VARIABLE, world_with_box(7.1), SCENARIO) == VARIABLE.least_depth_m
+    assert deepest_push_m(TaskConfig(limit_depth=False), world_with_box(7.1), SCENARIO) == VARIABLE.max_depth_m
+
+
+def test_pushing_on_is_no_help_from_half_a_shallowest_push_before_the_goal() -> None:
+    travel_m = 0.036  # of a push of 0.05 m
+    assert not no_push_helps(FIXED, world_with_box(7.0 - 0.51 * travel_m), SCENARIO)
+    assert no_push_helps(FIXED, world_with_box(7.0 - 0.49 * travel_m), SCENARIO)
+    assert not no_push_helps(VARIABLE, world_with_box(7.0 - 0.49 * travel_m), SCENARIO)
+    assert not no_push_helps(VARIABLE, world_with_box(7.0 - 0.0010), SCENARIO)  # 1.7 mm by a push of 5 mm
+    assert no_push_helps(VARIABLE, world_with_box(7.0 - 0.0008), SCENARIO)

@@ -1,0 +1,94 @@
+"""The relative profile: frames, the mirror, and bounds."""
+
+from math import radians
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from agent_proc.frames.goal_frame import LOOK_AHEAD_M, mirror_sign
+from agent_proc.frames.station import station
+from agent_proc.task.observation import as_markdown, bounds, element_names, observe
+from agent_proc.task.observation_relative import NEAR_RAD, RELATIVE
+from legpush.geometry import Pose2
+from legpush.messages.stepping import WorldState
+from legpush.scene.scenario import Goal, PoseDeg
+from tests.agent.fake_world import make_scenario, make_state
+
+SCENARIO = make_scenario()
+"""The goal is at (7, 3), heading along x."""
+
+box_poses = st.builds(
+    Pose2, x_m=st.floats(5.0, 8.0), y_m=st.floats(2.0, 4.0), yaw_rad=st.floats(-radians(60.0), radians(60.0))
+)
+trunk_offsets = st.builds(Pose2, x_m=st.floats(-0.05, 0.05), y_m=st.floats(-0.05, 0.05), yaw_rad=st.floats(-0.1, 0.1))
+
+
+def state(box: Pose2, offset: Pose2) -> WorldState:
+    return make_state(station(SCENARIO.box, box) @ offset, box)
+
+
+def mirrored(pose: Pose2, line_y_m: float) -> Pose2:
+    return Pose2(x_m=pose.x_m, y_m=2 * line_y_m - pose.y_m, yaw_rad=-pose.yaw_rad)
+
+
+def named(observation: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    ends = np.cumsum([entry.size for entry in RELATIVE])
+    return {entry.name: part for entry, part in zip(RELATIVE, np.split(observation, ends[:-1]), strict=True)}
+
+
+@given(box=box_poses, offset=trunk_offsets)
+def test_mirror_images_look_the_same(box: Pose2, offset: Pose2) -> None:
+    world = state(box, offset)
+    image = state(mirrored(box, 3.0), mirrored(offset, 0.0))
+
+    if mirror_sign(world, SCENARIO) != mirror_sign(image, SCENARIO):
+        np.testing.assert_allclose(observe(world, SCENARIO, RELATIVE), observe(image, SCENARIO, RELATIVE), atol=1e-9)
+    else:
+        np.testing.assert_allclose(box.y_m + 0.2 * np.sin(box.yaw_rad), 3.0, atol=1e-8)
+
+
+@given(box=box_poses, offset=trunk_offsets, turn=st.floats(-180.0, 180.0), shift=st.floats(-1.0, 1.0))
+def test_the_place_of_the_goal_in_the_room_does_not_show(box: Pose2, offset: Pose2, turn: float, shift: float) -> None:
+    moved_from_world = Pose2(x_m=shift, y_m=2 * shift, yaw_rad=radians(turn))
+    goal = moved_from_world @ SCENARIO.goal.pose.pose()
+    elsewhere = make_scenario(goal=Goal(pose=PoseDeg(x_m=goal.x_m, y_m=goal.y_m, yaw_deg=np.degrees(goal.yaw_rad))))
+    moved = state(moved_from_world @ box, offset)
+
+    if abs(box.y_m + 0.2 * np.sin(box.yaw_rad) - 3.0) > 1e-6:
+        np.testing.assert_allclose(
+            observe(moved, elsewhere, RELATIVE), observe(state(box, offset), SCENARIO, RELATIVE), atol=1e-9
+        )
+
+
+@given(box=box_poses, offset=trunk_offsets)
+def test_the_bounds_hold_every_observation(box: Pose2, offset: Pose2) -> None:
+    low, high = bounds(SCENARIO, RELATIVE)
+    observation = observe(state(box, offset), SCENARIO, RELATIVE)
+
+    assert low.shape == high.shape == observation.shape == (len(element_names(RELATIVE)),)
+    assert ((low <= observation) & (observation <= high)).all()
+
+
+def test_each_entry_reads_what_its_name_says() -> None:
+    box = Pose2(x_m=6.0, y_m=3.2, yaw_rad=0.1)
+    left = named(observe(state(box, Pose2(x_m=0.01, y_m=0.02, yaw_rad=0.03)), SCENARIO, RELATIVE))
+
+    np.testing.assert_allclose(left["box"], [-1.0, 0.2])
+    np.testing.assert_allclose(left["box_near"], np.arcsinh([-20.0, 4.0]))
+    np.testing.assert_allclose(left["heading"], [0.1, 0.1 + np.arctan2(0.2, LOOK_AHEAD_M)])
+    np.testing.assert_allclose(left["heading_near"], np.arcsinh(left["heading"] / NEAR_RAD))
+
+
+def test_the_documentation_lists_every_entry() -> None:
+    assert [line for line in as_markdown(RELATIVE).splitlines() if "`heading_near`" in line] == [
+        "| 6 to 7 | `heading_near` | yaw, steering | 1 | goal | asinh of the same over 1° |"
+    ]
+
+
+def test_a_box_far_short_of_its_goal_looks_as_far_as_the_profile_looks() -> None:
+    ahead = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    far, farther = (observe(state(Pose2(x_m=x, y_m=3.1, yaw_rad=0.0), ahead), SCENARIO, RELATIVE) for x in (5.9, 5.0))
+
+    np.testing.assert_allclose(far, farther, atol=1e-12)

@@ -1,0 +1,63 @@
+"""The reward of Eqs. 15 to 17, against numbers worked out by hand."""
+
+from math import hypot, pi, radians, sin
+
+import pytest
+
+from agent_proc.task.reward_paper import paper_reward
+from legpush.geometry import Pose2
+from legpush.scene.scenario import Goal, PoseDeg
+from tests.agent.fake_world import make_scenario, make_state
+
+SCENARIO = make_scenario()
+TRUNK = Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)
+
+
+def at(x_m: float, y_m: float, yaw_rad: float) -> Pose2:
+    return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+
+
+def test_a_box_at_its_goal_earns_nothing() -> None:
+    reward = paper_reward(make_state(TRUNK, at(7.0, 3.0, 0.0)), SCENARIO)
+
+    assert reward.total == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_shifted_box_costs_ten_per_metre_and_corner() -> None:
+    reward = paper_reward(make_state(TRUNK, at(6.7, 3.4, 0.0)), SCENARIO)
+
+    assert reward.position == pytest.approx(-10.0 * (0.5 + 0.5))
+    assert (reward.angle, reward.fall) == (0.0, 0.0)
+
+
+def test_a_turned_box_costs_two_per_radian_and_what_its_corners_are_off() -> None:
+    angle = 0.2
+    corner_m = 2 * hypot(0.2, 0.25) * sin(angle / 2)
+
+    reward = paper_reward(make_state(TRUNK, at(7.0, 3.0, angle)), SCENARIO)
+
+    assert reward.angle == pytest.approx(-2.0 * angle)
+    assert reward.position == pytest.approx(-10.0 * 2 * corner_m)
+
+
+def test_the_angle_is_wrapped() -> None:
+    scenario = make_scenario(goal=Goal(pose=PoseDeg(x_m=7.0, y_m=3.0, yaw_deg=179.0)))
+
+    reward = paper_reward(make_state(TRUNK, at(7.0, 3.0, -pi + radians(1.0))), scenario)
+
+    assert reward.angle == pytest.approx(-2.0 * radians(2.0))
+
+
+def test_a_fall_costs_ten() -> None:
+    standing = paper_reward(make_state(TRUNK, at(6.0, 3.1, 0.1)), SCENARIO)
+    fallen = paper_reward(make_state(TRUNK, at(6.0, 3.1, 0.1), fallen=True), SCENARIO)
+
+    assert fallen.fall == -10.0
+    assert fallen.total == pytest.approx(standing.total - 10.0)
+
+
+def test_the_terms_sum_to_the_reward() -> None:
+    reward = paper_reward(make_state(TRUNK, at(6.2, 2.9, -0.3), fallen=True), SCENARIO)
+
+    assert reward.total == reward.position + reward.angle + reward.fall
+    assert all(term < 0.0 for term in (reward.position, reward.angle, reward.fall))

@@ -1,0 +1,84 @@
+"""The tuned reward: progress adds up, the end counts, and falling never pays."""
+
+from itertools import pairwise
+from math import degrees, radians
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agent_proc.frames.goal_frame import LOOK_AHEAD_M
+from agent_proc.learning.env import ASTRAY
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.reward_tuned import (
+    CYCLE_COST,
+    POSITION_WEIGHT,
+    STEERING_WEIGHT,
+    errors_in_tolerances,
+    steering_in_tolerances,
+    tuned_reward,
+)
+from legpush.geometry import Pose2
+from legpush.messages.stepping import WorldState
+from tests.agent.fake_world import make_scenario, make_state
+
+SCENARIO = make_scenario()
+TRUNK = Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)
+MAX_STEPS = TaskConfig().max_steps
+
+boxes = st.builds(Pose2, x_m=st.floats(5.9, 7.1), y_m=st.floats(2.8, 3.2), yaw_rad=st.floats(-0.5, 0.5))
+
+
+def state(box: Pose2, *, fallen: bool = False) -> WorldState:
+    return make_state(TRUNK, box, fallen=fallen)
+
+
+def at(x_m: float, y_m: float = 3.0, yaw_deg: float = 0.0) -> WorldState:
+    return state(Pose2(x_m=x_m, y_m=y_m, yaw_rad=radians(yaw_deg)))
+
+
+def value(first: WorldState, states: list[WorldState], *, arrived: bool) -> float:
+    """Return of an episode through these states."""
+    steps = list(pairwise([first, *states]))
+    return sum(sum(tuned_reward(first, a, b, SCENARIO, arrived=arrived and b is states[-1]).values()) for a, b in steps)
+
+
+@given(path=st.lists(boxes, min_size=2, max_size=8))
+def test_progress_depends_on_the_first_and_the_last_state_only(path: list[Pose2]) -> None:
+    states = [state(box) for box in path]
+    position = [errors_in_tolerances(world, SCENARIO)[0] for world in (states[0], states[-1])]
+    steering = [steering_in_tolerances(world, SCENARIO) for world in (states[0], states[-1])]
+    progress = POSITION_WEIGHT * (position[0] - position[1]) + STEERING_WEIGHT * (steering[0] - steering[1])
+
+    total = value(states[0], states[1:], arrived=False)
+
+    assert total == pytest.approx(progress - CYCLE_COST * (len(states) - 1))
+
+
+@given(path=st.lists(boxes, min_size=1, max_size=8), fall_at=boxes)
+def test_falling_pays_less_than_the_worst_that_can_be_done_standing(path: list[Pose2], fall_at: Pose2) -> None:
+    first = at(6.0)
+    goal = SCENARIO.goal
+    steering_by_position = degrees(goal.position_tolerance_m / LOOK_AHEAD_M) / goal.angle_tolerance_deg
+    each = POSITION_WEIGHT + STEERING_WEIGHT * max(1.0, steering_by_position)
+    worst_standing = -(ASTRAY + 10.0) * each - CYCLE_COST * MAX_STEPS
+
+    fallen = value(first, [*(state(box) for box in path), state(fall_at, fallen=True)], arrived=False)
+
+    assert fallen < worst_standing
+
+
+def test_the_end_pays_more_the_nearer_it_is_and_success_most() -> None:
+    first = at(6.0)
+    ends = [at(7.0), at(6.99), at(6.99, 3.01), at(6.975, 3.01, 2.5), at(6.96, 3.01, 2.5), at(7.2, 3.1, 8.0)]
+
+    values = [value(first, [end], arrived=True) for end in ends]
+
+    assert values == sorted(values, reverse=True)
+    assert values[3] - values[4] > 2.5
+
+
+def test_a_way_there_and_back_earns_nothing_but_costs_its_cycles() -> None:
+    first = at(6.0)
+
+    assert value(first, [at(6.5), first], arrived=False) == pytest.approx(-2 * CYCLE_COST)

@@ -1,0 +1,43 @@
+"""Where processes listen and connect."""
+
+from pathlib import Path
+
+import pytest
+
+from legpush.bus import endpoints
+from legpush.bus.endpoints import Endpoints
+from legpush.errors import EndpointError
+
+
+def test_processes_started_alone_find_each_other() -> None:
+    agent, sim, planner = (endpoints.local(role) for role in ("agent", "sim", "planner"))
+    assert set(agent.connect) == {*sim.listen, *planner.listen}
+    assert len({*agent.listen, *sim.listen, *planner.listen}) == 3
+    assert all(locator.startswith("tcp/127.0.0.1:") for locator in agent.connect)
+
+
+def test_processes_in_one_directory_find_each_other(tmp_path: Path) -> None:
+    tmp_path.chmod(0o700)
+    agent, sim, launcher = (endpoints.in_directory(tmp_path, role) for role in ("agent", "sim", "launcher"))
+    assert sim.listen[0] in agent.connect
+    assert {*agent.listen, *sim.listen} < set(launcher.connect)
+    assert launcher.listen == ()
+
+
+def test_a_directory_that_others_may_enter_is_refused(tmp_path: Path) -> None:
+    tmp_path.chmod(0o755)
+    with pytest.raises(EndpointError, match=r"mode 0700 .* got 0755"):
+        endpoints.in_directory(tmp_path, "sim")
+
+
+def test_a_socket_path_that_the_system_cannot_hold_is_refused(tmp_path: Path) -> None:
+    deep = tmp_path / ("x" * 110)
+    deep.mkdir(mode=0o700)
+    with pytest.raises(EndpointError, match=r"at most 107 bytes, got .* shorter run directory"):
+        endpoints.in_directory(deep, "sim")
+
+
+@pytest.mark.parametrize("locator", ["", "tcp", "tcp/", "127.0.0.1:17472", "udp/127.0.0.1:17472"])
+def test_an_endpoint_that_is_none_is_refused_with_an_example(locator: str) -> None:
+    with pytest.raises(EndpointError, match=r"such as tcp/127\.0\.0\.1:17472"):
+        Endpoints(listen=(locator,))

@@ -1,0 +1,213 @@
+"""One example of every message, with every optional field filled in; the golden files are made of these."""
+
+from collections.abc import Mapping
+
+from legpush.bus.channels import Message
+from legpush.geometry import Pose2
+from legpush.messages.common import PROTOCOL_VERSION, Header, Role
+from legpush.messages.planning import (
+    BoxPathQuery,
+    OccupancyGrid,
+    Plan,
+    PlanCancel,
+    PlanRequest,
+    PlanResult,
+    PushSide,
+    Tree,
+    TrunkPathQuery,
+)
+from legpush.messages.stepping import (
+    Action,
+    Alter,
+    Appearance,
+    BoxState,
+    Follow,
+    Imu,
+    Motion,
+    Observation,
+    Outcome,
+    PathProgress,
+    Push,
+    PushReport,
+    Refusal,
+    Reset,
+    Trace,
+    TrunkState,
+    Walk,
+    WorldState,
+)
+from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published, Reward, RewardTerm, Status, Taken
+from legpush.scene.footprints import Footprint
+from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
+
+
+def header(role: Role, name: str = "main", run: str = "test", sequence: int = 7) -> Header:
+    """A header as the bus makes it."""
+    return Header(
+        protocol=PROTOCOL_VERSION, run=run, role=role, name=name, incarnation=f"{role}-0a1b2c", sequence=sequence
+    )
+
+
+POSE = Pose2(x_m=1.0, y_m=2.5, yaw_rad=-0.5)
+SCENARIO = Scenario(
+    name="example",
+    room=Room(
+        size_m=(6.0, 4.0),
+        obstacles=(
+            Rectangle(x_min_m=2.0, x_max_m=2.5, y_min_m=0.0, y_max_m=3.0),
+            Rectangle(x_min_m=3.0, x_max_m=3.1, y_min_m=2.0, y_max_m=4.0, appears_at_s=2.5),
+        ),
+    ),
+    start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
+    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0)),
+    goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
+)
+RESET = Reset(scenario=SCENARIO, seed=3)
+QUERY = TrunkPathQuery(
+    grid=OccupancyGrid(n_columns=3, n_rows=2, resolution_m=0.5, origin_m=(0.0, -1.0), cells=bytes([0, 1, 0, 0, 0, 1])),
+    start=POSE,
+    goal=Pose2(x_m=0.1, y_m=0.2, yaw_rad=3.0),
+    clearance_m=0.45,
+    planner="rrt",
+    seed=4294967295,
+    max_iterations=1000,
+    goal_bias=0.05,
+    step_m=0.5,
+    goal_region_m=0.25,
+    steering="straight",
+    min_turning_radius_m=0.0,
+    smoothing=Smoothing(),
+    anytime=None,
+)
+BOX_QUERY = BoxPathQuery(
+    grid=QUERY.grid,
+    start=POSE,
+    goal=QUERY.goal,
+    sides=(
+        PushSide(
+            frame=Pose2(x_m=0.0, y_m=-0.15, yaw_rad=1.5),
+            min_turning_radius_m=0.7,
+            footprints=(Footprint(pose=POSE, length_m=0.4, width_m=0.5),),
+            stand_off=POSE,
+        ),
+    ),
+    present_side=0,
+    box=Footprint(pose=POSE, length_m=0.4, width_m=0.5),
+    walk_clearance_m=0.45,
+    side_change_m=0.5,
+    clearance_m=0.05,
+    run_in_m=0.4,
+    position_tolerance_m=0.01,
+    angle_tolerance_rad=0.02,
+    seed=3,
+    max_iterations=1000,
+    goal_bias=0.1,
+    step_m=1.0,
+)
+PLAN = Plan(
+    status="exact",
+    reason="",
+    waypoints=(POSE, Pose2(x_m=0.1, y_m=0.2, yaw_rad=3.0)),
+    sides=(0, 0),
+    raw_path_m=((1.0, 2.5), (0.1, 0.2)),
+    tree=Tree(points_m=((1.0, 2.5), (0.1, 0.2)), parents=(0, 0)),
+    length_m=2.47,
+    min_clearance_m=0.5,
+    n_iterations=12,
+)
+TIPS = ((0.3, 0.17, 0.02), (0.3, -0.17, 0.02), (-0.3, 0.17, 0.02), (-0.3, -0.17, 0.02))
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+WORLD = WorldState(
+    tick=215,
+    trunk=TrunkState(
+        position_m=(0.1, 0.2, 0.48),
+        orientation_wxyz=UPRIGHT,
+        linear_velocity_m_s=(0.01, 0.0, -0.001),
+        angular_velocity_rad_s=(0.0, 1e-300, -0.0),
+    ),
+    joint_positions_rad=tuple(0.1 * i for i in range(12)),
+    joint_velocities_rad_s=tuple(-0.01 * i for i in range(12)),
+    tips_m=TIPS,
+    foot_forces_n=(78.1, 78.2, 77.9, 78.0),
+    imu=Imu(
+        orientation_wxyz=UPRIGHT, angular_velocity_rad_s=(0.0, 0.0, 0.01), linear_acceleration_m_s2=(0.0, 0.0, 9.81)
+    ),
+    box=BoxState(position_m=(4.0, 2.0, 0.2), orientation_wxyz=UPRIGHT),
+    n_footsteps=48,
+    fallen=False,
+    path=PathProgress(travelled_m=1.25, length_m=2.47, done=False),
+    push=PushReport(leg="FR", touched=True, peak_force_n=12.5),
+    appeared=(Appearance(obstacle=1, tick=130),),
+)
+TRACE = Trace(
+    tick=(214, 215),
+    qpos=((0.1,) * 26, (0.2,) * 26),
+    roll_pitch_rad=((0.0, 0.01), (0.0, 0.02)),
+    tips_m=(TIPS, TIPS),
+    contact_forces_n=(
+        ((0.3, 0.1, 78.1), (0.2, 0.0, 78.2), (0.0, 0.1, 77.9), (0.0, 0.0, 78.0)),
+        ((0.3, 0.1, 78.1), (0.2, 0.0, 78.2), (0.0, 0.0, 0.0), (0.0, 0.0, 78.0)),
+    ),
+    com_m=((0.1, 0.2, 0.48), (0.1, 0.2, 0.48)),
+    zmp_m=((0.1, 0.2), (0.1, 0.2)),
+    support_margin_m=(0.14, 0.05),
+)
+
+
+def _action(motion: Motion, step: int) -> Action:
+    return Action(header=header("agent"), episode=1700000000000, step=step, motion=motion, with_trace=step > 0)
+
+
+MESSAGES: Mapping[str, Message] = {
+    "plan_request": PlanRequest(header=header("agent"), request_id=2, query=QUERY),
+    "plan_request_box": PlanRequest(header=header("agent"), request_id=3, query=BOX_QUERY),
+    "plan_cancel": PlanCancel(header=header("agent"), request_id=3),
+    "plan_result": PlanResult(
+        header=header("planner"), client_incarnation="agent-0a1b2c", request_id=2, revision=0, final=True, plan=PLAN
+    ),
+    "action_reset": _action(RESET, 0),
+    "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
+    "action_walk": _action(Walk(), 2),
+    "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12, face="left"), 3),
+    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3), 4),
+    "observation": Observation(
+        header=header("sim"),
+        agent_incarnation="agent-0a1b2c",
+        episode=1700000000000,
+        step=3,
+        outcome=Outcome(world=WORLD, state_crc=0xDEADBEEF, trace=TRACE),
+    ),
+    "refusal": Refusal(
+        header=header("sim"),
+        agent_incarnation="agent-0a1b2c",
+        episode=1700000000000,
+        step=9,
+        cause="out_of_step",
+        reason="got step 9 of episode 1700000000000; next is step 4 of episode 1700000000000",
+        next_episode=1700000000000,
+        next_step=4,
+    ),
+    "status": Status(
+        header=header("agent"), phase="walking", fraction=0.5, detail="cycle 8 of 16", waiting_for="sim main"
+    ),
+    "copies": Copies(
+        header=header("sim"),
+        origin=Origin(role="sim", name="main", incarnation="sim-0a1b2c"),
+        batch=4,
+        copies=(
+            Copy(key="legpush/v5/test/sim/main/observation", sequence=9, time_ns=1700000000000000000, payload=b"0"),
+        ),
+        published=(Published(key="legpush/v5/test/sim/main/observation", n=10, since=9),),
+        facts=(Fact(name="model.xml", media_type="application/xml", data=b"<mujoco/>"),),
+        final=True,
+    ),
+    "reward": Reward(
+        header=header("agent"),
+        sim="main",
+        episode=3,
+        step=7,
+        value=0.68,
+        terms=(RewardTerm(name="position", value=0.7), RewardTerm(name="cycle", value=-0.02)),
+    ),
+    "taken": Taken(header=header("recorder"), origin_incarnation="sim-0a1b2c", batch=4),
+}

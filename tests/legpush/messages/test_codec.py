@@ -1,0 +1,118 @@
+"""Encoding and decoding: what is valid survives bit for bit, what is not has one kind of error and names the field."""
+
+import msgpack
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from legpush.bus.channels import Answer, Message
+from legpush.errors import MessageError
+from legpush.messages import codec
+from legpush.messages.planning import PlanRequest, PlanResult
+from legpush.messages.stepping import Action, Observation, Refusal
+from legpush.messages.telemetry import Status
+from tests.legpush.examples import MESSAGES, header
+from tests.legpush.strategies import records
+
+KINDS: list[type[Message]] = [PlanRequest, PlanResult, Action, Observation, Refusal, Status]
+STATUS = msgpack.unpackb(codec.encode(MESSAGES["status"]))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(data=st.data())
+def test_every_message_survives_the_way_through_bytes(kind: type[Message], data: st.DataObject) -> None:
+    message = data.draw(records(kind))
+    assert codec.decode(codec.encode(message), kind) == message
+
+
+def test_observations_and_refusals_are_told_apart() -> None:
+    for name in ("observation", "refusal"):
+        message = MESSAGES[name]
+        assert codec.decode(codec.encode(message), Answer) == message  # type: ignore[arg-type]
+
+
+def test_physics_numbers_keep_every_bit() -> None:
+    value = 0.1 + 0.2
+    message = Status(header=header("sim"), phase="x", fraction=value)
+    assert codec.decode(codec.encode(message), Status).fraction == value
+
+
+@settings(max_examples=200)
+@given(st.binary(max_size=200))
+def test_random_bytes_are_refused_and_nothing_else_happens(payload: bytes) -> None:
+    with pytest.raises(MessageError):
+        codec.decode(payload, Action)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_a_message_with_one_byte_changed_decodes_or_is_refused(data: st.DataObject) -> None:
+    payload = bytearray(codec.encode(MESSAGES["action_push"]))
+    payload[data.draw(st.integers(0, len(payload) - 1))] = data.draw(st.integers(0, 255))
+    try:
+        message = codec.decode(bytes(payload), Action)
+    except MessageError:
+        return
+    assert isinstance(message, Action)
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"extra": 1}, r"unknown field `extra`"),
+        ({"phase": 1}, r"Expected `str`, got `int` - at `\$.phase`"),
+        ({"fraction": True}, r"got `bool` - at `\$.fraction`"),
+        ({"fraction": 1.5}, r"<= 1.0 - at `\$.fraction`"),
+        ({"fraction": msgpack.Timestamp(1, 2)}, r"got `Timestamp` - at `\$.fraction`"),
+        ({"phase": msgpack.ExtType(3, b"x")}, r"at `\$.phase`"),
+        ({"header": {**STATUS["header"], "name": "a/b"}}, r"regex .* - at `\$.header.name`"),
+        ({"header": {**STATUS["header"], "name": "a\n"}}, r"regex .* - at `\$.header.name`"),
+        ({"header": {**STATUS["header"], "sequence": -1}}, r">= 0 - at `\$.header.sequence`"),
+    ],
+)
+def test_a_wrong_field_is_named(changes: dict[str, object], text: str) -> None:
+    with pytest.raises(MessageError, match=text):
+        codec.decode(msgpack.packb({**STATUS, **changes}), Status)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
+def test_a_number_that_is_not_finite_is_refused_with_its_path_on_both_ways(value: float) -> None:
+    message = Status(header=header("sim"), phase="x", fraction=value)
+    with pytest.raises(MessageError, match=r"finite .* at `\$.fraction`") as sent:
+        codec.encode(message)
+    assert sent.value.cause == "not_finite"
+    plain = msgpack.unpackb(codec.encode(MESSAGES["action_follow"]))
+    plain["motion"]["waypoints"][1]["x_m"] = value
+    with pytest.raises(MessageError, match=r"finite .* at `\$.motion.waypoints\[1\].x_m`") as got:
+        codec.decode(msgpack.packb(plain), Action)
+    assert got.value.cause == "not_finite"
+
+
+def test_an_oversize_message_is_refused_on_both_ways(monkeypatch: pytest.MonkeyPatch) -> None:
+    payload = codec.encode(MESSAGES["status"])
+    monkeypatch.setattr(codec, "MAX_MESSAGE_BYTES", len(payload) - 1)
+    for attempt in (lambda: codec.encode(MESSAGES["status"]), lambda: codec.decode(payload, Status)):
+        with pytest.raises(MessageError, match=f"at most {len(payload) - 1} bytes, got {len(payload)}") as error:
+            attempt()
+        assert error.value.cause == "oversize"
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        pytest.param(b"", id="nothing"),
+        pytest.param(b"\xc1", id="a byte that MessagePack never uses"),
+        pytest.param(b"\x91" * 100_000, id="100 000 arrays in each other"),
+        pytest.param(b"\xdd\xff\xff\xff\xff", id="an array that claims four billion elements"),
+        pytest.param(codec.encode(MESSAGES["status"]) + b"\x00", id="a byte too many"),
+        pytest.param(codec.encode(MESSAGES["status"])[:-1], id="a byte too few"),
+        pytest.param(msgpack.packb({1: 2}), id="integer keys"),
+        pytest.param(msgpack.packb({b"header": 2}), id="binary keys"),
+        pytest.param(msgpack.packb([1, 2]), id="an array"),
+        pytest.param(msgpack.packb("\ud800", unicode_errors="surrogatepass"), id="a lone surrogate"),
+    ],
+)
+def test_garbage_is_refused(payload: bytes) -> None:
+    with pytest.raises(MessageError):
+        codec.decode(payload, Status)

@@ -1,0 +1,212 @@
+"""The desk of the planner, without a network: what is planned, repeated, improved, cancelled, and put off."""
+
+from collections.abc import Iterator
+
+from msgspec.structs import replace
+
+from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest
+from legpush.plans.request_queue import MAX_CLIENTS, Answer, Interrupted, PlanDesk, PlanningInterruptedError
+from legpush.scene.scenario import Anytime
+from tests.legpush.examples import QUERY, header
+from tests.legpush.fakes import fake_plan
+
+ANYTIME = Anytime(n_improvements=2, improvement_iterations=10)
+
+
+class Planner:
+    """Remembers the seeds that it planned for; each improvement is 1 m shorter, `invalid` where there is no seed."""
+
+    def __init__(self) -> None:
+        self.seeds: list[int] = []
+        self.n_plans = 0
+
+    def __call__(self, query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
+        self.seeds.append(query.seed)
+        for k in range(3):
+            if interrupted():
+                raise PlanningInterruptedError
+            self.n_plans += 1
+            if query.seed == 0:
+                yield Plan(status="invalid", reason="no seed")
+                return
+            yield replace(fake_plan(query), length_m=10.0 - k)
+
+
+def request(
+    request_id: int, seed: int = 1, client: str = "main", incarnation: str = "a", **fields: object
+) -> PlanRequest:
+    head = replace(header("agent"), name=client, incarnation=incarnation)
+    return PlanRequest(header=head, request_id=request_id, query=replace(QUERY, seed=seed, **fields))
+
+
+def cancel(request_id: int, client: str = "main", incarnation: str = "a") -> PlanCancel:
+    return PlanCancel(header=replace(header("agent"), name=client, incarnation=incarnation), request_id=request_id)
+
+
+def asked(desk: PlanDesk, one: PlanRequest) -> list[Answer]:
+    """What is answered once it has been worked on."""
+    at_once = desk.ask(one)
+    assert at_once is not None
+    return at_once or worked(desk)
+
+
+def worked(desk: PlanDesk) -> list[Answer]:
+    """All that there is to do."""
+    answers = []
+    while desk.next_case():
+        answer = desk.work(lambda: False)
+        assert answer is not None
+        answers.append(answer)
+    return answers
+
+
+def test_a_request_is_planned_once_and_its_copies_get_the_same_answer() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    first = asked(desk, request(0))
+    assert [(answer.revision, answer.final) for answer in first] == [(0, True)]
+    assert asked(desk, request(0)) == first
+    assert planner.seeds == [1]
+
+
+def test_a_copy_that_comes_while_the_request_waits_is_no_request_of_its_own() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    assert desk.ask(request(0)) == []
+    assert desk.ask(request(0)) == []
+    assert len(worked(desk)) == 1
+
+
+def test_a_request_older_than_the_newest_is_not_answered() -> None:
+    desk = PlanDesk(Planner())
+    asked(desk, request(4))
+    assert desk.ask(request(3)) is None
+
+
+def test_the_newest_request_of_a_client_supersedes_the_one_that_waits() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    for request_id in (0, 2):
+        desk.ask(request(request_id, seed=request_id + 5))
+    assert desk.ask(request(1)) is None
+    assert [answer.request_id for answer in worked(desk)] == [2]
+    assert planner.seeds == [7]
+
+
+def test_another_query_under_the_same_request_id_is_invalid() -> None:
+    desk = PlanDesk(Planner())
+    asked(desk, request(4, seed=1))
+    (answer,) = asked(desk, request(4, seed=2))
+    assert answer.plan.status == "invalid"
+    assert answer.final
+    assert "request id 4" in answer.plan.reason
+
+
+def test_a_client_that_was_restarted_begins_anew() -> None:
+    desk = PlanDesk(Planner())
+    asked(desk, request(4, seed=1, incarnation="a"))
+    (answer,) = asked(desk, request(0, seed=2, incarnation="b"))
+    assert (answer.incarnation, answer.plan.n_iterations) == ("b", 2)
+
+
+def test_answers_are_kept_for_a_bounded_number_of_clients() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    for index in range(1, MAX_CLIENTS + 2):
+        asked(desk, request(0, seed=index, client=f"c{index}"))
+    asked(desk, request(0, seed=2, client="c2"))
+    asked(desk, request(0, seed=1, client="c1"))
+    assert planner.seeds == [*range(1, MAX_CLIENTS + 2), 1]
+
+
+def test_improvements_follow_the_first_answer_and_all_are_repeated_on_demand() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    answers = asked(desk, request(0, anytime=ANYTIME))
+    assert [(answer.revision, answer.final) for answer in answers] == [(0, False), (1, False), (2, True)]
+    assert [answer.plan.length_m for answer in answers] == [10.0, 9.0, 8.0]
+    assert desk.ask(request(0, anytime=ANYTIME)) == answers
+    assert planner.seeds == [1]
+
+
+def test_what_is_invalid_is_not_improved() -> None:
+    desk = PlanDesk(Planner())
+    (answer,) = asked(desk, request(0, seed=0, anytime=ANYTIME))
+    assert answer.final
+
+
+def test_a_first_answer_comes_before_improvements_of_others_which_go_on_where_they_were() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    desk.ask(request(0, seed=1, client="a", anytime=ANYTIME))
+    first = desk.work(lambda: False)
+    desk.ask(request(0, seed=2, client="b"))
+    assert desk.should_stop()
+    rest = worked(desk)
+    assert first is not None
+    assert [(answer.client, answer.revision) for answer in [first, *rest]] == [("a", 0), ("b", 0), ("a", 1), ("a", 2)]
+    assert [answer.plan.length_m for answer in rest if answer.client == "a"] == [9.0, 8.0]
+    assert planner.seeds == [1, 2, 1]
+
+
+def test_a_search_that_is_interrupted_gives_no_answer_and_is_begun_anew() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    desk.ask(request(0))
+    assert desk.work(lambda: True) is None
+    assert [answer.revision for answer in worked(desk)] == [0]
+    assert planner.seeds == [1, 1]
+
+
+def test_a_cancelled_request_ends_with_the_best_so_far() -> None:
+    desk = PlanDesk(Planner())
+    desk.ask(request(0, anytime=ANYTIME))
+    first = desk.work(lambda: False)
+    assert first is not None
+    assert desk.cancel(cancel(0)) == [first._replace(final=True)]
+    assert desk.should_stop()
+    assert not desk.next_case()
+    assert desk.ask(request(0, anytime=ANYTIME)) == [first._replace(final=True)]
+
+
+def test_one_that_is_cancelled_before_there_was_a_plan_says_so() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    desk.ask(request(3))
+    (answer,) = desk.cancel(cancel(3))
+    assert (answer.plan.status, answer.final) == ("cancelled", True)
+    assert worked(desk) == []
+    assert planner.seeds == []
+
+
+def test_a_cancel_that_overtakes_its_request_holds_and_one_of_an_old_request_does_not() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    (answer,) = desk.cancel(cancel(5))
+    assert desk.ask(request(5)) == [answer]
+    assert desk.cancel(cancel(4)) == []
+    assert [answer.request_id for answer in asked(desk, request(6))] == [6]
+    assert planner.seeds == [1]
+
+
+def test_a_search_that_is_begun_anew_may_be_interrupted_before_it_comes_to_something_new() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    desk.ask(request(0, client="a", anytime=ANYTIME))
+    first = desk.work(lambda: False)
+    desk.ask(request(0, client="b", seed=2))
+    second = desk.work(lambda: False)
+    assert desk.work(lambda: True) is None
+    rest = worked(desk)
+    assert (first is not None, second is not None) == (True, True)
+    assert [(answer.client, answer.revision) for answer in rest] == [("a", 1), ("a", 2)]
+
+
+def test_the_improvements_at_hand_go_on_before_those_of_others() -> None:
+    planner = Planner()
+    desk = PlanDesk(planner)
+    for client in ("a", "b"):
+        desk.ask(request(0, client=client, anytime=ANYTIME))
+    order = [(answer.client, answer.revision) for answer in worked(desk)]
+    assert order == [("a", 0), ("b", 0), ("b", 1), ("b", 2), ("a", 1), ("a", 2)]
+    assert len(planner.seeds) == 3

@@ -1,0 +1,88 @@
+"""Hypothesis strategies for any record, made from its type annotations: every field, every bound, every variant."""
+
+from typing import Any, TypeVar
+
+from hypothesis import strategies as st
+from msgspec import inspect
+
+from legpush.scene.scenario import Box, Rectangle
+
+T = TypeVar("T")
+
+
+def records(kind: type[T]) -> st.SearchStrategy[T]:
+    """Records of this type."""
+    return _of(inspect.type_info(kind))
+
+
+def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
+    """Values of one annotated type."""
+    match info:
+        case inspect.BoolType():
+            return st.booleans()
+        case inspect.NoneType():
+            return st.none()
+        case inspect.LiteralType(values=values):
+            return st.sampled_from(values)
+        case inspect.IntType():
+            return _integers(info)
+        case inspect.FloatType():
+            return _floats(info)
+        case inspect.StrType(pattern=None):
+            return st.text(max_size=20)
+        case inspect.StrType():
+            return st.text("abcXYZ019_-", min_size=1, max_size=64)
+        case inspect.BytesType():
+            return st.binary(min_size=info.min_length or 0, max_size=20)
+        case inspect.TupleType():
+            return st.tuples(*(_of(item) for item in info.item_types))
+        case inspect.VarTupleType():
+            shortest = info.min_length or 0
+            longest = min(info.max_length or 4, shortest + 4)
+            return st.lists(_of(info.item_type), min_size=shortest, max_size=longest).map(tuple)
+        case inspect.UnionType():
+            return st.one_of(*(_of(variant) for variant in info.types))
+        case inspect.StructType(cls=cls) if cls is Rectangle:
+            return st.builds(_rectangle, *(4 * [_COORDINATE]), st.floats(0.0, 1e6))
+        case inspect.StructType(cls=cls, fields=fields) if cls is Box:
+            return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_box)
+        case inspect.StructType():
+            return st.builds(info.cls, **{field.name: _of(field.type) for field in info.fields})
+        case inspect.Metadata():
+            return _of(info.type)
+        case _:
+            raise NotImplementedError(f"no strategy for {type(info).__name__}")
+
+
+_COORDINATE = st.floats(-1e6, 1e6)
+
+
+def _box(fields: dict[str, Any]) -> Box:
+    """One that is round if it is a cylinder."""
+    length_m, width_m, height_m = fields["size_m"]
+    if fields["shape"] == "cylinder":
+        width_m = length_m
+    return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
+
+
+def _rectangle(x_m: float, y_m: float, length_m: float, width_m: float, appears_at_s: float) -> Rectangle:
+    """One with an area, which no choice of its fields one by one ensures."""
+    x_max_m, y_max_m = x_m + abs(length_m) + 1.0, y_m + abs(width_m) + 1.0
+    return Rectangle(x_min_m=x_m, x_max_m=x_max_m, y_min_m=y_m, y_max_m=y_max_m, appears_at_s=appears_at_s)
+
+
+def _integers(info: inspect.IntType) -> st.SearchStrategy[int]:
+    least = info.ge if info.ge is not None else -(2**63)
+    most = info.le if info.le is not None else (info.lt - 1 if info.lt is not None else 2**63 - 1)
+    return st.integers(least, most)
+
+
+def _floats(info: inspect.FloatType) -> st.SearchStrategy[float]:
+    return st.floats(
+        min_value=info.gt if info.gt is not None else info.ge,
+        max_value=info.lt if info.lt is not None else info.le,
+        exclude_min=info.gt is not None,
+        exclude_max=info.lt is not None,
+        allow_nan=False,
+        allow_infinity=False,
+    )

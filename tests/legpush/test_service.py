@@ -1,0 +1,125 @@
+"""What the processes have in common: flags, environment, the log, and how an error ends them."""
+
+import logging
+import subprocess
+import sys
+import threading
+from dataclasses import dataclass
+
+import pytest
+
+from legpush import service
+from legpush.bus.bus import Bus
+from legpush.errors import ConfigError, EndpointError, LegpushError, PeerError, ScenarioError, StopRequestedError
+from legpush.service import ServiceConfig, one_line, parse, run_process
+
+
+def test_without_flags_a_process_uses_the_ports_of_this_machine() -> None:
+    config = parse("agent", ServiceConfig, [], {})
+    assert (config.run, config.name, config.inject_faults) == ("local", "main", 0.0)
+    assert config.listen == ("tcp/127.0.0.1:17473",)
+    assert set(config.connect) == {"tcp/127.0.0.1:17471", "tcp/127.0.0.1:17472"}
+
+
+def test_the_environment_gives_defaults_and_flags_overrule_it() -> None:
+    env = {"LEGPUSH_RUN": "r1", "LEGPUSH_LISTEN": "tcp/127.0.0.1:1", "LEGPUSH_CONNECT": "tcp/a:2, tcp/b:3"}
+    config = parse("sim", ServiceConfig, [], env)
+    assert (config.run, config.listen, config.connect) == ("r1", ("tcp/127.0.0.1:1",), ("tcp/a:2", "tcp/b:3"))
+    config = parse("sim", ServiceConfig, ["--run", "r2", "--listen", "tcp/c:4", "tcp/d:5", "--connect"], env)
+    assert (config.run, config.listen, config.connect) == ("r2", ("tcp/c:4", "tcp/d:5"), ())
+
+
+def test_an_empty_variable_means_no_endpoint() -> None:
+    assert parse("agent", ServiceConfig, [], {"LEGPUSH_CONNECT": ""}).connect == ()
+
+
+@pytest.mark.parametrize("flags", [["--run", "a b"], ["--name", ""], ["--name", "x" * 65], ["--run", "a/b"]])
+def test_a_name_that_could_not_be_part_of_a_key_is_refused(flags: list[str]) -> None:
+    with pytest.raises(ConfigError, match=f"letters, digits, - or _ for {flags[0]}, got"):
+        parse("sim", ServiceConfig, flags, {})
+
+
+def test_an_endpoint_that_is_none_is_refused() -> None:
+    with pytest.raises(EndpointError, match="such as tcp/"):
+        parse("sim", ServiceConfig, ["--listen", "here"], {}).endpoints()
+
+
+def test_faults_with_an_impossible_probability_are_refused() -> None:
+    with pytest.raises(ConfigError, match="probability"):
+        parse("sim", ServiceConfig, ["--inject-faults", "2"], {}).faults()
+
+
+@pytest.mark.parametrize("flags", [["--nonsense"], ["--inject-faults", "much"], ["--log-level", "loud"]])
+def test_wrong_flags_end_with_code_2(flags: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ending:
+        parse("sim", ServiceConfig, flags, {})
+    assert ending.value.code == 2
+    assert flags[0] in "".join(capsys.readouterr())
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnConfig(ServiceConfig):
+    """A process with a flag of its own."""
+
+    speed: int = 3
+    """How fast."""
+
+
+def test_a_process_can_have_flags_of_its_own() -> None:
+    assert parse("agent", OwnConfig, ["--speed", "4"], {}).speed == 4
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (ScenarioError("no box"), 2),
+        (ConfigError("no"), 2),
+        (PeerError("nobody"), 3),
+        (LegpushError("qpos is not finite\nat tick 7"), 3),
+        (StopRequestedError("asked to stop"), 130),
+    ],
+)
+def test_an_error_ends_the_process_with_one_line_and_its_code(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: LegpushError, code: int
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["sim", "--listen", "--connect", "--log-level", "error"])
+    monkeypatch.setattr(service, "stop_on_signals", threading.Event)
+
+    def work(_: ServiceConfig, __: Bus, ___: threading.Event) -> None:
+        raise error
+
+    assert run_process("sim", ServiceConfig, work) == code
+    shown = capsys.readouterr().err
+    assert shown == f"error: {one_line(str(error))}\n"
+
+
+def test_what_the_work_returns_is_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["sim", "--listen", "--connect"])
+    monkeypatch.setattr(service, "stop_on_signals", threading.Event)
+    assert run_process("sim", ServiceConfig, lambda *_: 1) == 1
+    assert run_process("sim", ServiceConfig, lambda *_: None) == 0
+
+
+def test_a_record_of_the_log_is_one_line_that_says_who_whatever_is_in_it(capsys: pytest.CaptureFixture[str]) -> None:
+    root = logging.getLogger()
+    before = root.handlers[:], root.level
+    try:
+        service.start_log("sim/main", "info")
+        logging.getLogger("x").warning("a\nb\x1b[31m%s", "ä")
+        assert capsys.readouterr().err.endswith("sim/main WARNING a\\nb\\x1b[31mä\n")
+    finally:
+        root.handlers[:], root.level = before
+
+
+@pytest.mark.parametrize("module", ["planner_proc", "sim_proc"])
+def test_help_needs_no_heavy_library(module: str) -> None:
+    script = (
+        f"import runpy, sys; sys.argv = ['x', '--help']\n"
+        f"try: runpy.run_module({module!r}, run_name='__main__')\n"
+        "except SystemExit as ending: assert ending.code == 0\n"
+        "heavy = {'ompl', 'mujoco', 'torch', 'scipy'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60.0, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "--inject-faults" in done.stdout

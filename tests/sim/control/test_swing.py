@@ -1,0 +1,69 @@
+"""Curves of a foot in the air."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim_proc.control.swing import bezier, control_points, gentle_stop, minimum_jerk, parabola
+
+unit = st.floats(0.0, 1.0)
+
+
+@pytest.mark.parametrize("profile", [minimum_jerk, gentle_stop])
+def test_progress_rises_from_zero_to_one_and_stops_there(profile: object) -> None:
+    assert callable(profile)
+    progress = profile(500)
+    assert progress[-1] == 1.0
+    assert progress[0] < 1e-4
+    assert (np.diff(progress) > 0).all()
+    assert (progress[-1] - progress[-2]) * 500 < 0.01
+
+
+def test_a_gentle_stop_never_decelerates_faster_than_it_says() -> None:
+    n = 1000
+    acceleration = np.diff(gentle_stop(n), 2) * n**2
+    assert acceleration.min() == pytest.approx(-4.0, abs=0.02)
+    assert (np.diff(minimum_jerk(n), 2) * n**2).min() < -5.7
+
+
+def test_a_parabola_starts_ends_and_peaks_where_it_should() -> None:
+    curve = parabola([1.0, 2.0, 0.02], [1.4, 2.1, 0.02], 0.05, 40)
+    np.testing.assert_allclose(curve[-1], [1.4, 2.1, 0.02])
+    np.testing.assert_allclose(curve[19], [1.2, 2.05, 0.07])
+    assert curve[:, 2].max() == pytest.approx(0.07)
+
+
+def test_the_bezier_curve_of_equation_13_begins_at_p0_and_ends_at_p3_along_its_polygon() -> None:
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.2], [0.1, 0.0, 0.3], [0.3, 0.1, 0.2]])
+    curve = bezier(points, np.linspace(0, 1, 2001))
+    np.testing.assert_allclose(curve[[0, -1]], points[[0, 3]])
+    np.testing.assert_allclose((curve[1] - curve[0]) * 2000, 3 * (points[1] - points[0]), atol=2e-3)
+    np.testing.assert_allclose(bezier(points, [0.5])[0], points.T @ [0.125, 0.375, 0.375, 0.125])
+
+
+@given(unit, unit, st.sampled_from(["swing", "published"]))
+def test_inner_control_points_lie_on_the_circle_or_on_the_floor(w1: float, w2: float, locus: str) -> None:
+    p0, p3 = np.array([0.0, 0.1, 0.02]), np.array([0.25, 0.15, 0.2])
+    points = control_points(p0, p3, w1, w2, locus, 0.02)  # type: ignore[arg-type]
+    radius = np.linalg.norm(p3 - p0) / 2
+    for point in points[1:3]:
+        on_circle = np.isclose(np.linalg.norm(point - (p0 + p3) / 2), radius)
+        assert on_circle or point[2] == 0.02
+        assert point[2] >= 0.02
+
+
+def test_the_swing_side_locus_runs_from_p0_over_the_top_to_p3() -> None:
+    p0, p3 = np.array([0.0, 0.0, 0.2]), np.array([0.2, 0.0, 0.2])
+    first, top, last = (control_points(p0, p3, w, w, "swing", 0.0)[1] for w in (0.0, 0.5, 1.0))
+    np.testing.assert_allclose(first, p0, atol=1e-12)
+    np.testing.assert_allclose(top, [0.1, 0.0, 0.3], atol=1e-12)
+    np.testing.assert_allclose(last, p3, atol=1e-12)
+
+
+def test_the_published_locus_starts_at_the_top_passes_p3_and_ends_below_the_chord() -> None:
+    p0, p3 = np.array([0.0, 0.0, 0.2]), np.array([0.2, 0.0, 0.2])
+    first, middle, last = (control_points(p0, p3, w, w, "published", 0.0)[1] for w in (0.0, 0.5, 1.0))
+    np.testing.assert_allclose(first, [0.1, 0.0, 0.3], atol=1e-12)
+    np.testing.assert_allclose(middle, p3, atol=1e-12)
+    np.testing.assert_allclose(last, [0.1, 0.0, 0.1], atol=1e-12)

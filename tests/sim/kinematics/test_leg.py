@@ -1,0 +1,66 @@
+"""The analytic leg kinematics against MuJoCo's own, and against themselves."""
+
+import mujoco
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from legpush.scene.robot import L2_M, L3_M, LEGS
+from legpush.scene.scenario import Scenario
+from sim_proc.kinematics.leg import HIPS_B, LOWER_LIMITS, SIDE, UPPER_LIMITS, forward, inverse, jacobian
+from sim_proc.model.world import build_model
+
+
+def random_joints(n: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(LOWER_LIMITS, UPPER_LIMITS, (n, 4, 3))
+
+
+def test_forward_kinematics_equal_those_of_the_model_over_the_whole_joint_range(at_the_box: Scenario) -> None:
+    model = build_model(at_the_box)
+    data = mujoco.MjData(model)
+    sites = [model.site(f"{leg}_tip").id for leg in LEGS]
+    for joints in random_joints(300):
+        data.qpos[7:19] = joints.ravel()
+        mujoco.mj_kinematics(model, data)
+        tips_b = (data.site_xpos[sites] - data.body("trunk").xpos) @ data.body("trunk").xmat.reshape(3, 3)
+        np.testing.assert_allclose(tips_b, HIPS_B + forward(joints, SIDE), atol=1e-12)
+
+
+def test_inverse_kinematics_reach_every_tip_of_the_joint_range_inside_the_limits() -> None:
+    joints = random_joints(20_000)
+    tips = forward(joints, SIDE)
+    found = inverse(tips, SIDE)
+    np.testing.assert_allclose(forward(found, SIDE), tips, atol=1e-9)
+    assert (found >= LOWER_LIMITS - 1e-9).all()
+    assert (found <= UPPER_LIMITS + 1e-9).all()
+
+
+def test_inverse_kinematics_give_back_the_joints_where_the_foot_is_below_the_hip() -> None:
+    joints = random_joints(20_000, seed=1)
+    below = L2_M * np.cos(joints[..., 1]) + L3_M * np.cos(joints[..., 1] - joints[..., 2]) > 1e-3
+    assert below.mean() > 0.8
+    found = inverse(forward(joints, SIDE), SIDE)
+    np.testing.assert_allclose(found[below], joints[below], atol=1e-6)
+
+
+def test_a_tip_out_of_reach_is_nan_unless_the_leg_may_saturate() -> None:
+    far = np.array([0.5, 0.111, -0.7])
+    assert np.isnan(inverse(far, 1.0)).any()
+    stretched = inverse(far, 1.0, saturate=True)
+    assert np.isfinite(stretched).all()
+    tip = forward(stretched, 1.0)
+    assert np.linalg.norm(far - tip) < np.linalg.norm(far - forward(inverse(0.5 * far, 1.0), 1.0))
+
+
+@given(st.integers(0, 2**31), st.integers(0, 3))
+def test_the_jacobian_is_the_derivative_of_forward_kinematics(seed: int, leg: int) -> None:
+    joints = random_joints(1, seed)[0, leg]
+    step = 1e-6 * np.eye(3)
+    slopes = [(forward(joints + d, SIDE[leg]) - forward(joints - d, SIDE[leg])) / 2e-6 for d in step]
+    np.testing.assert_allclose(jacobian(joints, SIDE[leg]), np.stack(slopes, axis=-1), atol=1e-8)
+
+
+def test_left_and_right_legs_mirror_each_other() -> None:
+    joints = random_joints(1000)[:, 0]
+    mirrored = joints * [-1.0, 1.0, 1.0]
+    np.testing.assert_allclose(forward(joints, 1.0) * [1.0, -1.0, 1.0], forward(mirrored, -1.0), atol=1e-12)
