@@ -17,9 +17,10 @@ import tyro
 from numpy.typing import NDArray
 
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.simulators.bus_world import LocalWorld, SteppingWorld
-from agent_proc.simulators.pools import own_simulators
+from agent_proc.simulators import own_simulators
 from agent_proc.task.config import TaskConfig
+from legpush.lockstep.local import LocalWorld
+from legpush.lockstep.world import SteppingWorld
 from sim_proc.simulator import Simulator
 
 

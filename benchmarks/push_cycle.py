@@ -14,6 +14,7 @@ import tyro
 from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
+from sim_proc.control.plant import TickLog
 from sim_proc.physics import physics
 from sim_proc.simulator import Simulator
 
@@ -69,7 +70,7 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
     """From now on, whatever runs leaves its servo commands in the list."""
     run = physics.Physics.run
 
-    def run_and_collect(self: physics.Physics, commands: np.ndarray, torques: np.ndarray) -> physics.Recording:
+    def run_and_collect(self: physics.Physics, commands: np.ndarray, torques: np.ndarray) -> TickLog:
         recording = run(self, commands, torques)
         controls.append(recording.ctrl)
         return recording

@@ -86,7 +86,7 @@ def measure_lockstep(n_steps: int, folder: Path) -> None:
         print(f"lockstep, no recorder:     {lockstep.run(n_steps // 10):6.0f} steps/s")
         file = folder / "recording.mcap"
         with process("recorder", folder, str(file)) as recorder:
-            while not bus.roster.live("recorder"):
+            while not bus.liveliness.live("recorder"):
                 time.sleep(0.01)
             rate, first = lockstep.run(n_steps), lockstep.n_steps - n_steps
             print(f"lockstep, recorder:        {rate:6.0f} steps/s")
@@ -94,7 +94,7 @@ def measure_lockstep(n_steps: int, folder: Path) -> None:
             rate = lockstep.run(n_steps // 5)
             print(f"lockstep, frozen recorder: {rate:6.0f} steps/s, longest step {1e3 * lockstep.longest_s:.0f} ms")
             recorder.send_signal(signal.SIGCONT)
-            while not bus.roster.live("recorder"):
+            while not bus.liveliness.live("recorder"):
                 time.sleep(0.01)
             lockstep.run(100)
             time.sleep(1.0)

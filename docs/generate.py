@@ -22,7 +22,7 @@ from legpush.messages import telemetry as tap
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
 from legpush.scene import footprints as room_shapes
-from legpush.scene import reference, scenario
+from legpush.scene import occupancy, reference, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
@@ -33,7 +33,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         planning.TrunkPathQuery,
         planning.BoxPathQuery,
         planning.PushSide,
-        planning.OccupancyGrid,
+        occupancy.OccupancyGrid,
         planning.PlanCancel,
         planning.PlanResult,
         planning.Plan,
@@ -74,11 +74,11 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         scenario.PoseDeg,
         scenario.Box,
         scenario.Goal,
-        scenario.Planning,
+        scenario.PlanSettings,
         scenario.Smoothing,
         scenario.Anytime,
-        scenario.Mission,
-        scenario.Pushing,
+        scenario.MissionSettings,
+        scenario.PushSettings,
         scenario.Randomization,
         reference.Sine,
         reference.Arcs,

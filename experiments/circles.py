@@ -16,19 +16,17 @@ from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 import tyro
-from numpy.typing import NDArray
 from rich.progress import track
 from scipy.optimize import curve_fit, least_squares
 
 from agent_proc.frames.poses import planar_pose
 from experiments.circles_plot import draw
 from experiments.evaluations import RESULTS, write_table
+from legpush.arrays import Floats
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.robot import CONTROL_PERIOD_S, FrontLeg
 from legpush.scene.scenario import STATION_M, Box, Goal, PoseDeg, Randomization, Room, Scenario
 from sim_proc.simulator import Simulator
-
-Floats = NDArray[np.float64]
 
 Direction = Literal["left", "right"]
 PUSHED_BY: Final[dict[Direction, FrontLeg]] = {"left": "FR", "right": "FL"}

@@ -6,9 +6,9 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from experiments.evaluations import RESULTS, read_table
+from legpush.arrays import Floats
 
 PUBLISHED: Final = Path(__file__).parent / "published"
 SHOWN: Final = (0.03, 0.05, 0.08)
@@ -80,10 +80,8 @@ def _draw_published(axis: Axes, direction: str) -> None:
     axis.grid(alpha=0.25)
 
 
-def _sine(
-    time_s: NDArray[np.float64], amplitude_m: float, omega_rad_s: float, phi_rad: float, offset_m: float
-) -> NDArray[np.float64]:
-    value: NDArray[np.float64] = amplitude_m * np.sin(omega_rad_s * time_s + phi_rad) + offset_m
+def _sine(time_s: Floats, amplitude_m: float, omega_rad_s: float, phi_rad: float, offset_m: float) -> Floats:
+    value: Floats = amplitude_m * np.sin(omega_rad_s * time_s + phi_rad) + offset_m
     return value
 
 

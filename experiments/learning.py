@@ -13,13 +13,11 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy import stats
 
 from experiments.evaluations import RESULTS, plain_ticks
 from experiments.trainings import read_episodes
-
-Floats = NDArray[np.float64]
+from legpush.arrays import Floats
 
 WINDOW: Final = 30
 """Episodes of the moving average, as published."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agent_proc.reporting.mission_record import MissionRecord, read_record
-from legpush.lockstep.episode import read_episode
+from legpush.history.steps import read_episode
 from legpush.runs.folder import PICTURE_FILE
 from legpush.scenarios.file import write_scenario
 from legpush.scene.scenario import Scenario

@@ -16,10 +16,9 @@ import numpy as np
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.policies.scripted import MIRROR
 from agent_proc.push_model.calibration import Cell, cells, open_floor, push_series
-from agent_proc.push_model.model import NOMINAL
-from agent_proc.simulators.bus_world import LocalWorld
+from agent_proc.push_model.model import MIRROR, NOMINAL
+from legpush.lockstep.local import LocalWorld
 from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.scene.scenario import Box
 from sim_proc.simulator import Simulator

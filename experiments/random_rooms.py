@@ -23,7 +23,7 @@ from agent_proc.statistics import mean_interval, wilson
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.random_rooms_plot import draw
 from experiments.room_missions import drawn_room, run_mission
-from legpush.scene.scenario import Mission
+from legpush.scene.scenario import MissionSettings
 
 TABLE: Final = RESULTS / "random_rooms.csv"
 TRACKS: Final = RESULTS / "random_rooms_tracks.csv.gz"
@@ -57,7 +57,7 @@ def main(config: Config) -> int:
     missing = [seed for seed in seeds if seed not in rows]
     with Progress() as bar, ThreadPoolExecutor(config.jobs) as pool:
         task = bar.add_task("rooms", total=len(missing))
-        one = partial(run_mission, handover_distance_m=Mission().handover_distance_m, failed=FAILED)
+        one = partial(run_mission, handover_distance_m=MissionSettings().handover_distance_m, failed=FAILED)
         for row, track in pool.map(one, missing):
             rows[int(row["seed"])] = row
             tracks += track

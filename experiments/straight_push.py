@@ -13,19 +13,17 @@ import numpy as np
 import tyro
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from agent_proc.frames.poses import box_error
 from agent_proc.policies.registry import make_policy
 from experiments.evaluations import RESULTS
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, rectangle_corners, rpy_from_quaternion
 from legpush.messages.stepping import Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.scene.scenario import Scenario
 from sim_proc.simulator import Simulator
-
-Floats = NDArray[np.float64]
 
 BOX: Final = slice(19, 26)
 """Of the box's pose in a row of `qpos`."""

@@ -5,16 +5,13 @@ from math import degrees, hypot
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.planning import BoxPathQuery, Plan, Tree
-from legpush.plans.request_queue import Interrupted
+from legpush.plans.planner import Interrupted
 from planner_proc.box.pushes import Pushes, Way
 from planner_proc.box.search import Found, search
 from planner_proc.clearance.field import ClearanceField
-
-Floats = NDArray[np.float64]
 
 EXTRA_CLEARANCE_CELLS: Final = (0.0, 0.2, 0.6)
 """The search judges quickly; where what it found does not keep the clearance exactly, it is asked to keep more."""

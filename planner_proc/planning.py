@@ -1,28 +1,18 @@
 """From a query to a plan: check it, search, shorten, smooth, measure. Pure: equal queries get equal plans."""
 
 from collections.abc import Iterator
-from math import hypot
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from legpush.geometry import Pose2, wrap_angle
-from legpush.messages.common import MAX_CELLS, MAX_WAYPOINTS, Point2
-from legpush.messages.planning import BoxPathQuery, OccupancyGrid, Plan, PlanQuery, Tree, TrunkPathQuery
-from legpush.plans.request_queue import Interrupted
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
+from legpush.plans.planner import Interrupted
+from legpush.scene.occupancy import MAX_CELLS, OccupancyGrid
 from planner_proc.box_plan import make_box_plan
-from planner_proc.clearance.field import NEAR_M, ROUNDING_M, ClearanceField
-from planner_proc.search.registry import routes, search_fault
-from planner_proc.search.route import Route
-from planner_proc.smoothing import polylines
-from planner_proc.smoothing.shortcut import shortcut
-from planner_proc.smoothing.spline import smooth
-from planner_proc.smoothing.tube import Tube
+from planner_proc.clearance.field import NEAR_M, ClearanceField
+from planner_proc.search.registry import search_fault
+from planner_proc.trunk_plan import SAME_PLACE_M, make_trunk_plans
 
-Floats = NDArray[np.float64]
-
-_SAME_PLACE_M: Final = 1e-6
 _MAX_COORDINATE_M: Final = 1e7
 """Farther from the world's origin, a float64 no longer resolves `ROUNDING_M`."""
 
@@ -45,121 +35,7 @@ def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
     if isinstance(query, BoxPathQuery):
         yield make_box_plan(query, field, interrupted)
     else:
-        yield from _make_trunk_plans(query, field, interrupted)
-
-
-def _make_trunk_plans(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Plan]:
-    for name, pose in (("start", query.start), ("goal", query.goal)):
-        fault = _pose_fault(name, pose, field, query)
-        if fault:
-            yield Plan(status="invalid", reason=fault)
-            return
-    n_revisions = 1 + (query.anytime.n_improvements if query.anytime is not None else 0)
-    there = _distance_m(query.start, (query.goal.x_m, query.goal.y_m)) < _SAME_PLACE_M
-    if there and (query.steering == "straight" or wrap_angle(query.goal.yaw_rad - query.start.yaw_rad) == 0.0):
-        yield from [_turn_on_the_spot(query, field)] * n_revisions
-        return
-    best: Plan | None = None
-    for route in routes(query, field, interrupted):
-        plan = _plan_from_route(query, field, route)
-        if best is None or _is_better(plan, best):
-            best = plan
-        yield best
-
-
-def _is_better(plan: Plan, other: Plan) -> bool:
-    """Exact rather than not, then shorter."""
-    if (plan.status == "exact") != (other.status == "exact"):
-        return plan.status == "exact"
-    return plan.status == "exact" and plan.length_m < other.length_m
-
-
-def _plan_from_route(query: TrunkPathQuery, field: ClearanceField, route: Route) -> Plan:
-    """Shorten and smooth what the search found."""
-    tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
-
-    def failed(reason: str) -> Plan:
-        return Plan(status="failed", reason=reason, tree=tree, n_iterations=route.n_iterations)
-
-    if len(route.points_m) < 2:
-        return failed(_shortfall(query, field, route))
-    if len(route.points_m) > MAX_WAYPOINTS:
-        return failed(
-            f"The search took {len(route.points_m)} steps to the goal, a plan holds {MAX_WAYPOINTS}: "
-            f"raise step_m, which is {query.step_m:g} m"
-        )
-    goal = query.goal if route.reached else None
-    if route.curve is not None:
-        path_m = route.curve[:, :2]
-        waypoints = _poses(route.curve, query.start, goal)
-        if not field.free_segments(path_m, query.clearance_m).all():
-            return failed("The curve that was found keeps the clearance only nearly; lower clearance_m a little")
-    else:
-        stretches = _smoothed(query, field, route.points_m)
-        if not stretches:
-            return failed(
-                f"The way that was found cannot be smoothed to a turning radius of {query.min_turning_radius_m:g} m: "
-                "lower it, raise clearance, or steer by dubins or reeds_shepp"
-            )
-        path_m = np.concatenate(stretches)
-        waypoints = _waypoints(stretches, query.start, goal)
-    if len(waypoints) > (n_most := query.smoothing.max_waypoints):
-        return failed(f"The path has {len(waypoints)} waypoints: raise max_waypoints, which is {n_most}")
-    length_m = polylines.length(path_m)
-    reached = f"Reached after {route.n_iterations} iterations: {length_m:.2f} m"
-    return Plan(
-        status="exact" if route.reached else "approximate",
-        reason=reached if route.reached else _shortfall(query, field, route),
-        waypoints=waypoints,
-        raw_path_m=tuple((x_m, y_m) for x_m, y_m in route.points_m.tolist()),
-        tree=tree,
-        length_m=length_m,
-        min_clearance_m=field.path_clearance_m(path_m),
-        n_iterations=route.n_iterations,
-    )
-
-
-def _smoothed(query: TrunkPathQuery, field: ClearanceField, points_m: Floats) -> list[Floats]:
-    """Stretches of a smooth path; none where it cannot turn so wide."""
-    options = query.smoothing
-    tube = Tube(field, query.clearance_m, points_m, options.max_deviation_m)
-    corners_m = shortcut(points_m, tube) if options.shorten else _distinct(points_m)
-    return smooth(corners_m, tube, options, query.min_turning_radius_m)
-
-
-def _distinct(points_m: Floats) -> Floats:
-    """Without points that repeat the one before."""
-    moves = np.hypot(*np.diff(points_m, axis=0).T) > 0.0
-    distinct: Floats = points_m[np.concatenate([[True], moves])]
-    return distinct
-
-
-def _poses(curve: Floats, start: Pose2, goal: Pose2 | None) -> tuple[Pose2, ...]:
-    """A curve as waypoints, its ends as they were asked for."""
-    inner = [Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)) for x_m, y_m, yaw_rad in curve[1:].tolist()]
-    return (start, *inner[:-1], goal) if goal else (start, *inner)
-
-
-def _turn_on_the_spot(query: TrunkPathQuery, field: ClearanceField) -> Plan:
-    """The plan for a goal at the start."""
-    start_m = (query.start.x_m, query.start.y_m)
-    return Plan(
-        status="exact",
-        reason="The goal is at the start: turn on the spot",
-        waypoints=(query.start, query.goal),
-        raw_path_m=(start_m, (query.goal.x_m, query.goal.y_m)),
-        tree=Tree(points_m=(start_m,), parents=(0,)),
-        min_clearance_m=float(field.clearance_m(np.array([start_m]))[0]),
-    )
-
-
-def _waypoints(stretches: list[Floats], start: Pose2, goal: Pose2 | None) -> tuple[Pose2, ...]:
-    """The start as it stands, each stretch with its headings, and the goal as asked for, if it was reached."""
-    waypoints = [start]
-    for stretch in stretches:
-        for (x_m, y_m), heading_rad in zip(stretch.tolist(), polylines.headings(stretch).tolist(), strict=True):
-            waypoints.append(Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(heading_rad)))
-    return (*waypoints, goal) if goal else tuple(waypoints)
+        yield from make_trunk_plans(query, field, interrupted)
 
 
 def _grid_fault(grid: OccupancyGrid) -> str:
@@ -176,9 +52,9 @@ def _grid_fault(grid: OccupancyGrid) -> str:
         worst = int(cells.argmax())
         row, column = divmod(worst, grid.n_columns)
         return f"Expected cells of 0 (free) or 1 (occupied), got {cells[worst]} in row {row}, column {column}"
-    (x_m, y_m), (right_m, top_m) = grid.origin_m, _far_corner(grid)
+    (x_m, y_m), (right_m, top_m) = grid.origin_m, grid.far_corner_m()
     if not max(abs(x_m), abs(y_m), abs(right_m), abs(top_m)) <= _MAX_COORDINATE_M:
-        return f"Expected a map within {_MAX_COORDINATE_M:g} m of (0, 0), got {_extent(grid)}"
+        return f"Expected a map within {_MAX_COORDINATE_M:g} m of (0, 0), got {grid.extent()}"
     return ""
 
 
@@ -192,46 +68,6 @@ def _near_m(query: PlanQuery) -> float:
 
 def _search_fault(query: PlanQuery) -> str:
     """Why no tree can be grown, or nothing."""
-    if not query.step_m >= _SAME_PLACE_M:
-        return f"Expected step_m of at least {_SAME_PLACE_M:g} m, got {query.step_m:g}"
+    if not query.step_m >= SAME_PLACE_M:
+        return f"Expected step_m of at least {SAME_PLACE_M:g} m, got {query.step_m:g}"
     return search_fault(query) if isinstance(query, TrunkPathQuery) else ""
-
-
-def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQuery) -> str:
-    """Why the robot cannot stand there, or nothing."""
-    place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
-    if not field.contains(pose.x_m, pose.y_m):
-        return f"{place} lies off the map, which spans {_extent(query.grid)}"
-    point_m = np.array([[pose.x_m, pose.y_m]])
-    if field.bounds_m(point_m, query.clearance_m)[0] >= query.clearance_m:
-        return ""
-    clearance_m = float(field.clearance_m(point_m)[0])
-    if clearance_m == 0.0:
-        return f"{place} lies in an obstacle; a clearance of {query.clearance_m:g} m is required"
-    if not clearance_m >= query.clearance_m - ROUNDING_M:
-        return f"{place} has a clearance of {clearance_m:.6g} m; {query.clearance_m:g} m is required"
-    return ""
-
-
-def _shortfall(query: TrunkPathQuery, field: ClearanceField, route: Route) -> str:
-    """Why the goal was not reached, and how much is missing."""
-    x_m, y_m = route.points_m[-1].tolist()
-    missing = f"{_distance_m(query.goal, (x_m, y_m)):.2f} m from the goal after {route.n_iterations} iterations"
-    start_m, goal_m = (query.start.x_m, query.start.y_m), (query.goal.x_m, query.goal.y_m)
-    if field.is_separated(start_m, goal_m, query.clearance_m):
-        return f"No path keeps a clearance of {query.clearance_m:g} m: obstacles cut off the goal; ended {missing}"
-    return f"Ended {missing}: raise max_iterations, or lower clearance_m, which is {query.clearance_m:g} m"
-
-
-def _distance_m(pose: Pose2, point_m: Point2) -> float:
-    return hypot(pose.x_m - point_m[0], pose.y_m - point_m[1])
-
-
-def _far_corner(grid: OccupancyGrid) -> Point2:
-    x_m, y_m = grid.origin_m
-    return x_m + grid.n_columns * grid.resolution_m, y_m + grid.n_rows * grid.resolution_m
-
-
-def _extent(grid: OccupancyGrid) -> str:
-    right_m, top_m = _far_corner(grid)
-    return f"x {grid.origin_m[0]:g} to {right_m:g} m and y {grid.origin_m[1]:g} to {top_m:g} m"

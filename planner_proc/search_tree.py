@@ -1,6 +1,6 @@
 """A search tree as it is shown: nodes, and on which node each hangs, a root on itself."""
 
-from legpush.messages.common import Point2
+from legpush.geometry import Point2
 
 
 def thin(nodes: list[Point2], parents: list[int], n_most: int) -> tuple[list[Point2], list[int]]:

@@ -4,18 +4,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
 from legpush.scene.robot import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from sim_proc.control.balance import support_margin
-from sim_proc.physics.physics import JOINT_QVEL, Physics, Recording
-
-Array = NDArray[np.float64]
-
-LOADED_N = 1.0
-"""A foot with at least this vertical force counts as standing."""
+from sim_proc.control.plant import TickLog
+from sim_proc.kinematics.body import LOADED_N
+from sim_proc.physics.physics import JOINT_QVEL, Physics
 
 
 def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, push: PushReport | None) -> WorldState:
@@ -48,7 +45,7 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
     )
 
 
-def trace(recordings: Sequence[Recording], last_tick: int, downhill: Array) -> Trace:
+def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
     """The recordings of a step, joined, ending at `last_tick`; `downhill` is that of the physics."""
     if not recordings:
         return Trace(
@@ -80,7 +77,7 @@ def trace(recordings: Sequence[Recording], last_tick: int, downhill: Array) -> T
     )
 
 
-def _plain(array: Array) -> Any:
+def _plain(array: Floats) -> Any:
     """Nested tuples of floats, as messages hold them."""
     return _tuples(array.tolist())
 

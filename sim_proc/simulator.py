@@ -11,11 +11,12 @@ from legpush.geometry import Pose2
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
 from legpush.scene.scenario import Scenario
 from sim_proc.control.gait import PathWalk
+from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
 from sim_proc.control.push_cycle import Pusher
 from sim_proc.control.steps import Steps
 from sim_proc.observation import trace, world_state
-from sim_proc.physics.physics import Physics, Recording
+from sim_proc.physics.physics import Physics
 
 
 class Simulator:
@@ -28,13 +29,13 @@ class Simulator:
     def __init__(self) -> None:
         """Empty until the first `Reset`."""
         threadpool_limits(limits=1, user_api="blas")
-        self.episode: Episode | None = None
+        self.episode: SimulatedEpisode | None = None
         """The present one."""
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
         """Carry out one motion; `MotionError` where the present state does not allow it."""
         if isinstance(motion, Reset):
-            self.episode = Episode(motion)
+            self.episode = SimulatedEpisode(motion)
             return self.episode.outcome([], with_trace=with_trace)
         if self.episode is None:
             raise MotionError(
@@ -43,7 +44,7 @@ class Simulator:
         return self.episode.perform(motion, with_trace=with_trace)
 
 
-class Episode:
+class SimulatedEpisode:
     """One episode, from its reset on."""
 
     def __init__(self, reset: Reset) -> None:
@@ -60,7 +61,7 @@ class Episode:
         """Carry out a motion other than a reset."""
         if self.physics.fallen:
             raise MotionError("The robot has fallen: only `reset` is possible")
-        recordings: list[Recording] = []
+        recordings: list[TickLog] = []
         if isinstance(motion, Follow):
             self._walk = PathWalk(self._steps, motion.waypoints)
         elif isinstance(motion, Push):
@@ -74,7 +75,7 @@ class Episode:
             recordings = self._walk_cycle()
         return self.outcome(recordings, with_trace=with_trace)
 
-    def _walk_cycle(self) -> list[Recording]:
+    def _walk_cycle(self) -> list[TickLog]:
         if self._walk is None:
             raise MotionError("Expected `follow` with a path before `walk`")
         if self._walk.progress().done:
@@ -88,7 +89,7 @@ class Episode:
         self._scenario = replace(self._scenario, box=box)
         self.physics.alter(self._scenario)
 
-    def outcome(self, recordings: list[Recording], *, with_trace: bool) -> Outcome:
+    def outcome(self, recordings: list[TickLog], *, with_trace: bool) -> Outcome:
         """The present state, after what was recorded."""
         path = None if self._walk is None else self._walk.progress()
         physics = self.physics

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from math import degrees, inf
 from queue import SimpleQueue
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -15,17 +15,11 @@ from agent_proc.frames.poses import box_error
 from agent_proc.policies.policy import Policy
 from agent_proc.statistics import Estimate, mean_interval, wilson
 from legpush.errors import StopRequestedError
-from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.lockstep.world import SteppingWorld
+from legpush.messages.stepping import Reset
 from legpush.scene.scenario import Scenario
 
-Ending = Literal["done", "fell", "max_cycles"]
-
-
-class TracingWorld(Protocol):
-    """Carries out motions and can tell what happened at every tick of them."""
-
-    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
-        """Carry out one motion."""
+EvaluationEnding = Literal["done", "fell", "max_cycles"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +30,7 @@ class Row:
     """What was changed in the scenario, such as `box.mass_kg=0.5`; empty where nothing was."""
     seed: int
     """Draws the initial offsets."""
-    ending: Ending
+    ending: EvaluationEnding
     """The policy was `done`, the robot `fell`, or `max_cycles` were not enough."""
     success: bool
     """The box ended within the goal's tolerances, and the robot stands."""
@@ -50,7 +44,7 @@ class Row:
 
 
 def run_episode(
-    world: TracingWorld,
+    world: SteppingWorld,
     scenario: Scenario,
     seed: int,
     policy: Policy,
@@ -63,7 +57,7 @@ def run_episode(
     """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
     n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
-    ending: Ending = "max_cycles"
+    ending: EvaluationEnding = "max_cycles"
     while True:
         if stop is not None and stop.is_set():
             raise StopRequestedError("Asked to stop in an episode")
@@ -98,7 +92,7 @@ def run_episode(
 
 
 def evaluate(
-    worlds: Sequence[TracingWorld],
+    worlds: Sequence[SteppingWorld],
     cases: Mapping[str, Scenario],
     seeds: Sequence[int],
     policy: Policy,
@@ -109,7 +103,7 @@ def evaluate(
 
     `on_row` gets each row as it comes, in that order, on the caller's thread. `StopRequestedError` once `stop` is set.
     """
-    free: SimpleQueue[TracingWorld] = SimpleQueue()
+    free: SimpleQueue[SteppingWorld] = SimpleQueue()
     for world in worlds:
         free.put(world)
 

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from agent_proc.evaluation.episodes import Row
 from agent_proc.evaluation.sweep import Sweep
 from agent_proc.statistics import mean_interval
+from legpush.arrays import Floats
 
 JITTER: Final = 0.12
 MEASURES: Final[tuple[tuple[str, Callable[[Row], float]], ...]] = (
@@ -73,7 +73,7 @@ def _maps(rows: Sequence[Row], sweep: Sweep) -> Figure:
     return figure
 
 
-def _draw_map(axis: Axes, cells: NDArray[np.float64], *, red: float, green: float) -> None:
+def _draw_map(axis: Axes, cells: Floats, *, red: float, green: float) -> None:
     colors, low, high = ("RdYlGn", red, green) if red < green else ("RdYlGn_r", green, red)
     axis.imshow(cells, cmap=colors, vmin=low, vmax=high, origin="lower", aspect="auto", alpha=0.8)
     for (row, column), value in np.ndenumerate(cells):

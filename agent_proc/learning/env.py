@@ -7,29 +7,27 @@ from typing import Any, Final, Literal
 
 import gymnasium
 import numpy as np
-from gymnasium import spaces
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.frames.poses import box_error, planar_pose
 from agent_proc.frames.station import at_station
-from agent_proc.simulators.bus_world import SteppingWorld
-from agent_proc.task.action import action_space, no_push_helps, to_push
+from agent_proc.task.action import action_space, to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import PAPER, Table, bounds, observe
-from agent_proc.task.observation_relative import RELATIVE
+from agent_proc.task.observation import observe
+from agent_proc.task.policy_view import TABLES, is_done, observation_space
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import errors_in_tolerances, tuned_reward
 from legpush.errors import ConfigError, PeerError
+from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset, WorldState
 from legpush.scene.scenario import PoseDeg, Scenario
 
-TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}
 ASTRAY: Final = 5.0
 """An episode of the `tuned` profile ends when the errors add up to this many tolerances more than at its start; one of
 any profile when the box has slid away from the robot."""
 
-Ending = Literal["success", "fell", "missed", "astray", "max_steps"]
+EpisodeEnding = Literal["success", "fell", "missed", "astray", "max_steps"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +154,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             scenario = replace(scenario, goal=replace(scenario.goal, pose=_goal_at(scenario, distance_m)))
         return scenario
 
-    def _ending(self, episode: "_Episode") -> Ending | None:
+    def _ending(self, episode: "_Episode") -> EpisodeEnding | None:
         state, scenario = episode.state, episode.scenario
         if state.fallen:
             return "fell"
@@ -170,7 +168,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
                 return "astray"
         return "max_steps" if len(episode.pushes) >= self.task.max_steps else None
 
-    def _reward(self, before: WorldState, episode: "_Episode", ending: Ending | None) -> dict[str, float]:
+    def _reward(self, before: WorldState, episode: "_Episode", ending: EpisodeEnding | None) -> dict[str, float]:
         if self.task.reward == "paper":
             reward = paper_reward(episode.state, episode.scenario)
             return {"position": reward.position, "angle": reward.angle, "fall": reward.fall}
@@ -202,29 +200,6 @@ class _Episode:
         """A push was carried out."""
         self.pushes.append(push)
         self.state, self.state_crc = outcome.world, outcome.state_crc
-
-
-def observation_space(task: TaskConfig) -> spaces.Box:
-    """What the environment shows: bounds of each element, (n,)."""
-    low, high = bounds(task.scenario, TABLES[task.observation])
-    return spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
-
-
-def is_done(task: TaskConfig, world: WorldState, scenario: Scenario) -> bool:
-    """Whether a policy that learned this task has nothing left to do here, be it good or bad."""
-    if task.reward == "paper":
-        return box_error(world, scenario).within(scenario.goal)
-    return no_push_helps(task, world, scenario)
-
-
-def policy_observation(task: TaskConfig, world: WorldState, scenario: Scenario) -> NDArray[np.float32]:
-    """What the environment shows a policy of this task in this state, (n,)."""
-    return observe(world, scenario, TABLES[task.observation]).astype(np.float32)
-
-
-def policy_push(task: TaskConfig, action: NDArray[Any], world: WorldState, scenario: Scenario) -> Push:
-    """What the environment makes of the action of a policy of this task."""
-    return to_push(action, task, world, scenario)
 
 
 def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:

@@ -9,7 +9,6 @@ from typing import Any, Final, Protocol
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise
@@ -18,10 +17,11 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
+from agent_proc.policies.networks import policy_arguments
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfile, PpoSettings, Td3Profile
+from legpush.arrays import Floats
 from legpush.errors import ConfigError
 
-ACTIVATIONS: Final = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 CLASSES: Final[dict[str, type[BaseAlgorithm]]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
 DEPTH: Final = 3
 """Index of the depth among the elements of a variable-entry action."""
@@ -49,11 +49,6 @@ class Learner:
     """Counts episodes, below the normalizer."""
     env: Rewindable
     """The environments below that."""
-
-
-def use_one_thread() -> None:
-    """Networks are small: more threads only get in each other's way, and change the order of sums."""
-    torch.set_num_threads(1)
 
 
 def undisturbed_draws() -> AbstractContextManager[None]:
@@ -89,18 +84,6 @@ def set_exploration(learner: Learner, profile: AnyProfile) -> None:
     first, last = profile.settings.log_std_init, profile.settings.log_std_end
     spread.requires_grad_(False)
     spread.fill_(first + done * (last - first))
-
-
-def policy_arguments(profile: AnyProfile) -> dict[str, Any]:
-    """What the networks of a profile are built with."""
-    network = profile.network
-    arguments: dict[str, Any] = {
-        "net_arch": list(network.hidden),
-        "activation_fn": ACTIVATIONS[network.activation],
-    }
-    if isinstance(profile, PpoProfile):
-        arguments["log_std_init"] = profile.settings.log_std_init
-    return arguments
 
 
 def _ppo(profile: PpoProfile, settings: PpoSettings, env: VecNormalize, common: dict[str, Any]) -> BaseAlgorithm:
@@ -200,7 +183,7 @@ def policy_zip(model: BaseAlgorithm) -> bytes:
     return file.getvalue()
 
 
-def observation_moments(normalizer: VecNormalize) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | None:
     """Mean and variance that observations are normalized by, (n,) each; None if they are not."""
     if not normalizer.norm_obs:
         return None

@@ -8,7 +8,6 @@ import logging
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any, Final
@@ -17,7 +16,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import configure_logger
 from stable_baselines3.common.vec_env import VecEnv
 
-from agent_proc.evaluation.episodes import TracingWorld, evaluate, summarize
+from agent_proc.evaluation.episodes import evaluate, summarize
 from agent_proc.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from agent_proc.learning.learner import (
     Learner,
@@ -28,13 +27,13 @@ from agent_proc.learning.learner import (
     restore,
     set_exploration,
     undisturbed_draws,
-    use_one_thread,
 )
+from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Card, Check, CurvePoint, Normalizer, PolicyFolder, write_policy
 from agent_proc.policies.learned import LearnedPolicy
-from agent_proc.profiles.profile import AnyProfile
-from agent_proc.task.config import TaskConfig
+from agent_proc.policies.networks import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
+from legpush.lockstep.world import SteppingWorld
 
 log = logging.getLogger(__name__)
 
@@ -49,50 +48,15 @@ WINDOW: Final = 30
 """Episodes that the shown return and success rate are means of."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """What is trained and how; saved with the training."""
-
-    profile: AnyProfile
-    task: TaskConfig
-    seed: int
-    n_simulators: int
-    command: str
-    versions: dict[str, str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Progress:
-    """How far a training is."""
-
-    step: int
-    steps: int
-    mean_return: float | None
-    """Of the last episodes; None before the first one has ended."""
-    success_rate: float | None
-    best: Check | None
-    doing: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Result:
-    """How a training ended."""
-
-    finished: bool
-    """Not, where it was asked to stop before."""
-    step: int
-    best: Check | None
-
-
 class Training:
     """A training in a folder of its own."""
 
     def __init__(
         self,
-        plan: Plan,
+        plan: TrainingPlan,
         folder: Path,
         env: VecEnv,
-        worlds: Sequence[TracingWorld],
+        worlds: Sequence[SteppingWorld],
         *,
         stop: threading.Event,
         on_progress: Callable[[Progress], None] = lambda _: None,
@@ -127,7 +91,7 @@ class Training:
         self._curve, self._checks, self._best = list(held.curve), list(held.checks), held.best
         self._held, self._saved_step = held, held.step
 
-    def run(self) -> Result:
+    def run(self) -> TrainingResult:
         """Train to the end, or until asked to stop; a checkpoint is left where it ended, also after an error."""
         steps, model = self._plan.profile.steps, self._learner.model
         fresh = self._held is None
@@ -149,12 +113,12 @@ class Training:
             raise
         if not self._checks or self._checks[-1].step < steps:
             self._save_held()
-            return Result(finished=False, step=self._held.step if self._held else 0, best=self._best)
+            return TrainingResult(finished=False, step=self._held.step if self._held else 0, best=self._best)
         self._write(LAST, self._checks[-1])
         self._hold()
         self._save_held()
         self._tell("done")
-        return Result(finished=True, step=model.num_timesteps, best=self._best)
+        return TrainingResult(finished=True, step=model.num_timesteps, best=self._best)
 
     # -- called by the algorithm ---------------------------------------------------------------------------------------
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from agent_proc.learning.env import EnvSnapshot, PushEnv
-from agent_proc.simulators.bus_world import SteppingWorld
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
+from legpush.lockstep.world import SteppingWorld
 
 Step = tuple[NDArray[np.float32], float, bool, dict[str, Any]]
 

@@ -23,18 +23,12 @@ class Branch:
 
     past: RecordedPast
     past_policy: Policy
-    alter: Alter | None = None
-    """The box from there on; the mission is not told."""
     planner: PlannerName | None = None
     """Which search is asked for from there on."""
 
     def is_past(self, n_steps: int) -> bool:
         """Whether the step that comes next is one that was recorded."""
         return n_steps < self.past.n_steps
-
-    def alters(self, n_steps: int) -> bool:
-        """Whether the box changes now."""
-        return self.alter is not None and n_steps == self.past.n_steps
 
     def scenario(self, scenario: Scenario, n_steps: int) -> Scenario:
         """What the mission goes by."""
@@ -68,5 +62,5 @@ def read_branch(
             f"Expected the policy {facts.policy} of the recording, SHA-256 {facts.policy_sha256[:16]}..., got one with "
             f"{sha256[:16]}...: what was decided before the branch point cannot be decided again"
         )
-    past = RecordedPast(recording, at)
-    return Branch(past=past, past_policy=make_policy(facts.policy), planner=planner, alter=alter)
+    past = RecordedPast(recording, at, alter)
+    return Branch(past=past, past_policy=make_policy(facts.policy), planner=planner)

@@ -10,7 +10,8 @@ import msgspec
 from agent_proc.policies.folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE, policy_path
 from agent_proc.policies.registry import SB3_SUFFIX, SCRIPTED
 from legpush.bus.bus import Bus
-from legpush.recording.facts import MISSION_FILE, PUSH_MAP_FILE, SCENARIO_FILE, VERSIONS_FILE, MissionFacts
+from legpush.recording.facts import MISSION_FILE, PUSH_MAP_FILE, VERSIONS_FILE, MissionFacts
+from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import dump_scenario
 from legpush.scene.scenario import Scenario
 

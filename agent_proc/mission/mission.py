@@ -4,37 +4,16 @@ It depends on nothing but the answers of a `World`: the same answers lead to the
 was interrupted goes on from the journal of what it was answered before.
 """
 
-from dataclasses import dataclass
-
+from agent_proc.endings import MissionEndedError, MissionResult
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.map import PushMap
 from agent_proc.pushing.pushing import Pushing
-from agent_proc.walking.actor import Actor, MissionEndedError, Reason, Revise, World, as_it_is
+from agent_proc.walking.actor import Actor, Revise, Tell, as_it_is, nobody
 from agent_proc.walking.queries import query_to_nominal_box
+from legpush.lockstep.world import World
 from legpush.messages.planning import PlanQuery
 from legpush.messages.stepping import Reset
 from legpush.scene.scenario import Face, Scenario
-
-
-@dataclass(frozen=True, kw_only=True)
-class MissionResult:
-    """How a mission ended."""
-
-    success: bool
-    """The box is within the tolerances of its goal and the robot stands."""
-    reason: Reason
-    """`success`, or what ended it without: the robot `fell` or is `stuck`, the `box_tipped` over, the planner knew
-    `no_path`, the approach `missed_station`, the box `left_reference`, `max_push_cycles` were not enough, or pushing
-    ended with the `tolerance_missed`."""
-    detail: str
-    """One sentence for people."""
-    handover_distance_m: float | None
-    """Trunk to box where walking along the map ended; None if it did not come to that."""
-    n_push_cycles: int
-    n_better_paths: int
-    """How often a better path was taken while walking."""
-    n_replans: int
-    """How often an obstacle appeared in the way, so that another one was planned, or tried to be."""
 
 
 def run_mission(
@@ -44,13 +23,14 @@ def run_mission(
     policy: Policy,
     push_map: PushMap | None = None,
     revise: Revise = as_it_is,
+    tell: Tell = nobody,
 ) -> MissionResult:
     """Run a mission from its reset to its end: the step order of Fig. 5.
 
     `push_map` is of the scenario's box; without one, what pushes do to it is guessed from what they do to the default
-    one. `revise` is asked after each step what the mission goes by from then on.
+    one. `revise` is asked after each step what the mission goes by from then on. `tell` gets its progress.
     """
-    actor = Actor(world, scenario, seed, revise)
+    actor = Actor(world, scenario, seed, revise, tell)
     pushing = Pushing(actor, policy, push_map)
     handover_distance_m = None
     try:

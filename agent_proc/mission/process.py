@@ -3,7 +3,6 @@
 import json
 import logging
 import os
-import re
 import threading
 from dataclasses import dataclass
 from math import isfinite
@@ -14,29 +13,36 @@ from typing import Annotated, Final
 import msgspec
 import tyro
 
+from agent_proc.endings import MissionResult
 from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
 from agent_proc.mission.facts import JSON, attach_facts
-from agent_proc.mission.live_world import LiveWorld
-from agent_proc.mission.mission import MissionResult, run_mission
+from agent_proc.mission.mission import run_mission
+from agent_proc.mission.progress import MissionProgress
 from agent_proc.policies.registry import make_policy
 from agent_proc.push_model.map import load_push_map
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import installed_versions, make_report
+from agent_proc.reporting.report import make_report
 from agent_proc.walking.actor import as_it_is
 from legpush.bus.bus import Bus
+from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
+from legpush.fields import Name, Seed, require
 from legpush.history.journal import Journal, Opened
-from legpush.lockstep.episode import read_episode
+from legpush.history.steps import read_episode
+from legpush.lockstep.client import SimLink
+from legpush.lockstep.episode import Episode
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.stepping import Alter
 from legpush.options.run import DEFAULT_POLICY
 from legpush.patience import Patience
+from legpush.plans.client import PlanLink
 from legpush.recording.branch import parse_point
 from legpush.runs.folder import PICTURE_FILE, REPORT_FILE
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import PlannerName
-from legpush.service import DEFAULT_NAME, ServiceConfig
+from legpush.service import ServiceConfig
+from legpush.versions import installed_versions
 
 log = logging.getLogger(__name__)
 
@@ -83,10 +89,8 @@ class AgentConfig(ServiceConfig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.sim) is None:
-            raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --sim, got {self.sim!r}")
-        if not 0 <= self.seed < 2**32:
-            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        require(Name, self.sim, "--sim")
+        require(Seed, self.seed, "--seed")
         if not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
             raise ConfigError(f"Expected more than 0 seconds for --deadline-s, got {self.deadline_s}")
 
@@ -118,20 +122,27 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             bus.taps.witness("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
-        world = LiveWorld(bus, journal, beacon, sim=config.sim, patience=patience, stop=stop, branch=branch)
+        progress = MissionProgress(beacon)
+        episode = Episode(
+            journal,
+            SimLink(bus, config.sim, stop=stop, patience=patience, on_wait=progress.wait),
+            PlanLink(bus, stop=stop, patience=patience, on_wait=progress.wait),
+            None if branch is None else branch.past,
+        )
         if branch is not None:
-            policy = BranchPolicy(branch.past_policy, policy, lambda: branch.is_past(world.n_steps))
+            policy = BranchPolicy(branch.past_policy, policy, lambda: branch.is_past(episode.n_steps))
         bus.announce()
         result = run_mission(
-            world,
+            episode,
             scenario,
             config.seed,
             policy,
             push_map,
-            as_it_is if branch is None else lambda whole: branch.scenario(whole, world.n_steps),
+            as_it_is if branch is None else lambda whole: branch.scenario(whole, episode.n_steps),
+            progress.tell,
         )
         beacon.say("reporting", None, result.detail)
-        if not world.is_live:
+        if not episode.live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
         leave_report(folder, journal, result)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())

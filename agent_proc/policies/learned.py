@@ -16,8 +16,6 @@ from stable_baselines3.ppo import MlpPolicy as PpoPolicy
 from stable_baselines3.sac import MlpPolicy as SacPolicy
 from stable_baselines3.td3 import MlpPolicy as Td3Policy
 
-from agent_proc.learning.env import is_done, observation_space, policy_observation, policy_push
-from agent_proc.learning.learner import policy_arguments
 from agent_proc.policies.folder import (
     NETWORKS_FILE,
     NORMALIZER_FILE,
@@ -27,8 +25,10 @@ from agent_proc.policies.folder import (
     policy_path,
     read_policy,
 )
+from agent_proc.policies.networks import policy_arguments
 from agent_proc.task.action import action_space
 from agent_proc.task.config import TaskConfig
+from agent_proc.task.policy_view import is_done, observation_space, policy_observation, policy_push
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.scenario import Scenario
 

@@ -11,12 +11,12 @@ import numpy as np
 from msgspec.structs import replace
 
 from agent_proc.frames.poses import planar_pose
-from agent_proc.push_model.model import Floats, PushModel
+from agent_proc.push_model.model import MIRROR, PushModel
+from legpush.arrays import Floats
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.robot import FRONT_LEGS, FrontLeg
 from legpush.scene.scenario import Goal, Scenario
 
-MIRROR: Final = {"FL": 1.0, "FR": -1.0}
 OTHER_LEG: Final[dict[FrontLeg, FrontLeg]] = {"FL": "FR", "FR": "FL"}
 FIRST_DEPTHS_M: Final = (0.02, 0.04, 0.06, 0.08, 0.10)
 LATER_DEPTHS_M: Final = (0.04, 0.06, 0.08, 0.10)

@@ -12,14 +12,14 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
-from agent_proc.learning_service import run_program, simulators
 from agent_proc.push_model.calibration import calibrate, cells
 from agent_proc.push_model.map import PushMap, make_push_map, measured_faces, write_push_map
+from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning import CalibrateOptions
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Box
-from legpush.service import stop_on_signals
+from legpush.service import run_program, stop_on_signals
 
 
 def main() -> int:

@@ -9,13 +9,13 @@ from typing import Final
 import tyro
 from msgspec.structs import replace
 
-from agent_proc.learning_service import run_program
 from agent_proc.push_model.estimate import PushEstimate
-from agent_proc.walking.queries import query_for_box, query_to_nominal_box
+from agent_proc.pushing.queries import query_for_box
+from agent_proc.walking.queries import query_to_nominal_box
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
-from legpush.launch.rooms import RandomScenario
 from legpush.messages.planning import Plan, PlanQuery
+from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.processes.pool import SimPool
@@ -23,7 +23,7 @@ from legpush.scenarios.file import write_scenario
 from legpush.scenarios.random_scenario import random_scenario
 from legpush.scene.faces import PUSHABLE, pushed_box
 from legpush.scene.scenario import Scenario
-from legpush.service import stop_on_signals
+from legpush.service import run_program, stop_on_signals
 
 BUDGET: Final = 2
 """A room is solvable where the planner finds a way in so many times the iterations of a mission."""

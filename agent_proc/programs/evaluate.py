@@ -16,14 +16,15 @@ from rich.text import Text
 
 from agent_proc.evaluation.episodes import evaluate, summarize
 from agent_proc.evaluation.sweep import make_sweep
-from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
 from agent_proc.policies.registry import make_policy
-from agent_proc.reporting.report import installed_versions
+from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.files import write_whole
 from legpush.options.learning import EvaluateOptions
+from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
-from legpush.service import stop_on_signals
+from legpush.service import run_program, stop_on_signals
+from legpush.versions import installed_versions
 
 ROWS_FILE: Final = "episodes.csv"
 PARQUET_FILE: Final = "episodes.parquet"

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import tyro
 
-from agent_proc.learning_service import run_program
 from agent_proc.reporting.map_picture import is_own_picture, save_map_picture
 from agent_proc.reporting.map_view import read_view
 from legpush.errors import ConfigError
 from legpush.options.maps import MapOptions
+from legpush.service import run_program
 
 
 def main() -> int:

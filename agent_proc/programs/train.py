@@ -17,20 +17,21 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.learning import training
+from agent_proc.learning import training, training_plan
+from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.learning_service import LOGS, own_folder, run_program, simulators
 from agent_proc.profiles.profile import load_profile, read_profile
-from agent_proc.reporting.report import installed_versions
+from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
-from legpush.errors import ConfigError
+from legpush.errors import INTERRUPTED, ConfigError
 from legpush.files import write_whole
 from legpush.options.learning import TrainOptions
+from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
-from legpush.service import stop_on_signals
+from legpush.service import run_program, stop_on_signals
+from legpush.versions import installed_versions
 
 CONFIG_FILE: Final = "config.json"
-INTERRUPTED: Final = 130
 
 
 def main() -> int:
@@ -66,7 +67,7 @@ def train(options: TrainOptions, console: Console) -> int:
     return 0
 
 
-def _begin(options: TrainOptions) -> tuple[Path, training.Plan]:
+def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     """Resolve the options, and make the folder with what they come to."""
     profile = load_profile(options.profile)
     if options.steps is not None:
@@ -79,7 +80,7 @@ def _begin(options: TrainOptions) -> tuple[Path, training.Plan]:
         scenario=load_scenario(options.scenario),
         domain=Domain(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
     )
-    plan = training.Plan(
+    plan = TrainingPlan(
         profile=profile,
         task=task,
         seed=options.seed,
@@ -96,7 +97,7 @@ def _begin(options: TrainOptions) -> tuple[Path, training.Plan]:
     return folder, plan
 
 
-def read_plan(folder: Path) -> training.Plan:
+def read_plan(folder: Path) -> TrainingPlan:
     """What a training was begun with; `ConfigError` where the folder is not that of one."""
     path = folder / CONFIG_FILE
     try:
@@ -105,7 +106,7 @@ def read_plan(folder: Path) -> training.Plan:
         rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
     except (OSError, msgspec.MsgspecError, KeyError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
-    return training.Plan(profile=profile, **rest)
+    return TrainingPlan(profile=profile, **rest)
 
 
 _PLAN_FIELDS: Final[dict[str, Any]] = {
@@ -138,7 +139,7 @@ def _shown(console: Console) -> Iterator[Any]:
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task("learning", total=None, numbers="")
 
-        def show(progress: training.Progress) -> None:
+        def show(progress: training_plan.Progress) -> None:
             nonlocal lines
             numbers = f"{progress.step}/{progress.steps}"
             if progress.mean_return is not None and progress.success_rate is not None:

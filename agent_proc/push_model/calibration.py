@@ -11,12 +11,12 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.evaluation.episodes import TracingWorld
 from agent_proc.frames.poses import planar_pose
 from agent_proc.frames.station import station
 from agent_proc.push_model.map import Sample
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.geometry import Pose2
+from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.robot import FRONT_LEGS
@@ -64,7 +64,7 @@ def open_floor(box: Box, face: Face) -> Scenario:
     )
 
 
-def push_series(world: TracingWorld, scenario: Scenario, cell: Cell) -> Iterator[tuple[Push, Pose2, Outcome]]:
+def push_series(world: SteppingWorld, scenario: Scenario, cell: Cell) -> Iterator[tuple[Push, Pose2, Outcome]]:
     """Push after push: what was done, how the frame that is pushed moved from where it was, and all that came of it."""
     before = pushed_pose(planar_pose(world.step(Reset(scenario=scenario, seed=cell.seed)).world.box), cell.face)
     w1, w2 = cell.curve
@@ -81,7 +81,7 @@ def push_series(world: TracingWorld, scenario: Scenario, cell: Cell) -> Iterator
 
 
 def calibrate(
-    worlds: Sequence[TracingWorld],
+    worlds: Sequence[SteppingWorld],
     box: Box,
     planned: Sequence[Cell],
     on_cell: Callable[[], None] = lambda: None,
@@ -91,7 +91,7 @@ def calibrate(
 
     `StopRequestedError` once `stop` is set; `CalibrationError` where the robot falls.
     """
-    free: SimpleQueue[TracingWorld] = SimpleQueue()
+    free: SimpleQueue[SteppingWorld] = SimpleQueue()
     for world in worlds:
         free.put(world)
 
@@ -114,7 +114,7 @@ def calibrate(
         pool.shutdown(cancel_futures=True)
 
 
-def _samples(world: TracingWorld, box: Box, cell: Cell, stop: threading.Event | None) -> list[Sample]:
+def _samples(world: SteppingWorld, box: Box, cell: Cell, stop: threading.Event | None) -> list[Sample]:
     found = []
     for push, moved, _ in push_series(world, open_floor(box, cell.face), cell):
         if stop is not None and stop.is_set():

@@ -4,9 +4,10 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.policies.scripted import MIRROR
-from agent_proc.push_model.model import Floats, PushModel, nearest_model
+from agent_proc.push_model.model import MIRROR, PushModel, nearest_model
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.stepping import Push
 from legpush.scene.scenario import Box
 
@@ -15,7 +16,6 @@ PRIOR_RAD: Final = 0.05
 """The model counts as much as pushes that move and turn the box by so much, as root of their sum of squares."""
 FORGETTING: Final = 0.9
 """What a past push counts after each further one."""
-USUAL_DEPTH_M: Final = 0.05
 """The circle that a box turns on is that of pushes which are so deep."""
 MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3

@@ -10,12 +10,13 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
-from agent_proc.policies.scripted import MIRROR
-from agent_proc.push_model.estimate import USUAL_DEPTH_M, PushEstimate
-from agent_proc.push_model.model import Floats, PushModel
+from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.push_model.model import MIRROR, PushModel
 from agent_proc.statistics import N_BOOTSTRAP, Estimate
+from legpush.arrays import Floats
 from legpush.errors import ConfigError
 from legpush.files import write_whole
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.scene.faces import FACES, PUSHABLE, pushed_box
 from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Box, BoxShape, Face

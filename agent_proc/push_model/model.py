@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from legpush.arrays import Floats
 from legpush.scene.scenario import Box, PoseDeg
-
-Floats = NDArray[np.float64]
 
 NOMINAL: Final = Box(pose=PoseDeg(x_m=0.0, y_m=0.0, yaw_deg=0.0))
 """The default box."""
@@ -73,3 +72,6 @@ def nearest_model(box: Box) -> PushModel:
     slenderness = np.log(box.size_m[1] / box.size_m[0])
     models = (PushModel(), ON_ITS_SIDE)
     return min(models, key=lambda model: abs(np.log(model.box.size_m[1] / model.box.size_m[0]) - slenderness))
+
+
+MIRROR: Final = {"FL": 1.0, "FR": -1.0}

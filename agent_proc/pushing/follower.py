@@ -16,9 +16,10 @@ from msgspec.structs import replace
 from agent_proc.frames.poses import planar_pose
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.pushed_world import pushed_scenario, pushed_world
-from agent_proc.policies.scripted import MIRROR
 from agent_proc.push_model.estimate import PushEstimate
-from agent_proc.pushing.stage import BoxPath, Deviation, Floats
+from agent_proc.push_model.model import MIRROR
+from agent_proc.pushing.stage import Deviation, Stage
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.robot import FRONT_LEGS
@@ -50,7 +51,7 @@ SEARCH_AHEAD_M: Final = 0.5
 ENOUGH_M: Final = 0.015
 """A stage that another one follows, and that ends in an arc, is over when no more than this is left of it."""
 
-Ending = Literal["done", "left_path"]
+StageEnding = Literal["done", "left_path"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +59,7 @@ class Decision:
     """What to do next on the path: a push, or nothing more."""
 
     push: Push | None
-    ending: Ending | None
+    ending: StageEnding | None
     """Why there is no push."""
     deviation: Deviation
 
@@ -66,7 +67,7 @@ class Decision:
 class Follower:
     """Follows one stage of the box's path."""
 
-    def __init__(self, path: BoxPath, policy: Policy, scenario: Scenario, estimate: PushEstimate) -> None:
+    def __init__(self, path: Stage, policy: Policy, scenario: Scenario, estimate: PushEstimate) -> None:
         """`estimate` learns from every push, whichever stage it belongs to."""
         self._path = path
         self._policy = policy

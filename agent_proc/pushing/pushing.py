@@ -7,19 +7,22 @@ from typing import Final
 
 from msgspec.structs import replace
 
+from agent_proc.endings import MissionEndedError, Reason
 from agent_proc.frames.poses import BoxError, distance_m, moved_m
 from agent_proc.policies.policy import Policy
-from agent_proc.push_model.estimate import USUAL_DEPTH_M, PushEstimate
+from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
-from agent_proc.pushing.follower import Ending, Follower
+from agent_proc.pushing.follower import Follower, StageEnding
+from agent_proc.pushing.obstacles import is_in_push
+from agent_proc.pushing.queries import calibration_query, query_for_box
 from agent_proc.pushing.reference_stage import reference_path
-from agent_proc.pushing.stage import BoxPath
+from agent_proc.pushing.stage import Stage
 from agent_proc.pushing.stage import stages as path_stages
 from agent_proc.task.reward_tuned import tuned_reward
-from agent_proc.walking.actor import STILL_CYCLES, Actor, MissionEndedError, Reason
-from agent_proc.walking.obstacles import in_words, is_in_push
-from agent_proc.walking.queries import calibration_query, query_for_box
+from agent_proc.walking.actor import STILL_CYCLES, Actor
+from agent_proc.walking.obstacles import in_words
 from legpush.geometry import Pose2
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.faces import pushed_box, pushed_pose
@@ -110,7 +113,7 @@ class Pushing:
         for index in range(min(n_pushes, self._actor.scenario.mission.max_push_cycles)):
             if self._actor.n_appeared() > n_known:
                 return
-            self._actor.world.tell("calibrating", index / n_pushes, f"push {index + 1} of {n_pushes}, {face} face")
+            self._actor.tell("calibrating", index / n_pushes, f"push {index + 1} of {n_pushes}, {face} face")
             leg = FRONT_LEGS[CALIBRATION_LEGS[index % len(CALIBRATION_LEGS)]]
             self._push(Push(w1=w1, w2=w2, leg=leg, depth_m=USUAL_DEPTH_M, face=face), learn=True)
 
@@ -139,7 +142,7 @@ class Pushing:
         if self._actor.scenario.pushing.composition == "open_loop":
             self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
 
-    def _push_along(self, stages: list[BoxPath], *, to_end: bool = False) -> bool:
+    def _push_along(self, stages: list[Stage], *, to_end: bool = False) -> bool:
         """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
         for index, path in enumerate(stages):
             if not self._actor.at_station(path.face) and not self._change_face(path.face):
@@ -156,16 +159,14 @@ class Pushing:
             return False
         return self._actor.walk_behind(face, plan)
 
-    def _come_to_push(self) -> list[BoxPath]:
+    def _come_to_push(self) -> list[Stage]:
         """Plan the path of the box and walk to the face where it begins."""
         while True:
             stages, plan = self.way_to_push(self._actor.box(), self._actor.query_behind, "the way behind the box")
             if plan is None or self._actor.walk_behind(stages[0].face, plan):
                 return stages
 
-    def way_to_push(
-        self, box: Pose2, query: Callable[[Face], PlanQuery], what: str
-    ) -> tuple[list[BoxPath], Plan | None]:
+    def way_to_push(self, box: Pose2, query: Callable[[Face], PlanQuery], what: str) -> tuple[list[Stage], Plan | None]:
         """The path of a box, and the robot's way to its first face if it does not stand there: of those paths whose
         first face can be reached, the planner's favourite.
         """
@@ -183,7 +184,7 @@ class Pushing:
             if not faces:
                 raise self._actor.no_path(what, plan)
 
-    def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[BoxPath]:
+    def _box_stages(self, box: Pose2, faces: tuple[Face, ...]) -> list[Stage]:
         """The reference, or the planned path of the box: with the least clearance where it has come closer to something
         than planned.
         """
@@ -202,7 +203,7 @@ class Pushing:
             raise self._actor.no_path("the path of the box", plan)
         return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})
 
-    def _reference_path(self, reference: Reference) -> BoxPath:
+    def _reference_path(self, reference: Reference) -> Stage:
         """Whatever place the box has: the reference begins at its nominal one."""
         estimate = self._estimates["rear"]
         tightest_m, radius_m = least_radius_m(reference), hypot(estimate.turning_radius_m, estimate.axle_m)
@@ -213,7 +214,7 @@ class Pushing:
             )
         return reference_path(reference, self._actor.scenario.box.pose.pose(), estimate.axle_m)
 
-    def _is_free(self, stages: Sequence[BoxPath], from_m: float = 0.0) -> bool:
+    def _is_free(self, stages: Sequence[Stage], from_m: float = 0.0) -> bool:
         """Whether nothing has appeared in the way of box and robot, from a place on the first stage on."""
         for new in self._actor.appeared_since(self._n_cleared):
             for index, path in enumerate(stages):
@@ -222,7 +223,7 @@ class Pushing:
         self._n_cleared = self._actor.n_appeared()
         return True
 
-    def _require_free(self, stages: Sequence[BoxPath], from_m: float = 0.0) -> None:
+    def _require_free(self, stages: Sequence[Stage], from_m: float = 0.0) -> None:
         """A reference that something has appeared in the way of ends the mission: there is no other."""
         if not self._is_free(stages, from_m):
             new = in_words(self._actor.state.appeared[self._n_cleared :])
@@ -237,14 +238,14 @@ class Pushing:
             angle_tolerance_deg=min(goal.angle_tolerance_deg, AIM_DEG),
         )
 
-    def _stop(self, reason: Reason, detail: str, to_end: bool) -> Ending:
+    def _stop(self, reason: Reason, detail: str, to_end: bool) -> StageEnding:
         """Short of the end of a stage: the mission is over unless the box is at its goal, and that will do."""
         if to_end:
             raise MissionEndedError(reason, detail)
         self._actor.require_goal(reason, detail)
         return "done"
 
-    def _follow(self, stages: Sequence[BoxPath], *, to_end: bool) -> Ending:
+    def _follow(self, stages: Sequence[Stage], *, to_end: bool) -> StageEnding:
         """Push along the first of the stages that are left until it ends, the box has left it, or, in a closed loop, an
         obstacle has appeared in the way; with `to_end`, being at the goal before is not enough.
         """
@@ -257,7 +258,7 @@ class Pushing:
             error = self._actor.box_error()
             decision = follower.decide(self._actor.state)
             share = min(1.0, decision.deviation.distance_m / path.length_m) if path.length_m > 0.0 else None
-            self._actor.world.tell("pushing", share, f"cycle {self.n_cycles}, box error {error}")
+            self._actor.tell("pushing", share, f"cycle {self.n_cycles}, box error {error}")
             if decision.push is None:
                 return decision.ending or "done"
             if closed and to_end:

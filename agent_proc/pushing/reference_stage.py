@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from agent_proc.pushing.stage import BoxPath, Floats
+from agent_proc.pushing.stage import Stage
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.scene.reference import Reference, reference_curve
 
 
-def reference_path(reference: Reference, begin: Pose2, axle_m: float) -> BoxPath:
+def reference_path(reference: Reference, begin: Pose2, axle_m: float) -> Stage:
     """From the nominal pose of the box on, pushed at its rear face."""
     curve = reference_curve(reference, begin)
     headings = trailing(curve, axle_m)
@@ -16,7 +17,7 @@ def reference_path(reference: Reference, begin: Pose2, axle_m: float) -> BoxPath
         for (x_m, y_m, _), yaw_rad in zip(curve.tolist(), headings.tolist(), strict=True)
     )
     end = Pose2(x_m=poses[-1].x_m, y_m=poses[-1].y_m, yaw_rad=wrap_angle(float(curve[-1, 2])))
-    return BoxPath("rear", poses, axle_m, end)
+    return Stage("rear", poses, axle_m, end)
 
 
 def trailing(curve: Floats, axle_m: float) -> Floats:

@@ -7,14 +7,12 @@ from math import cos, hypot, radians, sin
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan
 from legpush.scene.faces import pushed_pose
 from legpush.scene.scenario import Face
-
-Floats = NDArray[np.float64]
 
 STRAIGHT_RAD_PER_M: Final = radians(5.0)
 """What curves less than this is straight."""
@@ -33,7 +31,7 @@ class Deviation:
     """Less that of the path."""
 
 
-class BoxPath:
+class Stage:
     """One end of a stage to the other.
 
     The path is that of the axle, a point behind the box's centre that does not slip sideways; poses that come in and go
@@ -108,11 +106,11 @@ class BoxPath:
         return Deviation(distance_m=float(along[0]), left_m=float(left[0]), heading_rad=float(heading[0]))
 
 
-def stages(plan: Plan, axles_m: Mapping[Face, float]) -> list[BoxPath]:
+def stages(plan: Plan, axles_m: Mapping[Face, float]) -> list[Stage]:
     """A planned path of the box, face by face; the faces in the order of the query's sides, each with its axle."""
     found, faces = [], tuple(axles_m)
     numbered = list(zip(plan.sides, plan.waypoints, strict=True))
     for side, run in groupby(numbered, key=lambda item: item[0]):
         face = faces[side]
-        found.append(BoxPath(face, tuple(pose for _, pose in run), axles_m[face]))
+        found.append(Stage(face, tuple(pose for _, pose in run), axles_m[face]))
     return found

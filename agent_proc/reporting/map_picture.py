@@ -14,10 +14,10 @@ from matplotlib.collections import PatchCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
-from numpy.typing import NDArray
 
 from agent_proc.reporting.map_view import MapView
 from agent_proc.reporting.picture import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
+from legpush.arrays import Flags
 from legpush.geometry import Pose2
 from legpush.scenarios.grid import merged_rectangles
 from legpush.scene.footprints import Footprint, box_footprint
@@ -92,7 +92,7 @@ def _draw_map(axes: Axes, view: MapView) -> None:
     axes.add_patch(Rectangle((0.0, 0.0), width_m, height_m, fill=False, ec=INK, lw=0.8, zorder=3.2))
 
 
-def _draw_cells(axes: Axes, cells: NDArray[np.bool_], cell_m: float, color: str, zorder: float) -> None:
+def _draw_cells(axes: Axes, cells: Flags, cell_m: float, color: str, zorder: float) -> None:
     """Those that are set, (rows, columns), row 0 at y = 0; where many share a pixel, each of them is seen."""
     block = ceil(max(cells.shape) / MOST_PIXELS)
     n_rows, n_columns = (-(-n // block) for n in cells.shape)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags
 from legpush.options.maps import MapOptions
 from legpush.scenarios.file import load_with_map
 from legpush.scenarios.grid import merged_cells
@@ -19,7 +19,7 @@ class MapView:
     """A map in the frame of its room."""
 
     name: str
-    occupied: NDArray[np.bool_]
+    occupied: Flags
     """(rows, columns), row 0 at y = 0."""
     resolution_m: float
     """Side of a cell."""

@@ -2,24 +2,20 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from agent_proc.frames.poses import BoxError, box_error
+from legpush.arrays import Floats
 from legpush.errors import JournalError
 from legpush.geometry import Pose2, rpy_from_quaternion
-from legpush.lockstep.episode import PlanRecord, StepRecord
+from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Trace, WorldState
 from legpush.scene.reference import reference_curve
-from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, LEGS
+from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, LEGS, N_QPOS
 from legpush.scene.scenario import Scenario
-
-Floats = NDArray[np.float64]
-
-N_QPOS: Final = 26
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +37,7 @@ class Ticks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class MissionStep:
     """A motion and what it led to."""
 
     motion: Motion
@@ -61,19 +57,19 @@ class MissionRecord:
     scenario: Scenario
     seed: int
     plans: list[PlanRecord]
-    steps: list[Step]
+    steps: list[MissionStep]
     """The first is the reset."""
 
     def ticks(self) -> Ticks:
         """Of all steps."""
         return _join(step.ticks for step in self.steps)
 
-    def pushing(self) -> list[Step]:
+    def pushing(self) -> list[MissionStep]:
         """The push cycles, after the step that came before them; empty if there was none."""
         first = next((index for index, step in enumerate(self.steps) if isinstance(step.motion, Push)), None)
         return [] if first is None else self.steps[first - 1 :]
 
-    def box_error(self, step: Step) -> BoxError:
+    def box_error(self, step: MissionStep) -> BoxError:
         """At the end of a step."""
         return box_error(step.world, self.scenario)
 
@@ -81,7 +77,7 @@ class MissionRecord:
 def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
     """Read a mission; `JournalError` if it does not begin with a reset or has a step without its trace."""
     plans: list[PlanRecord] = []
-    steps: list[Step] = []
+    steps: list[MissionStep] = []
     path_m = box_path_m = np.empty((0, 2))
     reference = None
     for record in records:
@@ -95,7 +91,7 @@ def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
             path_m = _positions(motion.waypoints)
         elif isinstance(motion, Reset) and (reference := motion.scenario.reference) is not None:
             box_path_m = reference_curve(reference, motion.scenario.box.pose.pose())[:, :2]
-        step = Step(
+        step = MissionStep(
             motion=motion,
             world=outcome.world,
             state_crc=outcome.state_crc,

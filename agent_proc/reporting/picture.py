@@ -16,9 +16,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
+from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import planar_pose
-from agent_proc.mission.mission import MissionResult
-from agent_proc.reporting.mission_record import Floats, MissionRecord
+from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import (
     MAX_POINTS,
     appeared,
@@ -29,6 +29,7 @@ from agent_proc.reporting.picture_parts import (
     thin,
     widen,
 )
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
 from legpush.messages.stepping import Motion, Push, Walk

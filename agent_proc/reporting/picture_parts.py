@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 
 from agent_proc.frames.poses import distance_m, planar_pose
-from agent_proc.reporting.mission_record import Floats, MissionRecord, Step
+from agent_proc.reporting.mission_record import MissionRecord, MissionStep
 from agent_proc.walking.obstacles import is_in_walk
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, Follow, WorldState
 from legpush.scene.footprints import Footprint, box_footprint
@@ -23,7 +24,7 @@ def appeared(record: MissionRecord) -> tuple[Appearance, ...]:
     return record.steps[-1].world.appeared
 
 
-def followed(record: MissionRecord) -> list[tuple[Step, bool]]:
+def followed(record: MissionRecord) -> list[tuple[MissionStep, bool]]:
     """Every path of the robot at its beginning, and whether an obstacle appeared in the way of what was left of it."""
     begins = [index for index, step in enumerate(record.steps) if isinstance(step.motion, Follow)]
     ends = [*begins, len(record.steps)][1:]
@@ -33,7 +34,7 @@ def followed(record: MissionRecord) -> list[tuple[Step, bool]]:
     ]
 
 
-def _was_given_up(record: MissionRecord, follow: Step, last: WorldState) -> bool:
+def _was_given_up(record: MissionRecord, follow: MissionStep, last: WorldState) -> bool:
     """`last` is the world before the next path."""
     if not isinstance(follow.motion, Follow) or last.path is None or last.path.done:
         return False
@@ -47,13 +48,13 @@ def _was_given_up(record: MissionRecord, follow: Step, last: WorldState) -> bool
 def handover_place(record: MissionRecord, handover_distance_m: float) -> Pose2:
     """Where the path began that was taken at that distance from the box."""
 
-    def off_m(step: Step) -> float:
+    def off_m(step: MissionStep) -> float:
         return abs(distance_m(planar_pose(step.world.trunk), planar_pose(step.world.box)) - handover_distance_m)
 
     return planar_pose(min((step for step, _ in followed(record)), key=off_m).world.trunk)
 
 
-def box_at(record: MissionRecord, step: Step) -> Footprint:
+def box_at(record: MissionRecord, step: MissionStep) -> Footprint:
     """The floor that the box covers at the end of a step."""
     return box_footprint(record.scenario.box, planar_pose(step.world.box))
 

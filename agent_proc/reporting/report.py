@@ -1,35 +1,17 @@
 """`report.json`: the numbers of a mission, from what its journal recorded and nothing else."""
 
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from math import degrees, sqrt
 from typing import Final
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
+from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import planar_pose
-from agent_proc.mission.mission import MissionResult
-from agent_proc.reporting.mission_record import MissionRecord, Step
-from legpush.messages.common import PROTOCOL_VERSION
+from agent_proc.reporting.mission_record import MissionRecord, MissionStep
+from legpush.arrays import Floats
 from legpush.messages.stepping import Push, Walk
 from legpush.scene.robot import CONTROL_PERIOD_S
-
-Floats = NDArray[np.float64]
-
-PACKAGES: Final = {
-    "legpush": "legpush",
-    "zenoh": "eclipse-zenoh",
-    "mujoco": "mujoco",
-    "ompl": "ompl",
-    "numpy": "numpy",
-    "scipy": "scipy",
-    "msgpack": "msgpack",
-    "msgspec": "msgspec",
-    "matplotlib": "matplotlib",
-}
-"""Name in the report to name of the distribution."""
 
 LOOK_AHEAD_M: Final = 0.5
 """So far ahead on its path the box may be after one more push cycle."""
@@ -121,23 +103,14 @@ def make_report(
     )
 
 
-def installed_versions() -> dict[str, str | None]:
-    """What this process runs with, by name; None for a package that is not installed."""
-    return {
-        "protocol": str(PROTOCOL_VERSION),
-        "python": platform.python_version(),
-        **{name: _version(distribution) for name, distribution in PACKAGES.items()},
-    }
-
-
-def tracking_rms_m(walks: list[Step]) -> float | None:
+def tracking_rms_m(walks: list[MissionStep]) -> float | None:
     """Root mean square distance of the trunk from the path it followed, over all ticks; None without any."""
     squares = [distances_m(step.ticks.trunk_m, step.path_m) ** 2 for step in walks]
     n_ticks = sum(map(len, squares))
     return sqrt(sum(float(part.sum()) for part in squares) / n_ticks) if n_ticks else None
 
 
-def box_path_rms_m(steps: list[Step]) -> float | None:
+def box_path_rms_m(steps: list[MissionStep]) -> float | None:
     """Root mean square distance of the box's centre from its path, over all push cycles; None without any.
 
     A path is followed from its beginning to its end: where it comes near itself, what counts is the part ahead.
@@ -168,10 +141,3 @@ def distances_m(points_m: Floats, polyline_m: Floats) -> Floats:
     nearest = offset - np.clip(share, 0.0, 1.0)[:, :, None] * edge
     distances: Floats = np.hypot(nearest[:, :, 0], nearest[:, :, 1]).min(axis=1)
     return distances
-
-
-def _version(distribution: str) -> str | None:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return None

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field, fields
 from typing import Literal
 
 from legpush.errors import ConfigError
+from legpush.messages.common import MAX_DEPTH_M
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 
 Interval = tuple[float, float]
 """Lowest and highest value."""
-DEEPEST_M = 0.25
 """What a push message allows."""
 
 
@@ -69,11 +69,11 @@ class TaskConfig:
             raise ConfigError(
                 "Expected entry `fixed` with action_form `discrete`: its grid has no depth, got `variable`"
             )
-        if not 0.0 < self.fixed_depth_m <= DEEPEST_M:
-            raise ConfigError(f"Expected fixed_depth_m in (0, {DEEPEST_M}], got {self.fixed_depth_m}")
-        if not 0.0 < self.least_depth_m <= self.max_depth_m <= DEEPEST_M:
+        if not 0.0 < self.fixed_depth_m <= MAX_DEPTH_M:
+            raise ConfigError(f"Expected fixed_depth_m in (0, {MAX_DEPTH_M}], got {self.fixed_depth_m}")
+        if not 0.0 < self.least_depth_m <= self.max_depth_m <= MAX_DEPTH_M:
             raise ConfigError(
-                f"Expected 0 < least_depth_m <= max_depth_m <= {DEEPEST_M}, got {self.least_depth_m} and "
+                f"Expected 0 < least_depth_m <= max_depth_m <= {MAX_DEPTH_M}, got {self.least_depth_m} and "
                 f"{self.max_depth_m}"
             )
         if self.max_steps < 1:

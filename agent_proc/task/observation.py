@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agent_proc.frames.corners import goal_corners_m, tracked_corners_m
+from legpush.arrays import Floats
 from legpush.messages.stepping import WorldState
 from legpush.scene.robot import LEGS
 from legpush.scene.scenario import Scenario
-
-Floats = NDArray[np.float64]
 
 BEYOND_M: Final = 1.0
 """How far the bounds reach beyond the room, and above the box."""

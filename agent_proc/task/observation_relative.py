@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 
 from agent_proc.frames.goal_frame import LOOK_AHEAD_M, box_in_goal_frame, mirror_sign, steering_error_rad
-from agent_proc.task.observation import BEYOND_M, Entry, Floats, Table
+from agent_proc.task.observation import BEYOND_M, Entry, Table
+from legpush.arrays import Floats
 from legpush.messages.stepping import WorldState
 from legpush.scene.scenario import Scenario
 

@@ -15,7 +15,7 @@ FALL_PENALTY: Final = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reward:
+class PaperReward:
     """The terms of the reward, none of them positive."""
 
     position: float
@@ -28,7 +28,7 @@ class Reward:
         return self.position + self.angle + self.fall
 
 
-def paper_reward(world: WorldState, scenario: Scenario) -> Reward:
+def paper_reward(world: WorldState, scenario: Scenario) -> PaperReward:
     """The reward of a state.
 
     `r_position = -10 (sqrt(e1) + sqrt(e2))` with `e_i` the squared planar error of tracked corner i, front
@@ -37,7 +37,7 @@ def paper_reward(world: WorldState, scenario: Scenario) -> Reward:
     errors_m = tracked_corners_m(world.box, scenario.box)[:, :2] - goal_corners_m(scenario)
     e1, e2 = (errors_m**2).sum(axis=1).tolist()
     e_angle = box_error(world, scenario).angle_rad ** 2
-    return Reward(
+    return PaperReward(
         position=-POSITION_WEIGHT * (sqrt(e1) + sqrt(e2)),
         angle=-ANGLE_WEIGHT * sqrt(e_angle),
         fall=-FALL_PENALTY if world.fallen else 0.0,

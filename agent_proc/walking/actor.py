@@ -1,11 +1,12 @@
 """What a mission does in its world: walk, approach a face of the box, ask the planner, and know where everything is."""
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from itertools import groupby
 from math import degrees, radians
-from typing import Final, Literal, Protocol
+from typing import Final
 
+from agent_proc.endings import MissionEndedError, Reason
 from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, distance_m, moved_m, planar_pose
 from agent_proc.frames.station import at_station, can_turn, last_stretch, way_back
 from agent_proc.walking.better_paths import BetterPaths, cost_m
@@ -13,8 +14,9 @@ from agent_proc.walking.obstacles import in_words, is_in_walk, known_scenario
 from agent_proc.walking.queries import query_to_measured_box
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
+from legpush.lockstep.world import World
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
-from legpush.messages.stepping import Follow, Motion, Outcome, Walk, WorldState
+from legpush.messages.stepping import Follow, Motion, Walk, WorldState
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.scenario import Face, Rectangle, Scenario
 
@@ -25,42 +27,10 @@ LEAST_WALK_M: Final = 0.02
 MAX_BOX_TILT_RAD: Final = radians(15.0)
 """A box that leans farther is tipping over, or has."""
 
-Reason = Literal[
-    "success",
-    "fell",
-    "box_tipped",
-    "no_path",
-    "stuck",
-    "missed_station",
-    "left_reference",
-    "max_push_cycles",
-    "tolerance_missed",
-]
-
-
-class World(Protocol):
-    """All that the mission can do and learn."""
-
-    def step(self, motion: Motion) -> Outcome:
-        """Carry out one motion."""
-
-    def plan(self, query: PlanQuery) -> Plan:
-        """Ask the planner."""
-
-    def revision(self, revision: int) -> Plan:
-        """Wait for the better plan with this number, for the last query."""
-
-    def cancel_plan(self) -> None:
-        """Wait for no more of them."""
-
-    def tell(self, phase: str, fraction: float | None, detail: str) -> None:
-        """Let people know what goes on."""
-
-    def tell_reward(self, terms: Mapping[str, float]) -> None:
-        """Let people know what the last step earned, term by term."""
-
 
 Revise = Callable[[Scenario], Scenario]
+Tell = Callable[[str, float | None, str], None]
+"""Phase, share of it that is done if known, and a detail, for people."""
 
 
 def as_it_is(scenario: Scenario) -> Scenario:
@@ -68,12 +38,8 @@ def as_it_is(scenario: Scenario) -> Scenario:
     return scenario
 
 
-class MissionEndedError(Exception):
-    """The mission is over, for this reason."""
-
-    def __init__(self, reason: Reason, detail: str) -> None:
-        super().__init__(detail)
-        self.reason: Reason = reason
+def nobody(_phase: str, _fraction: float | None, _detail: str) -> None:
+    """Tell nobody."""
 
 
 class Actor:
@@ -81,9 +47,12 @@ class Actor:
 
     state: WorldState
 
-    def __init__(self, world: World, scenario: Scenario, seed: int, revise: Revise = as_it_is) -> None:
-        """`revise` is asked after each step what the mission goes by from then on."""
+    def __init__(
+        self, world: World, scenario: Scenario, seed: int, revise: Revise = as_it_is, tell: Tell = nobody
+    ) -> None:
+        """`revise` is asked after each step what the mission goes by from then on; `tell` gets its progress."""
         self.world = world
+        self.tell = tell
         self._revise = revise
         self._whole = scenario
         self.scenario = scenario
@@ -117,7 +86,7 @@ class Actor:
             if path is None:
                 raise PeerError(f"Expected `path` in the state of the world at tick {self.state.tick}, got none")
             share = min(path.travelled_m / path.length_m, 1.0) if path.length_m > 0.0 else 1.0
-            self.world.tell(phase, share, f"{path.travelled_m:.1f} of {path.length_m:.1f} m")
+            self.tell(phase, share, f"{path.travelled_m:.1f} of {path.length_m:.1f} m")
             if path.done or self.box_distance_m() <= until_m:
                 return True
             if any(is_in_walk(new, self.scenario, waypoints, path.travelled_m) for new in self.appeared_since(n_known)):
@@ -191,7 +160,7 @@ class Actor:
 
     def ask(self, query: PlanQuery, what: str) -> Plan:
         """The planner's answer, whatever it is; `PeerError` where it cannot be followed though it says so."""
-        self.world.tell("planning", None, what)
+        self.tell("planning", None, what)
         plan = self.world.plan(query)
         self._require_followable(query, plan, what)
         self._better = BetterPaths(query, plan) if isinstance(query, TrunkPathQuery) and query.anytime else None
@@ -219,11 +188,11 @@ class Actor:
     def give_up(self, what: str, n_known: int) -> None:
         """Count that a path of robot or box is given up, and say what has appeared beyond the first `n_known`."""
         self.n_replans += 1
-        self.world.tell("giving up a path", None, f"of {what}; appeared: {in_words(self.state.appeared[n_known:])}")
+        self.tell("giving up a path", None, f"of {what}; appeared: {in_words(self.state.appeared[n_known:])}")
 
     def step(self, motion: Motion) -> None:
         """Move, and look around; a fall, of robot or box, ends the mission."""
-        self.state = self.world.step(motion).world
+        self.state = self.world.step(motion, with_trace=True).world
         self.scenario = known_scenario(self._revise(self._whole), self.state)
         if self.state.fallen:
             raise MissionEndedError(

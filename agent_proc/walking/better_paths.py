@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from agent_proc.frames.poses import distance_m, moved_m
+from agent_proc.walking.queries import SLACK_M
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.clearance import Occupied
@@ -18,7 +19,6 @@ JOIN_EVERY_M: Final = 0.25
 JOIN_WITHIN_M: Final = 3.0
 """Places of the new path that the robot may go straight to: from its nearest one so far ahead, one in so much."""
 SPACING_M: Final = 0.05
-SLACK_M: Final = 1e-3
 
 
 class BetterPaths:

@@ -9,21 +9,15 @@ from typing import Final
 
 import numpy as np
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from agent_proc.frames.poses import moved_m
-from agent_proc.frames.station import station
-from agent_proc.pushing.stage import BoxPath
+from legpush.arrays import Floats
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, WorldState
-from legpush.scene.faces import pushed_box
-from legpush.scene.footprints import Footprint, box_footprint, distance_m, obstacle_footprint
 from legpush.scene.occupancy import clearance_m, room_by_now
-from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M, CONTROL_PERIOD_S
+from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.scene.scenario import Rectangle, Scenario
-
-Floats = NDArray[np.float64]
 
 LOOK_STEP_M: Final = 0.05
 """A way is looked at in places so far apart."""
@@ -55,17 +49,6 @@ def is_in_walk(obstacle: Rectangle, scenario: Scenario, waypoints: Sequence[Pose
     high = ahead - np.array([obstacle.x_max_m, obstacle.y_max_m])
     apart = np.hypot(*np.maximum(np.maximum(low, high), 0.0).T)
     return bool(apart.min() < clearance_m(scenario.planning))
-
-
-def is_in_push(obstacle: Rectangle, scenario: Scenario, path: BoxPath, from_m: float = 0.0) -> bool:
-    """Whether an obstacle is nearer than `pushing.margin_m` to box or robot on what is left of a stage."""
-    place, box, margin_m = obstacle_footprint(obstacle), pushed_box(scenario.box, path.face), scenario.pushing.margin_m
-    for at_m in np.append(np.arange(from_m, path.length_m, LOOK_STEP_M), path.length_m).tolist():
-        pose = path.pose(at_m)
-        robot = Footprint(pose=station(box, pose), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
-        if min(distance_m(place, box_footprint(box, pose)), distance_m(place, robot)) < margin_m:
-            return True
-    return False
 
 
 def _ahead_m(waypoints: Sequence[Pose2], travelled_m: float) -> Floats:

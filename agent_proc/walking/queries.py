@@ -1,24 +1,17 @@
 """The questions to the planner: the way to where the box should be, to where it is, and the path of the box."""
 
-from collections.abc import Mapping
-from math import radians
 from typing import Final
 
-from msgspec.structs import replace
-
-from agent_proc.frames.station import nominal_obstacle, stand_off, station
-from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.frames.station import nominal_obstacle, stand_off
 from legpush.geometry import Pose2
-from legpush.messages.planning import BoxPathQuery, PushSide, TrunkPathQuery
+from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.clearance import clearance_at
-from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.footprints import Footprint, box_footprint
 from legpush.scene.occupancy import clearance_m, occupancy_grid
-from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import CALIBRATION_PUSH_M, Face, Scenario
+from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
+from legpush.scene.scenario import Face, Scenario
 
-TOLERANCE_SHARE: Final = 0.3
-"""Of the goal's tolerances: what a planned path of the box may leave."""
 SLACK_M: Final = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
 
@@ -35,59 +28,6 @@ def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose:
     """After the hand-over: to the stand-off behind a face of the box at the pose that it has."""
     goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(box_pose, face))
     return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
-
-
-def query_for_box(
-    scenario: Scenario, seed: int, box_pose: Pose2, estimates: Mapping[Face, PushEstimate], present: Face | None
-) -> BoxPathQuery:
-    """From where the box is to its goal, pushed at the faces that there are estimates for; the robot may stand at one
-    of them already.
-    """
-    faces = tuple(estimates)
-    pushing = scenario.pushing
-    return BoxPathQuery(
-        grid=occupancy_grid(scenario.room),
-        start=box_pose,
-        goal=scenario.goal.pose.pose(),
-        sides=tuple(_side(scenario, face, estimate) for face, estimate in estimates.items()),
-        present_side=faces.index(present) if present in faces else None,
-        box=box_footprint(scenario.box, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)),
-        walk_clearance_m=clearance_m(scenario.planning),
-        side_change_m=pushing.face_change_m,
-        clearance_m=pushing.margin_m,
-        run_in_m=pushing.run_in_m,
-        position_tolerance_m=TOLERANCE_SHARE * scenario.goal.position_tolerance_m,
-        angle_tolerance_rad=TOLERANCE_SHARE * radians(scenario.goal.angle_tolerance_deg),
-        seed=seed,
-        max_iterations=pushing.max_iterations,
-        goal_bias=pushing.goal_bias,
-        step_m=pushing.step_m,
-    )
-
-
-def calibration_query(
-    scenario: Scenario, seed: int, box_pose: Pose2, face: Face, estimate: PushEstimate
-) -> BoxPathQuery:
-    """As far straight ahead as the pushes of a calibration take the box at most, from where the robot stands."""
-    reach_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
-    ahead = pushed_pose(box_pose, face) @ Pose2(x_m=reach_m, y_m=0.0, yaw_rad=-TURN_RAD[face])
-    query = query_for_box(scenario, seed, box_pose, {face: estimate}, face)
-    return replace(query, goal=ahead, run_in_m=0.0, max_iterations=1)
-
-
-def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:
-    """What pushing a face takes: box and robot, and beforehand the place where the robot's way to it ends."""
-    box = pushed_box(scenario.box, face)
-    here = Pose2(x_m=estimate.axle_m, y_m=0.0, yaw_rad=0.0)
-    return PushSide(
-        frame=Pose2(x_m=0.0, y_m=0.0, yaw_rad=TURN_RAD[face]) @ Pose2(x_m=-estimate.axle_m, y_m=0.0, yaw_rad=0.0),
-        min_turning_radius_m=scenario.pushing.turning_reserve * estimate.turning_radius_m,
-        footprints=(
-            box_footprint(box, here),
-            Footprint(pose=station(box, here), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M),
-        ),
-        stand_off=stand_off(scenario, box, here),
-    )
 
 
 def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> TrunkPathQuery:

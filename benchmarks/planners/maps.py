@@ -7,9 +7,10 @@ import numpy as np
 from msgspec.structs import replace
 
 from agent_proc.walking.queries import query_to_nominal_box
-from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scenarios.file import load_scenario
 from legpush.scene.clearance import clearance
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.conformance import cases
 from planner_proc.planning import make_plan
 

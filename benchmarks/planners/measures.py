@@ -5,13 +5,11 @@ from math import pi
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.clearance import clearance
 from planner_proc.conformance.truth import SAME_M
-
-Floats = NDArray[np.float64]
 
 SPACING_M: Final = 0.05
 """Of the points at which headings are compared: a corner counts as if it were taken within so much of the way."""

@@ -12,17 +12,16 @@ from time import perf_counter
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pathplanning import RrtParams, plan_continuous
 from pathplanning.core.contracts import ContinuousProblem, GoalState
 from pathplanning.spaces.grid2d import Grid2DSamplingSpace
 from python_motion_planning.common import TYPES, Grid
 from python_motion_planning.path_planner import RRT, RRTStar
 
+from legpush.arrays import Floats
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scenarios.grid import merged_cells
 
-Floats = NDArray[np.float64]
 Peer = Callable[[TrunkPathQuery, int], Floats | None]
 """A path, (n, 2), for a question and a seed, if one was found."""
 

@@ -11,21 +11,19 @@ from itertools import product
 from time import perf_counter
 from typing import Final
 
-import numpy as np
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from benchmarks.planners.maps import question
 from benchmarks.planners.measures import measured, points_of
 from benchmarks.planners.peers_plot import draw
 from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
 from experiments.evaluations import read_table, write_table
+from legpush.arrays import Floats
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.scenario import Anytime, PlannerName, Smoothing
 from planner_proc.planning import make_plans
 from planner_proc.smoothing import polylines
 
-Floats = NDArray[np.float64]
 Planner = Callable[[TrunkPathQuery, int], Floats | None]
 
 TABLE: Final = RESULTS / "planner_peers_runs.csv.gz"

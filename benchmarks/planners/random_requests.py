@@ -4,15 +4,14 @@ from math import pi
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from legpush.messages.planning import OccupancyGrid, TrunkPathQuery
+from legpush.arrays import Flags
+from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.clearance import clearance
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
 from planner_proc.conformance import cases
 from planner_proc.search.registry import NOT_STEERED
-
-Flags = NDArray[np.bool_]
 
 PLANNERS: Final[tuple[PlannerName, ...]] = (
     "rrt",

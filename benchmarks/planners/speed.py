@@ -114,7 +114,7 @@ def _planner() -> Iterator[tuple[PlanLink, psutil.Process]]:
         bus = stack.enter_context(Bus(RUN, "agent", "speed", started.endpoints))
         link = PlanLink(bus, stop=stop)
         bus.announce()
-        while len(bus.roster.live("planner")) != 1:
+        while len(bus.liveliness.live("planner")) != 1:
             if ended := started.end():
                 raise RuntimeError(f"The planner did not come up: {ended}")
             threading.Event().wait(0.01)

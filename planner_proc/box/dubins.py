@@ -4,12 +4,10 @@ from math import ceil
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base as ob
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
-
-Floats = NDArray[np.float64]
 
 SAMPLE_M: Final = 0.025
 """Between two poses of a path that is checked, and of one that is returned."""

@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
-from legpush.messages.planning import OccupancyGrid
 from legpush.scene.footprints import Footprint
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.clearance.field import ROUNDING_M, ClearanceField
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _DISC_M: Final = 0.1
 """Rectangles are covered by discs around squares of about this size, for the quick answer."""

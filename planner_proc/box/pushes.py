@@ -9,16 +9,14 @@ from typing import Final
 
 import numpy as np
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.planning import BoxPathQuery, PushSide
 from planner_proc.box.dubins import SAMPLE_M, Dubins
 from planner_proc.box.footprint_field import FootprintField, Squares, placed
 from planner_proc.box.walking_space import WalkingSpace, places_behind
 from planner_proc.clearance.field import ClearanceField
-
-Floats = NDArray[np.float64]
 
 LEAST_STAGE_M: Final = 0.005
 """What is pushed less far than this from a side is not worth to change for."""
@@ -139,7 +137,7 @@ class Pushes:
         box = replace(self._query.box, pose=stage.begin @ self._query.box.pose)
         return self._walking.joins(begins_m, end_m, box)
 
-    def singles(self, a: Pose2, b: Pose2) -> Iterator[Way]:
+    def one_side(self, a: Pose2, b: Pose2) -> Iterator[Way]:
         """From one side all along."""
         for index in range(len(self.sides)):
             yield (self.stage(index, a, b),)
@@ -155,7 +153,7 @@ class Pushes:
             near = self._near_goal(side, a, goal)
             if near is not None:
                 yield (self.stage(index, a, near),)
-        yield from self.doubles(a, goal)
+        yield from self.two_sides(a, goal)
 
     def _near_goal(self, side: Side, a: Pose2, goal: Pose2) -> Pose2 | None:
         """Where a straight push ends that passes the goal within its tolerances."""
@@ -167,7 +165,7 @@ class Pushes:
         aligned = abs(wrap_angle(a.yaw_rad - goal.yaw_rad)) <= query.angle_tolerance_rad
         return end if ahead and near and aligned else None
 
-    def doubles(self, a: Pose2, b: Pose2) -> Iterator[Way]:
+    def two_sides(self, a: Pose2, b: Pose2) -> Iterator[Way]:
         """Straight from one side, as far as it has to go in that direction, and the rest from another side."""
         for index, side in enumerate(self.sides):
             for at_end in (True, False):

@@ -5,15 +5,13 @@ from math import ceil
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from legpush.arrays import Floats, Integers
 from legpush.geometry import Pose2
-from legpush.messages.planning import OccupancyGrid
 from legpush.scene.footprints import Footprint
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.clearance.field import ClearanceField
-
-Floats = NDArray[np.float64]
 
 AROUND_M: Final = 2.5
 """A way is looked for so far around the box first, and then in all of the room."""
@@ -67,7 +65,7 @@ class WalkingSpace:
         end = label_at(end_m)
         return end > 0 and any(label_at(begin_m) == end for begin_m in begins_m)
 
-    def _centres_m(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Floats:
+    def _centres_m(self, rows: Integers, columns: Integers) -> Floats:
         """Of cells, (rows, columns, 2)."""
         x, y = np.meshgrid(columns, rows)
         centres: Floats = (np.stack([x, y], axis=-1) + 0.5) * self._grid.resolution_m + np.array(self._grid.origin_m)

@@ -9,14 +9,12 @@ from math import ceil, hypot, inf
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from legpush.messages.planning import OccupancyGrid
+from legpush.arrays import Flags, Floats, Integers
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.clearance.nearest import NearestCells
 from planner_proc.clearance.squares import point_square_offsets, segment_distances
-
-Floats = NDArray[np.float64]
 
 ROUNDING_M: Final = 1e-8
 """What counts as equal: the rounding of coordinates, not a margin."""
@@ -113,7 +111,7 @@ class ClearanceField:
         rest = self._measure(np.array([[au, av]]), np.array([[bu, bv]]), [clearance_m * per_m])
         return float(rest[0]) * self._resolution_m >= clearance_m - ROUNDING_M
 
-    def free_segments(self, points_m: Floats, clearance_m: float) -> NDArray[np.bool_]:
+    def free_segments(self, points_m: Floats, clearance_m: float) -> Flags:
         """Which segments of a polyline, (n, 2), keep the clearance all along, (n - 1,)."""
         free = self._segment_bounds_m(points_m, clearance_m) >= clearance_m
         rest = np.flatnonzero(~free)
@@ -159,9 +157,9 @@ class ClearanceField:
         points: Floats = (points_m - self._low_m) / self._resolution_m + 1.0
         return points
 
-    def _cells_of(self, points: Floats) -> NDArray[np.int64]:
+    def _cells_of(self, points: Floats) -> Integers:
         """Column and row of the cell that each point stands in, (n, 2); of the nearest one off the grid."""
-        cells: NDArray[np.int64] = np.minimum(np.maximum(points, 0.0), self._last_cell).astype(np.int64)
+        cells: Integers = np.minimum(np.maximum(points, 0.0), self._last_cell).astype(np.int64)
         return cells
 
     def _upper_bound(self, u: float, v: float) -> float:
@@ -179,10 +177,10 @@ class ClearanceField:
         bounds: Floats = np.minimum(bounds_m[:-1], bounds_m[1:]) - 0.5 * lengths_m
         return bounds
 
-    def on_grid(self, points_m: Floats) -> NDArray[np.bool_]:
+    def on_grid(self, points_m: Floats) -> Flags:
         """Which points, (n, 2), lie on the grid, (n,)."""
         beyond = points_m - self._low_m
-        on_grid: NDArray[np.bool_] = ((beyond >= 0.0) & (beyond <= self._extent_m)).all(axis=-1)
+        on_grid: Flags = ((beyond >= 0.0) & (beyond <= self._extent_m)).all(axis=-1)
         return on_grid
 
     def _segment_clearance_m(self, a_m: Floats, b_m: Floats) -> Floats:
@@ -216,7 +214,7 @@ class ClearanceField:
         return distances
 
 
-def _exposed(occupied: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _exposed(occupied: Flags) -> Flags:
     """Occupied cells with a free cell at one of their sides: what is nearest to a free point is one of them."""
     free = ~occupied
     exposed = np.zeros_like(occupied)

@@ -13,9 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Integers = NDArray[np.int64]
+from legpush.arrays import Flags, Floats, Integers
 
 _BLOCK: Final = 8
 _SHIFT: Final = 3

@@ -6,7 +6,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from legpush.arrays import Floats
+
 Integers = NDArray[np.integer]
 
 _CORNERS_X: Final = np.array([[0.0], [0.0], [1.0], [1.0]])

@@ -11,11 +11,10 @@ import tyro
 from rich.console import Console
 from rich.text import Text
 
-from agent_proc.learning_service import run_program
 from legpush.bus.bus import Bus
 from legpush.files import write_whole
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
-from legpush.service import stop_on_signals
+from legpush.service import run_program, stop_on_signals
 from planner_proc.conformance.bench import Bench
 from planner_proc.conformance.checks import Finding, run_checks
 from planner_proc.conformance.client import RUN, Client, PlannerProcess

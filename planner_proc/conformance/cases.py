@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags
 from legpush.geometry import Pose2
-from legpush.messages.planning import BoxPathQuery, OccupancyGrid, PlanStatus, PushSide, TrunkPathQuery
+from legpush.messages.planning import BoxPathQuery, PlanStatus, PushSide, TrunkPathQuery
 from legpush.scene.footprints import Footprint
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Smoothing
 
 CLEARANCE_M: Final = 0.44
@@ -16,7 +17,6 @@ RESOLUTION_M: Final = 0.05
 AHEAD: Final = Pose2(x_m=4.0, y_m=3.0, yaw_rad=0.0)
 ASIDE: Final = Pose2(x_m=5.2, y_m=3.4, yaw_rad=0.3)
 """Where the box should be."""
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

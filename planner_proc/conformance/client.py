@@ -15,11 +15,11 @@ from legpush.bus import channels, keys
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, in_directory
 from legpush.errors import StopRequestedError
-from legpush.launch.run import child_environment
 from legpush.messages import codec
 from legpush.messages.planning import PlanCancel, PlanQuery, PlanRequest, PlanResult
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
+from legpush.processes.environment import child_environment
 
 RUN: Final = "plan-check"
 SLICE_S: Final = 0.05
@@ -93,7 +93,7 @@ class Client:
         """Until one token of a planner is up; what is wrong otherwise."""
         until_s = monotonic() + deadline_s
         while monotonic() < until_s:
-            if len(self.bus.roster.live("planner")) == 1:
+            if len(self.bus.liveliness.live("planner")) == 1:
                 return ""
             if ended := self._planner.end():
                 return ended

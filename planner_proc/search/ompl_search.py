@@ -11,9 +11,10 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
-from legpush.messages.common import MAX_WAYPOINTS, Point2
+from legpush.geometry import Point2
+from legpush.messages.common import MAX_WAYPOINTS
 from legpush.messages.planning import TrunkPathQuery
-from legpush.plans.request_queue import Interrupted, PlanningInterruptedError
+from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from legpush.scene.scenario import PlannerName
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.route import Route

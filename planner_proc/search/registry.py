@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final, get_args
 
 from legpush.messages.planning import TrunkPathQuery
-from legpush.plans.request_queue import Interrupted
+from legpush.plans.planner import Interrupted
 from legpush.scene.scenario import PlannerName, Steering
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.ompl_search import ompl_routes

@@ -9,18 +9,16 @@ from math import ceil, e, log
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from legpush.messages.common import Point2
+from legpush.arrays import Floats, Integers
+from legpush.geometry import Point2
 from legpush.messages.planning import TrunkPathQuery
-from legpush.plans.request_queue import Interrupted, PlanningInterruptedError
+from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.route import Route
-
-Floats = NDArray[np.float64]
 
 _NEIGHBOURS: Final = e * 1.5
 """Times the logarithm of the number of places: Karaman and Frazzoli's k-PRM* in the plane."""
@@ -99,7 +97,7 @@ class _Roadmap:
                 return self._as_route(way, before, reached=target == _GOAL)
             lengths_m[[index[pair] for pair in blocked]] = np.inf
 
-    def _lines(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    def _lines(self) -> tuple[Integers, Integers, Floats]:
         """Each place with its nearest ones: the lower index, the higher one, and the distance, (n,) each."""
         n = len(self._places_m)
         k = min(n - 1, max(1, ceil(_NEIGHBOURS * log(n))))
@@ -110,7 +108,7 @@ class _Roadmap:
         pairs, first = np.unique(pairs, axis=1, return_index=True)
         return pairs[0], pairs[1], apart_m[:, 1:].ravel()[first]
 
-    def _shortest(self, a: NDArray[np.int64], b: NDArray[np.int64], lengths_m: Floats) -> tuple[Floats, list[int]]:
+    def _shortest(self, a: Integers, b: Integers, lengths_m: Floats) -> tuple[Floats, list[int]]:
         """From the start to each place: how far, and from which place one comes there."""
         usable = np.isfinite(lengths_m)
         n = len(self._places_m)

@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from legpush.messages.common import Point2
+from legpush.arrays import Floats
+from legpush.geometry import Point2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,9 +11,9 @@ class Route:
     """A path from the start, the tree that was grown for it, and whether the path ends at the goal."""
 
     reached: bool
-    points_m: NDArray[np.float64]
+    points_m: Floats
     """(n, 2), the start first; the start alone where nothing else was found."""
-    curve: NDArray[np.float64] | None
+    curve: Floats | None
     """Of a path that is not straight between its points: x, y and yaw, dense, (k, 3)."""
     tree_points_m: tuple[Point2, ...]
     tree_parents: tuple[int, ...]

@@ -6,15 +6,12 @@ from math import ceil, pi
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base as ob
 
-from legpush.geometry import Pose2, wrap_angle
-from legpush.messages.common import Point2
+from legpush.arrays import Floats
+from legpush.geometry import Point2, Pose2, wrap_angle
 from legpush.messages.planning import TrunkPathQuery
 from planner_proc.clearance.field import ClearanceField
-
-Floats = NDArray[np.float64]
 
 SPACING_M: Final = 0.05
 """Between the poses of a curve that is returned."""

@@ -4,14 +4,12 @@ from math import ceil, inf
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dpbtrs
 
+from legpush.arrays import Floats
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
-
-Floats = NDArray[np.float64]
 
 _KNOT_SPACING_M: Final = 0.15
 _MIN_KNOTS: Final = 9

@@ -5,11 +5,9 @@ from math import atan2, ceil, cos, pi, sin, tan
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from planner_proc.smoothing import polylines
-
-Floats = NDArray[np.float64]
 
 _STRAIGHT_RAD: Final = 1e-6
 

@@ -1,9 +1,8 @@
 """Polylines as arrays of vertices, (n, 2), in metres."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from legpush.arrays import Floats
 
 
 def arc_lengths(points: Floats) -> Floats:

@@ -3,12 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from planner_proc.smoothing import polylines
 from planner_proc.smoothing.tube import Tube
-
-Floats = NDArray[np.float64]
 
 _N_ROUNDS: Final = 3
 _GAIN: Final = 0.02

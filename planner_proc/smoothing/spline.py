@@ -12,16 +12,14 @@ from math import ceil
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from legpush.arrays import Flags, Floats
 from legpush.scene.scenario import Smoothing
 from planner_proc.smoothing import polylines
 from planner_proc.smoothing.band import ElasticBand
 from planner_proc.smoothing.fillets import fillet
 from planner_proc.smoothing.tube import Tube
-
-Floats = NDArray[np.float64]
 
 SPACING_M: Final = 0.05
 """Greatest distance between the points of a smooth path."""
@@ -42,7 +40,7 @@ class _Curve(NamedTuple):
 
     points_m: Floats
     at_m: Floats
-    is_corner: NDArray[np.bool_]
+    is_corner: Flags
 
 
 def smooth(polyline_m: Floats, tube: Tube, options: Smoothing, min_turning_radius_m: float = 0.0) -> list[Floats]:
@@ -131,8 +129,8 @@ class _Limits:
         """Whether a path, (n, 2), keeps them."""
         return bool(self._tube.free_segments(points_m).all()) and not self._bends(points_m).any()
 
-    def _bends(self, points_m: Floats) -> NDArray[np.bool_]:
-        tight: NDArray[np.bool_] = polylines.turning_radii(points_m) < self._least_m
+    def _bends(self, points_m: Floats) -> Flags:
+        tight: Flags = polylines.turning_radii(points_m) < self._least_m
         return tight
 
 
@@ -171,7 +169,7 @@ def _stretches(path: _Curve) -> list[Floats]:
     return [path.points_m[begin : end + 1] for begin, end in pairwise(cuts)]
 
 
-def _is_sharp(path: _Curve) -> NDArray[np.bool_]:
+def _is_sharp(path: _Curve) -> Flags:
     """Which inner points are bends to turn on the spot."""
-    sharp: NDArray[np.bool_] = np.abs(polylines.turns(path.points_m)) > _SHARP_RAD
+    sharp: Flags = np.abs(polylines.turns(path.points_m)) > _SHARP_RAD
     return sharp

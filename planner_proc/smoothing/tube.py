@@ -5,12 +5,10 @@ from math import inf
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags, Floats
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
-
-Floats = NDArray[np.float64]
 
 _MOST_HALVINGS: Final = 24
 _ROUNDING_M: Final = 1e-9
@@ -32,12 +30,12 @@ class Tube:
         free = self.field.segment_is_free(a_m, b_m, self.clearance_m)
         return free and (self._max_deviation_m == inf or bool(self._near(np.array([a_m, b_m]))[0]))
 
-    def free_segments(self, points_m: Floats) -> NDArray[np.bool_]:
+    def free_segments(self, points_m: Floats) -> Flags:
         """Which segments of a polyline, (n, 2), are in it, (n - 1,)."""
         free = self.field.free_segments(points_m, self.clearance_m)
         return free if self._max_deviation_m == inf else free & self._near(points_m)
 
-    def _near(self, points_m: Floats) -> NDArray[np.bool_]:
+    def _near(self, points_m: Floats) -> Flags:
         """Which segments stay near the path, (n - 1,).
 
         Away from the middle of a piece, distances rise by at most its half length; pieces that this does not decide are

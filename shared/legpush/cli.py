@@ -3,73 +3,28 @@
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import singledispatch
 from importlib.metadata import version
-from pathlib import Path
-from typing import Annotated, Final, get_args
+from typing import Annotated, Final
 
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.launch.rooms import RandomScenario
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
-from legpush.options.export import ExportOptions, View
-from legpush.options.learning import CalibrateOptions, EvaluateOptions, Program, TrainOptions, start_program
+from legpush.options.export import ExportOptions
+from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.maps import MapOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
+from legpush.options.render import Render
 from legpush.options.run import RunOptions
-from legpush.options.view import ViewOptions, start_view
+from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
+from legpush.options.view import ViewOptions
+from legpush.processes.start_program import Program, start_program
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
     "`legpush run` starts it all; `legpush --version` prints the version."
 )
-
-
-@dataclass(frozen=True)
-class ListScenarios:
-    """List the built-in scenarios."""
-
-
-@dataclass(frozen=True)
-class ShowScenario:
-    """Check a scenario and print it with every field."""
-
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")]
-    """A built-in scenario or the path of a scenario file."""
-
-
-@dataclass(frozen=True)
-class CopyScenario:
-    """Copy a built-in scenario, with its comments, to a new file for you to edit."""
-
-    name: Annotated[str, tyro.conf.arg(metavar="NAME")]
-    """A built-in scenario."""
-    file: Annotated[Path, tyro.conf.arg(metavar="FILE")]
-    """The new file."""
-
-
-@dataclass(frozen=True)
-class Scenarios:
-    """List, show, copy or draw scenarios."""
-
-    action: (
-        Annotated[ListScenarios, tyro.conf.subcommand("list")]
-        | Annotated[ShowScenario, tyro.conf.subcommand("show")]
-        | Annotated[CopyScenario, tyro.conf.subcommand("copy")]
-        | Annotated[RandomScenario, tyro.conf.subcommand("random")]
-    )
-
-
-@dataclass(frozen=True)
-class Render:
-    """Film a run again, from what it recorded: writes mission.mp4 into its folder."""
-
-    run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]
-    """The folder of the run."""
-    camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
-    """Where it is seen from; `legpush export --help` says what each shows."""
 
 
 PROGRAMS: Final[dict[type, Program]] = {
@@ -78,6 +33,7 @@ PROGRAMS: Final[dict[type, Program]] = {
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
     ExportOptions: "sim_proc.export",
+    ViewOptions: "sim_proc.view",
 }
 """What is done by a program, in a process of its own."""
 
@@ -135,8 +91,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         for options, program in PROGRAMS.items():
             if isinstance(command, options):
                 start_program(program, argv[1:])
-        if isinstance(command, ViewOptions):
-            start_view(argv[1:])
         return execute(command)
     except LegpushError as error:
         sys.stderr.write(f"error: {error}\n")
@@ -166,9 +120,9 @@ def execute(command: object) -> int:
 def _run(command: RunOptions) -> int:
     from rich.console import Console
 
-    from legpush.launch.run import run_mission
+    from legpush.launch.run import launch_mission
 
-    return run_mission(command, Console())
+    return launch_mission(command, Console())
 
 
 @execute.register

@@ -1,6 +1,11 @@
 """The errors that legpush reports to its user: one sentence each, no traceback."""
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Final, Literal
+
+NO_OPENGL: Final = 4
+"""Exit code of programs that cannot draw because no OpenGL library can be used; they say so in a line."""
+INTERRUPTED: Final = 130
+"""Exit code of a program that was interrupted with its work not done."""
 
 
 class LegpushError(Exception):

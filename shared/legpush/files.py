@@ -1,8 +1,9 @@
 """Files that are complete or not there at all: a full disk or a crash leaves the previous one as it was."""
 
+import hashlib
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from legpush.errors import LegpushError
@@ -45,3 +46,11 @@ def replace_folder(folder: Path, fill: Callable[[Path], None]) -> None:
         shutil.rmtree(part, ignore_errors=True)
         if old.exists() and not folder.exists():
             old.replace(folder)
+
+
+def sha256_of(paths: Sequence[Path]) -> str:
+    """Of a recording, all parts together."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()

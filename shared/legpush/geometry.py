@@ -4,7 +4,9 @@ from math import atan2, cos, pi, sin
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from legpush.arrays import Floats
 
 
 class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -32,15 +34,15 @@ class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             yaw_rad=wrap_angle(-self.yaw_rad),
         )
 
-    def xy(self) -> NDArray[np.float64]:
+    def xy(self) -> Floats:
         """Position, (2,)."""
         return np.array([self.x_m, self.y_m])
 
-    def apply(self, points: ArrayLike) -> NDArray[np.float64]:
+    def apply(self, points: ArrayLike) -> Floats:
         """Points given in this pose's frame, (n, 2), in the frame that the pose is given in."""
         c, s = cos(self.yaw_rad), sin(self.yaw_rad)
         rotation = np.array([[c, -s], [s, c]])
-        turned: NDArray[np.float64] = np.asarray(points, dtype=np.float64) @ rotation.T
+        turned: Floats = np.asarray(points, dtype=np.float64) @ rotation.T
         return turned + self.xy()
 
 
@@ -50,13 +52,13 @@ def wrap_angle(angle_rad: float) -> float:
     return pi if wrapped == -pi else wrapped
 
 
-def rectangle_corners(length_m: float, width_m: float) -> NDArray[np.float64]:
+def rectangle_corners(length_m: float, width_m: float) -> Floats:
     """Corners of a rectangle about the origin, counter-clockwise from front left, (4, 2)."""
     x, y = length_m / 2, width_m / 2
     return np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
 
 
-def rotation_from_rpy(roll_rad: float, pitch_rad: float, yaw_rad: float) -> NDArray[np.float64]:
+def rotation_from_rpy(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Floats:
     """World-from-body rotation `Rz(yaw) Ry(pitch) Rx(roll)` (Eq. 1), (3, 3)."""
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll_rad, pitch_rad, yaw_rad) for f in (cos, sin))
     return np.array(
@@ -68,10 +70,15 @@ def rotation_from_rpy(roll_rad: float, pitch_rad: float, yaw_rad: float) -> NDAr
     )
 
 
-def rpy_from_quaternion(quaternion_wxyz: ArrayLike) -> NDArray[np.float64]:
+def rpy_from_quaternion(quaternion_wxyz: ArrayLike) -> Floats:
     """Roll, pitch and yaw of unit quaternions, (..., 4) to (..., 3)."""
     w, x, y, z = np.moveaxis(np.asarray(quaternion_wxyz, dtype=np.float64), -1, 0)
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     return np.stack([roll, pitch, yaw], axis=-1)
+
+
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]

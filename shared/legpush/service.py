@@ -6,28 +6,25 @@ interrupted with the work not done.
 
 import logging
 import os
-import re
 import signal
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import FrameType
-from typing import Final, Literal, TypeVar
+from typing import Literal, TypeVar
 
 import tyro
 
 from legpush.bus import endpoints
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import Endpoints
+from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
 from legpush.bus.faults import Faults
-from legpush.errors import ConfigError, LegpushError
+from legpush.errors import LegpushError
+from legpush.fields import Name, require
 from legpush.messages.common import Role
 
 log = logging.getLogger(__name__)
-
-DEFAULT_RUN: Final = "local"
-DEFAULT_NAME: Final = "main"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,9 +49,7 @@ class ServiceConfig:
 
     def __post_init__(self) -> None:
         for field in ("run", "name"):
-            value = getattr(self, field)
-            if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", value) is None:
-                raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --{field}, got {value!r}")
+            require(Name, getattr(self, field), f"--{field}")
 
     def endpoints(self) -> Endpoints:
         """Where to listen and connect; `EndpointError` where that is not possible."""
@@ -136,3 +131,13 @@ def stop_on_signals() -> threading.Event:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, on_signal)
     return stop
+
+
+def run_program(work: Callable[[], int]) -> int:
+    """The exit code of `work`; a `LegpushError` is one line on standard error."""
+    start_log("learn", "warning")
+    try:
+        return work()
+    except LegpushError as error:
+        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        return error.exit_code

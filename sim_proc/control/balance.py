@@ -10,33 +10,31 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags, Floats
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.gravity import GRAVITY_M_S2
 
 JERK_WEIGHT: Final = 1e-6
 END_WEIGHT: Final = 0.1
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, kw_only=True)
 class ComPlan:
     """A planned motion of the centre of mass over the ground, one row per tick, world frame."""
 
-    position_m: Array
-    velocity_m_s: Array
-    acceleration_m_s2: Array
-    zmp_m: Array
+    position_m: Floats
+    velocity_m_s: Floats
+    acceleration_m_s2: Floats
+    zmp_m: Floats
 
-    def state(self, tick: int) -> Array:
+    def state(self, tick: int) -> Floats:
         """Position, velocity and acceleration at a tick, (3, 2)."""
         return np.stack([self.position_m[tick], self.velocity_m_s[tick], self.acceleration_m_s2[tick]])
 
 
 def plan_com(
-    state: Array, zmp_reference_m: Array, weights: tuple[float, ...], end_velocity_m_s: Array, height_m: float
+    state: Floats, zmp_reference_m: Floats, weights: tuple[float, ...], end_velocity_m_s: Floats, height_m: float
 ) -> ComPlan:
     """The least-squares motion from `state` (3, 2) for a ZMP reference (n, 2) with one weight per tick."""
     from_reference, from_state, from_end = _preview_gains(weights, height_m)
@@ -49,7 +47,7 @@ def plan_com(
 
 
 @lru_cache(maxsize=256)
-def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Array], list[Array], list[Array]]:
+def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Floats], list[Floats], list[Floats]]:
     """Linear maps from reference, initial state and end velocity to position, velocity and acceleration.
 
     Minimizes `sum w (zmp - reference)^2 + JERK_WEIGHT |jerk|^2 + END_WEIGHT (end velocity error^2 + 0.01 end
@@ -82,7 +80,7 @@ def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Ar
     )
 
 
-def support_margin(points_m: Array, feet_m: Array, standing: NDArray[np.bool_]) -> Array:
+def support_margin(points_m: Floats, feet_m: Floats, standing: Flags) -> Floats:
     """Signed distance of each point (n, 2) to the border of its support polygon, inside positive, (n,).
 
     `feet_m` (n, 4, 2) are the feet and `standing` (n, 4) says which of them carry load. With two feet the polygon is
@@ -112,18 +110,18 @@ def support_margin(points_m: Array, feet_m: Array, standing: NDArray[np.bool_]) 
     return margins
 
 
-def triangle_margin(points_m: Array, support_feet_m: Array) -> Array:
+def triangle_margin(points_m: Floats, support_feet_m: Floats) -> Floats:
     """Signed distance of points (n, 2) to the border of one triangle of feet (3, 2), inside positive, (n,)."""
-    margins: Array = _edge_distances(points_m, support_feet_m).min(axis=1)
+    margins: Floats = _edge_distances(points_m, support_feet_m).min(axis=1)
     return margins
 
 
-def shifted_reference(nominal_m: Array, support_feet_m: Array, margin_m: float) -> Array:
+def shifted_reference(nominal_m: Floats, support_feet_m: Floats, margin_m: float) -> Floats:
     """The point (2,) on the way from `nominal_m` to the centroid of three feet (3, 2) (Eq. 8) that has the margin.
 
     The nominal point itself where it has the margin already, the centroid where even that has not.
     """
-    centroid: Array = support_feet_m.mean(axis=0)
+    centroid: Floats = support_feet_m.mean(axis=0)
     at_nominal, at_centroid = _edge_distances(np.stack([nominal_m, centroid]), support_feet_m)
     short = at_nominal < margin_m
     if not short.any():
@@ -131,22 +129,22 @@ def shifted_reference(nominal_m: Array, support_feet_m: Array, margin_m: float) 
     if (at_centroid[short] < margin_m).any():
         return centroid
     fraction = float(((margin_m - at_nominal[short]) / (at_centroid[short] - at_nominal[short])).max())
-    shifted: Array = nominal_m + fraction * (centroid - nominal_m)
+    shifted: Floats = nominal_m + fraction * (centroid - nominal_m)
     return shifted
 
 
-def _edge_distances(points_m: Array, support_feet_m: Array) -> Array:
+def _edge_distances(points_m: Floats, support_feet_m: Floats) -> Floats:
     """Signed distances of points (n, 2) to the edges of a triangle (3, 2), inside positive, (n, 3)."""
     first, second, third = support_feet_m
     turn = (second[0] - first[0]) * (third[1] - first[1]) - (second[1] - first[1]) * (third[0] - first[0])
     corners = support_feet_m if turn > 0 else support_feet_m[::-1]
     edge = np.roll(corners, -1, axis=0) - corners
     normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
-    distances: Array = ((points_m[:, None] - corners) * normal).sum(axis=2)
+    distances: Floats = ((points_m[:, None] - corners) * normal).sum(axis=2)
     return distances
 
 
-def foot_forces(feet_m: Array, load_share: Array, zmp_m: Array, acceleration_m_s2: Array, mass_kg: float) -> Array:
+def foot_forces(feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_m_s2: Floats, mass_kg: float) -> Floats:
     """Ground reaction forces (n, 4, 3) that carry the weight with the ZMP (n, 2) and accelerate the robot (n, 2).
 
     On a slope the acceleration is meant against free fall along the floor.
@@ -164,5 +162,5 @@ def foot_forces(feet_m: Array, load_share: Array, zmp_m: Array, acceleration_m_s
     multipliers = np.linalg.solve(weighted @ balance.transpose(0, 2, 1), wanted)
     vertical = (weighted * multipliers).sum(axis=1)
     horizontal = (vertical / GRAVITY_M_S2)[:, :, None] * acceleration_m_s2[:, None]
-    forces: Array = np.concatenate([horizontal, vertical[:, :, None]], axis=2)
+    forces: Floats = np.concatenate([horizontal, vertical[:, :, None]], axis=2)
     return forces

@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M, LEGS, Leg, foot_rectangle_b
-
-Array = NDArray[np.float64]
 
 GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
 """Lateral sequence crawl: the weight changes sides twice a cycle."""
@@ -34,11 +32,11 @@ class PosePath:
         self._xy_yaw = np.column_stack([xy, yaw])
         self.length_m = float(self._travelled[-1])
 
-    def poses(self, travelled_m: Array) -> Array:
+    def poses(self, travelled_m: Floats) -> Floats:
         """x, y and (unwrapped) yaw at travelled lengths (...,), clamped to the path, (..., 3)."""
         return np.stack([np.interp(travelled_m, self._travelled, column) for column in self._xy_yaw.T], axis=-1)
 
-    def corners(self, travelled_m: Array) -> Array:
+    def corners(self, travelled_m: Floats) -> Floats:
         """Foot rectangle corner of each leg at its own travelled length, (..., 4) to (..., 4, 2)."""
         pose = self.poses(travelled_m)
         c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
@@ -52,13 +50,13 @@ class PosePath:
 class CycleTargets:
     """Where one gait cycle brings the feet along the path."""
 
-    travelled_m: Array
+    travelled_m: Floats
     """Of each leg's rectangle, in the order of `LEGS`, (4,); their mean is where the trunk is."""
-    feet_m: Array
+    feet_m: Floats
     """(4, 2)"""
 
 
-def next_cycle(path: PosePath, travelled_m: Array, feet_m: Array) -> CycleTargets:
+def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTargets:
     """The longest gait cycle within the limits, from feet `feet_m` (4, 2) whose rectangles are at `travelled_m` (4,).
 
     A leg that swings at phase phi of the cycle lands where the trunk will be half a cycle later, so that at mid-stance

@@ -6,18 +6,16 @@ from math import degrees, hypot, radians
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import PathProgress
 from legpush.scene.robot import CONTROL_PERIOD_S, FOOT_RADIUS_M, LEGS
 from sim_proc.control.footsteps import GAIT_ORDER, CycleTargets, PosePath, next_cycle
+from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing
 from sim_proc.control.swing import parabola
-from sim_proc.physics.physics import Recording
-
-Array = NDArray[np.float64]
 
 SHIFT_TICKS: Final = 6
 SWING_TICKS: Final = 13
@@ -39,7 +37,7 @@ class PathWalk:
 
     def __init__(self, steps: Steps, waypoints: Sequence[Pose2]) -> None:
         """Take the path up from where the robot stands or walks; `MotionError` if it begins elsewhere."""
-        require_within_reach("a path that begins", steps.posture.physics.trunk_pose(), waypoints[0])
+        require_within_reach("a path that begins", steps.posture.plant.trunk_pose(), waypoints[0])
         self._steps = steps
         self._path = PosePath(waypoints)
         self._travelled = np.zeros(4)
@@ -49,7 +47,7 @@ class PathWalk:
         done = bool((self._travelled >= self._path.length_m).all())
         return PathProgress(travelled_m=float(self._travelled.mean()), length_m=self._path.length_m, done=done)
 
-    def cycle(self) -> list[Recording]:
+    def cycle(self) -> list[TickLog]:
         """Each leg one step; after the last cycle of the path the robot comes to rest. Stops short at a fall."""
         posture = self._steps.posture
         feet = posture.feet_m[:, :2]
@@ -61,7 +59,7 @@ class PathWalk:
         recordings = []
         for index in range(len(GAIT_ORDER)):
             recordings.append(self._steps.take(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
-            if posture.physics.fallen:
+            if posture.plant.fallen:
                 return recordings
         self._travelled = this.travelled_m
         if self.progress().done:
@@ -69,7 +67,7 @@ class PathWalk:
             posture.com_state[1:] = 0.0
         return recordings
 
-    def _steps_of(self, before: Array, targets: CycleTargets) -> list[Step]:
+    def _steps_of(self, before: Floats, targets: CycleTargets) -> list[Step]:
         """The four steps of a cycle, the trunk advancing evenly."""
         start, end = float(before.mean()), float(targets.travelled_m.mean())
         n_legs = len(GAIT_ORDER)
@@ -109,7 +107,7 @@ def require_within_reach(what: str, trunk: Pose2, place: Pose2) -> None:
         )
 
 
-def rest(nominal_xy_m: Array, yaw_rad: float) -> Step:
+def rest(nominal_xy_m: Floats, yaw_rad: float) -> Step:
     """All feet down, the centre of mass to `nominal_xy_m`."""
     return Step(
         leg=None,
@@ -123,6 +121,6 @@ def rest(nominal_xy_m: Array, yaw_rad: float) -> Step:
     )
 
 
-def swing_to(target_m: Array, n_ticks: int) -> Swing:
+def swing_to(target_m: Floats, n_ticks: int) -> Swing:
     """A parabolic swing that lands at `target_m` (2,)."""
     return lambda start_m: parabola(start_m, [*target_m, TOUCHDOWN_M], STEP_HEIGHT_M, n_ticks)

@@ -1,33 +1,31 @@
 """What the robot is commanded to do at present: feet, trunk, centre of mass, joints; and how it is kept honest."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from legpush.scene.robot import CONTROL_PERIOD_S, JOINT_QPOS
+from legpush.arrays import Floats
+from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.control.balance import foot_forces
+from sim_proc.control.plant import Plant, TickLog
 from sim_proc.gravity import GRAVITY_M_S2
+from sim_proc.kinematics.body import STANDING_HEIGHT_M, VELOCITY_GAIN_N_M_S_RAD
 from sim_proc.kinematics.leg import HIPS_B, SIDE, inverse, jacobian
-from sim_proc.model.world import STANDING_HEIGHT_M, VELOCITY_GAIN_N_M_S_RAD
-from sim_proc.physics.physics import Physics, Recording
-
-Array = NDArray[np.float64]
 
 
 class Posture:
     """The commanded posture of a robot that stands with the trunk level at `STANDING_HEIGHT_M`."""
 
-    def __init__(self, physics: Physics) -> None:
+    def __init__(self, plant: Plant) -> None:
         """Take over the robot as it stands."""
-        self.physics = physics
-        trunk = physics.trunk_pose()
-        self.trunk_xy_m: Array = trunk.xy()
+        self.plant = plant
+        trunk = plant.trunk_pose()
+        self.trunk_xy_m: Floats = trunk.xy()
         self.yaw_rad = trunk.yaw_rad
         self.yaw_rate_rad_s = 0.0
-        self.feet_m: Array = physics.tips_m().copy()
-        self.joints_rad: Array = physics.data.qpos[JOINT_QPOS].copy()
-        self.com_state: Array = np.zeros((3, 2))
+        self.feet_m: Floats = plant.tips_m().copy()
+        self.joints_rad: Floats = plant.joints_rad()
+        self.com_state: Floats = np.zeros((3, 2))
         """Planned position, velocity and acceleration of the centre of mass over the ground."""
-        self.com_offset_m: Array = np.zeros(2)
+        self.com_offset_m: Floats = np.zeros(2)
         """From the trunk to the centre of mass, world frame, as last measured."""
         self.measure()
 
@@ -37,8 +35,8 @@ class Posture:
         Feet roll and settle a few millimetres; commands that ignore it make the legs push against each other. The
         planar motion that best fits the commanded feet onto the measured ones is applied to the commanded trunk.
         """
-        physics = self.physics
-        commanded, measured = self.feet_m[:, :2], physics.tips_m()[:, :2]
+        plant = self.plant
+        commanded, measured = self.feet_m[:, :2], plant.tips_m()[:, :2]
         centre_c, centre_m = commanded.mean(axis=0), measured.mean(axis=0)
         from_c, from_m = commanded - centre_c, measured - centre_m
         cross = (from_c[:, 0] * from_m[:, 1] - from_c[:, 1] * from_m[:, 0]).sum()
@@ -47,18 +45,18 @@ class Posture:
         self.trunk_xy_m = centre_m + np.array([[c, -s], [s, c]]) @ (self.trunk_xy_m - centre_c)
         self.yaw_rad += turn
         self.feet_m[:, :2] = measured
-        self.com_offset_m = physics.com_m()[:2] - physics.data.qpos[:2]
+        self.com_offset_m = plant.com_m()[:2] - plant.trunk_pose().xy()
         self.com_state[0] = self.trunk_xy_m + self.com_offset_m
 
     def track(
         self,
-        trunk_xy_m: Array,
-        yaw_rad: Array,
-        feet_m: Array,
-        load_share: Array,
-        zmp_m: Array,
-        acceleration_m_s2: Array,
-    ) -> Recording:
+        trunk_xy_m: Floats,
+        yaw_rad: Floats,
+        feet_m: Floats,
+        load_share: Floats,
+        zmp_m: Floats,
+        acceleration_m_s2: Floats,
+    ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,), and feet (n, 4, 3), one row per tick, world frame.
 
         Joint targets come from inverse kinematics; their velocities and the torques of the planned foot forces are fed
@@ -71,19 +69,19 @@ class Posture:
         tips_b[:, :, 2] -= STANDING_HEIGHT_M
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
         joints = inverse(tips_b - HIPS_B, SIDE, saturate=True)
-        against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.physics.downhill
-        forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.physics.mass_kg)
+        against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
+        forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg)
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
         torques = -np.einsum("nlij,nli->nlj", jacobian(joints, SIDE), forces).reshape(n, 12)
         commands = joints.reshape(n, 12)
         velocities = np.diff(commands, axis=0, prepend=self.joints_rad[None]) / CONTROL_PERIOD_S
-        recording = self.physics.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
+        recording = self.plant.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
         self.joints_rad = commands[-1]
         self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
         return recording
 
 
-def _rotations(yaw_rad: Array) -> Array:
+def _rotations(yaw_rad: Floats) -> Floats:
     """Planar rotations, (n, 2, 2)."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)

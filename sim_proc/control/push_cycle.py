@@ -5,8 +5,8 @@ from math import hypot, sqrt
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
@@ -15,11 +15,9 @@ from legpush.scene.footprints import behind_box
 from legpush.scene.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
 from legpush.scene.scenario import STATION_M, Box, Face
 from sim_proc.control.gait import MAX_OFF_M, MAX_OFF_RAD, TOUCHDOWN_M, require_within_reach, rest, swing_to
+from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing
 from sim_proc.control.swing import bezier, control_points, gentle_stop, parabola
-from sim_proc.physics.physics import Recording
-
-Array = NDArray[np.float64]
 
 PUSH_SHIFT_TICKS: Final = 14
 PUSH_TICKS: Final = 48
@@ -35,7 +33,7 @@ RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", 
 """The rest of the crawl's lateral sequence after the pushing leg, mirrored for the right side."""
 
 
-def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Array:
+def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Floats:
     """Where the foot's centre ends, (3,), for a box whose pushed frame is at `pose`: its surface `depth_m` beyond the
     face.
     """
@@ -50,7 +48,7 @@ def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Array
 class PushRecording:
     """What a push cycle recorded."""
 
-    recordings: list[Recording]
+    recordings: list[TickLog]
     peak_force_n: float
 
 
@@ -65,11 +63,11 @@ class Pusher:
     def cycle(self, push: Push) -> PushRecording:
         """Push, return, re-step; stops short at a fall. `MotionError` where the robot does not stand at the box."""
         posture = self._steps.posture
-        physics = posture.physics
+        plant = posture.plant
         leg = LEGS.index(push.leg)
         self._require_face(push.face)
-        box, pose = pushed_box(self._box, push.face), pushed_pose(physics.box_pose(), push.face)
-        require_within_reach("the place to push from", physics.trunk_pose(), behind_box(box, pose, STATION_M))
+        box, pose = pushed_box(self._box, push.face), pushed_pose(plant.box_pose(), push.face)
+        require_within_reach("the place to push from", plant.trunk_pose(), behind_box(box, pose, STATION_M))
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
         goal = contact_point(pose, box, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
@@ -79,13 +77,13 @@ class Pusher:
         ]
         recordings = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
         peak = float(np.linalg.norm(recordings[0].box_forces_n[:, leg], axis=1).max())
-        if not physics.fallen:
+        if not plant.fallen:
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
                 recordings.append(self._steps.take(follow[index : index + 4], swing))
-                if physics.fallen:
+                if plant.fallen:
                     break
         return PushRecording(recordings=recordings, peak_force_n=peak)
 
@@ -96,14 +94,14 @@ class Pusher:
 
     def _next_station(self, face: Face) -> Pose2:
         """Where the feet go after the push: to the box, or back to where they were if it slid out of their reach."""
-        physics = self._steps.posture.physics
-        here = physics.trunk_pose()
-        station = behind_box(pushed_box(self._box, face), pushed_pose(physics.box_pose(), face), STATION_M)
+        plant = self._steps.posture.plant
+        here = plant.trunk_pose()
+        station = behind_box(pushed_box(self._box, face), pushed_pose(plant.box_pose(), face), STATION_M)
         away = here.inverse() @ station
         near = hypot(away.x_m, away.y_m) <= MAX_OFF_M and abs(away.yaw_rad) <= MAX_OFF_RAD
         return station if near else here
 
-    def _push_step(self, leg: FrontLeg, here: Array, yaw_rad: float) -> Step:
+    def _push_step(self, leg: FrontLeg, here: Floats, yaw_rad: float) -> Step:
         return Step(
             leg=leg,
             shift_ticks=PUSH_SHIFT_TICKS,
@@ -140,18 +138,18 @@ class Pusher:
         return [*steps, rest(to.xy(), to.yaw_rad)]
 
     @staticmethod
-    def _bezier_swing(push: Push, goal_m: Array) -> Swing:
-        def curve(start_m: Array) -> Array:
+    def _bezier_swing(push: Push, goal_m: Floats) -> Swing:
+        def curve(start_m: Floats) -> Floats:
             points = control_points(start_m, goal_m, push.w1, push.w2, push.locus, FOOT_RADIUS_M)
             return bezier(points, gentle_stop(PUSH_TICKS))
 
         return curve
 
     @staticmethod
-    def _return_swing(target_m: Array) -> Swing:
+    def _return_swing(target_m: Floats) -> Swing:
         """Straight from the box down to the marker."""
 
-        def curve(start_m: Array) -> Array:
+        def curve(start_m: Floats) -> Floats:
             return parabola(start_m, [*target_m, TOUCHDOWN_M], 0.0, RETURN_TICKS)
 
         return curve

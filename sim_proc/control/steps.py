@@ -5,16 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import wrap_angle
 from legpush.scene.robot import CONTROL_PERIOD_S, LEGS, Leg
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
+from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
-from sim_proc.model.world import STANDING_HEIGHT_M
-from sim_proc.physics.physics import Recording
-
-Array = NDArray[np.float64]
+from sim_proc.kinematics.body import STANDING_HEIGHT_M
 
 COM_HEIGHT_M: Final = STANDING_HEIGHT_M - 0.05
 """Height of the pendulum: the legs hang below the trunk."""
@@ -38,11 +36,11 @@ class Step:
     """None: all feet stay down and the weight comes to rest at `nominal_xy_m`."""
     shift_ticks: int
     swing_ticks: int
-    target_m: Array
+    target_m: Floats
     """Where the foot comes down, (2,)."""
-    nominal_xy_m: Array
+    nominal_xy_m: Floats
     """Of the trunk's centre of mass half way through the swing, (2,)."""
-    end_velocity_m_s: Array
+    end_velocity_m_s: Floats
     """Of the trunk after the step, where no step follows, (2,)."""
     end_yaw_rad: float
     margin_m: float
@@ -54,7 +52,7 @@ class Step:
         return self.shift_ticks + self.swing_ticks
 
 
-Swing = Callable[[Array], Array]
+Swing = Callable[[Floats], Floats]
 """From where the foot is, (3,), to its curve through the air, (swing_ticks, 3)."""
 
 
@@ -64,13 +62,13 @@ class Steps:
     def __init__(self, posture: Posture) -> None:
         """Begin with all feet down."""
         self.posture = posture
-        self._lean_m: Array = COM_HEIGHT_M * posture.physics.downhill
+        self._lean_m: Floats = COM_HEIGHT_M * posture.plant.downhill
         """From below the CoM to where its plumb line meets a floor that slopes, (2,)."""
         self.landed: int | None = None
         """The leg that the last step put down."""
         self.n_footsteps = 0
 
-    def take(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> Recording:
+    def take(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
         """Carry out `ahead[0]`; the others are what is expected to follow.
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
@@ -141,7 +139,7 @@ class Steps:
         )
 
 
-def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Array, float]:
+def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, float]:
     """A cubic from the present yaw and rate to `end_rad`, (n,), and its rate at the end: the mean rate of the turn."""
     duration = n_ticks * CONTROL_PERIOD_S
     change = wrap_angle(end_rad - start_rad)

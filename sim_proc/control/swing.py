@@ -4,43 +4,44 @@ from math import pi
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from legpush.arrays import Floats
+
 Locus = Literal["swing", "published"]
 
 LOCUS_RANGE_RAD: Final[dict[Locus, tuple[float, float]]] = {"swing": (-pi / 2, pi / 2), "published": (0.0, pi)}
 """theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the printed one."""
 
 
-def minimum_jerk(n_ticks: int) -> Array:
+def minimum_jerk(n_ticks: int) -> Floats:
     """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), at rest at both ends."""
     u = np.arange(1, n_ticks + 1) / n_ticks
-    progress: Array = u**3 * (10 - 15 * u + 6 * u**2)
+    progress: Floats = u**3 * (10 - 15 * u + 6 * u**2)
     return progress
 
 
-def gentle_stop(n_ticks: int) -> Array:
+def gentle_stop(n_ticks: int) -> Floats:
     """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), that slows down over two thirds of the time.
 
     Its greatest deceleration is 4 / T^2, against 5.8 / T^2 of minimum jerk: a pushed box that friction can slow down as
     fast stays at the foot and is not thrown.
     """
     u = np.arange(1, n_ticks + 1) / n_ticks
-    progress: Array = u**2 * (6 - 8 * u + 3 * u**2)
+    progress: Floats = u**2 * (6 - 8 * u + 3 * u**2)
     return progress
 
 
-def parabola(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int) -> Array:
+def parabola(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int) -> Floats:
     """A step from `start_m` to `end_m` (3,) that rises by `height_m` half way, one point per tick, (n, 3)."""
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
     progress = minimum_jerk(n_ticks)
-    curve: Array = start + progress[:, None] * (end - start)
+    curve: Floats = start + progress[:, None] * (end - start)
     curve[:, 2] += 4 * height_m * progress * (1 - progress)
     return curve
 
 
-def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus: Locus, floor_m: float) -> Array:
+def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus: Locus, floor_m: float) -> Floats:
     """The four control points, (4, 3), of a push from `p0_m` to `p3_m` (Eq. 14).
 
     The inner two lie on the circle about the middle of the chord, in the vertical plane through it:
@@ -62,9 +63,9 @@ def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus
     return points
 
 
-def bezier(points_m: ArrayLike, t: ArrayLike) -> Array:
+def bezier(points_m: ArrayLike, t: ArrayLike) -> Floats:
     """The cubic Bezier curve (Eq. 13) of four control points (4, d) at parameters (n,), (n, d)."""
     t = np.asarray(t, dtype=np.float64)
     basis = np.stack([(1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t**2, t**3], axis=-1)
-    curve: Array = basis @ np.asarray(points_m, dtype=np.float64)
+    curve: Floats = basis @ np.asarray(points_m, dtype=np.float64)
     return curve

@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
 from legpush.scene.robot import JOINTS as JOINT_NAMES
 from legpush.scene.robot import LEGS
 from sim_proc.export.source import Exported
 
-Array = NDArray[np.float64]
 XYZ: Final = ("x", "y", "z")
 POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))
 LEG_JOINTS: Final = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINT_NAMES)
@@ -75,7 +75,7 @@ def _columns(episode: Exported) -> Iterator[Column]:
     yield _column("reward", "", "of the step, in the row of its end", _rewards(timeline))
 
 
-def _rewards(timeline: Timeline) -> Array:
+def _rewards(timeline: Timeline) -> Floats:
     rewards = np.full(timeline.n_rows, np.nan)
     for step in timeline.steps:
         if step.n_rows and step.number in timeline.rewards:
@@ -87,7 +87,7 @@ def _kind(motion: object) -> str:
     return type(motion).__name__.lower()
 
 
-def _named(prefix: str, names: Sequence[str], about: str, values: Array) -> Iterator[Column]:
+def _named(prefix: str, names: Sequence[str], about: str, values: Floats) -> Iterator[Column]:
     """A column for each name; the unit is the last word of it."""
     for name, column in zip(names, values.T, strict=True):
         unit = {"m": "m", "rad": "rad", "n": "N"}.get(name.rpartition("_")[2], "")

@@ -31,10 +31,9 @@ from foxglove.messages import (
     SceneUpdate,
     Timestamp,
 )
-from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
-from legpush.history.run_history import Planned, Said
+from legpush.history.run_history import PlanAt, Said
 from legpush.history.timeline import BOX, JOINTS, TRUNK, TimelineStep
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Reset
@@ -57,8 +56,6 @@ from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import parts_of
-
-Array = NDArray[np.float64]
 
 PERIOD_NS: Final = round(CONTROL_PERIOD_S * 1e9)
 TIMES: Final = "when the episode began since 1970, plus simulated time"
@@ -206,7 +203,7 @@ class _Writer:
             "/scene/appeared", row, [body_entity(part, stamp) for part in self._parts if part.name in names]
         )
 
-    def _write_plan(self, row: int, planned: Planned) -> None:
+    def _write_plan(self, row: int, planned: PlanAt) -> None:
         place = "box" if isinstance(planned.query, BoxPathQuery) else "trunk"
         plan, stamp = planned.plan, self._stamp(row)
         self._log(PosesInFrameChannel, f"/plan/{place}_path", row, self._poses(plan.waypoints, row))

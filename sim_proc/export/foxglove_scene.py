@@ -20,14 +20,13 @@ from foxglove.messages import (
     TriangleListPrimitive,
     Vector3,
 )
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.scene.robot import LEGS
 from sim_proc.export.transforms import WORLD, product, turn_to
+from sim_proc.kinematics.body import LOADED_N
 from sim_proc.model.shapes import Part, Shape
-from sim_proc.observation import LOADED_N
 
-Array = NDArray[np.float64]
 Rgba = tuple[float, float, float, float]
 
 FLOOR_THICKNESS_M: Final = 0.01
@@ -45,18 +44,18 @@ ABOVE_FLOOR_M: Final = 0.004
 """Where lines on the floor are drawn."""
 
 
-def pose(position_m: Array, quaternion_wxyz: Array) -> Pose:
+def pose(position_m: Floats, quaternion_wxyz: Floats) -> Pose:
     """As Foxglove has it, the quaternion's w last."""
     return Pose(position=vector(position_m), orientation=quaternion(quaternion_wxyz))
 
 
-def vector(position_m: Array) -> Vector3:
+def vector(position_m: Floats) -> Vector3:
     """Of three numbers."""
     x, y, z = map(float, position_m)
     return Vector3(x=x, y=y, z=z)
 
 
-def quaternion(quaternion_wxyz: Array) -> Quaternion:
+def quaternion(quaternion_wxyz: Floats) -> Quaternion:
     """The same numbers, by name."""
     w, x, y, z = map(float, quaternion_wxyz)
     return Quaternion(x=x, y=y, z=z, w=w)
@@ -98,7 +97,7 @@ def body_entity(part: Part, time: Timestamp) -> SceneEntity:
     )
 
 
-def line_entity(name: str, points_m: Array, rgba: Rgba, time: Timestamp, *, pairs: bool = False) -> SceneEntity:
+def line_entity(name: str, points_m: Floats, rgba: Rgba, time: Timestamp, *, pairs: bool = False) -> SceneEntity:
     """A line on the floor through points (n, 2), or with `pairs` one between every two of them."""
     kind = LinePrimitiveLineType.LineList if pairs else LinePrimitiveLineType.LineStrip
     line = LinePrimitive(
@@ -110,7 +109,7 @@ def line_entity(name: str, points_m: Array, rgba: Rgba, time: Timestamp, *, pair
     return SceneEntity(id=name, frame_id=WORLD, timestamp=time, lines=[line])
 
 
-def feet_entities(tips_m: Array, forces_n: Array, com_m: Array, zmp_m: Array, time: Timestamp) -> list[SceneEntity]:
+def feet_entities(tips_m: Floats, forces_n: Floats, com_m: Floats, zmp_m: Floats, time: Timestamp) -> list[SceneEntity]:
     """Forces on the feet (4, 3), the polygon of those that carry load, and CoM and ZMP on the floor."""
     arrows = [
         ArrowPrimitive(
@@ -145,19 +144,19 @@ def robot_bodies() -> frozenset[str]:
     return frozenset({"trunk", *(f"{leg}_{link}" for leg in LEGS for link in ("hip", "upper", "lower"))})
 
 
-def _ends(shape: Shape) -> list[Array]:
+def _ends(shape: Shape) -> list[Floats]:
     """Centres of the two half spheres of a capsule, in the frame of the body."""
     q = shape.quaternion_wxyz[None]
     along = product(product(q, np.array([[0.0, 0.0, 0.0, 1.0]])), q * np.array([1.0, -1.0, -1.0, -1.0]))[0, 1:]
     return [shape.position_m + side * shape.size_m[1] * along for side in (-1.0, 1.0)]
 
 
-def _sphere(centre_m: Array, radius_m: float, color: Color) -> SpherePrimitive:
+def _sphere(centre_m: Floats, radius_m: float, color: Color) -> SpherePrimitive:
     size = Vector3(x=2 * radius_m, y=2 * radius_m, z=2 * radius_m)
     return SpherePrimitive(pose=pose(centre_m, np.array([1.0, 0.0, 0.0, 0.0])), size=size, color=color)
 
 
-def _point(position_m: Array) -> Point3:
+def _point(position_m: Floats) -> Point3:
     x, y, z = map(float, position_m)
     return Point3(x=x, y=y, z=z)
 

@@ -13,8 +13,9 @@ from typing import Final
 import tyro
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.options.export import FILMS, ExportOptions, Format
-from legpush.recording.branch import sha256_of
+from legpush.exports import FILMS, Format
+from legpush.files import sha256_of
+from legpush.options.export import ExportOptions
 from legpush.service import one_line
 from sim_proc.export.columns import columns_of
 from sim_proc.export.source import Source, longest, notes, read_source
@@ -42,7 +43,8 @@ def export(options: ExportOptions) -> int:
     _require_library(made)
     source = read_source(options.files, options.episode, partial=options.partial)
     if made in FILMS:
-        from sim_proc.render.rendering import NO_OPENGL, use_backend
+        from legpush.errors import NO_OPENGL
+        from sim_proc.render.rendering import use_backend
 
         if not use_backend("legpush export"):
             return NO_OPENGL

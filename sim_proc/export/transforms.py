@@ -4,11 +4,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from sim_proc.model.shapes import Part
 
-Array = NDArray[np.float64]
 WORLD = "world"
 
 
@@ -18,13 +17,13 @@ class Frame:
 
     name: str
     parent: str
-    positions_m: Array
+    positions_m: Floats
     """(n, 3)"""
-    quaternions_wxyz: Array
+    quaternions_wxyz: Floats
     """(n, 4)"""
 
 
-def moving_frames(parts: Sequence[Part], qpos: Array) -> list[Frame]:
+def moving_frames(parts: Sequence[Part], qpos: Floats) -> list[Frame]:
     """Those that joints move, for each row of `qpos` (n, 26): free ones as they are there, bit for bit."""
     return list(_moving(parts, qpos))
 
@@ -43,7 +42,7 @@ def standing_frames(parts: Sequence[Part]) -> list[Frame]:
     ]
 
 
-def _moving(parts: Sequence[Part], qpos: Array) -> Iterator[Frame]:
+def _moving(parts: Sequence[Part], qpos: Floats) -> Iterator[Frame]:
     for part in parts:
         if part.joint == "free":
             pose = qpos[:, part.qpos : part.qpos + 7]
@@ -58,7 +57,7 @@ def _moving(parts: Sequence[Part], qpos: Array) -> Iterator[Frame]:
         yield Frame(name=part.name, parent=part.parent, positions_m=positions, quaternions_wxyz=quaternions)
 
 
-def product(first: Array, second: Array) -> Array:
+def product(first: Floats, second: Floats) -> Floats:
     """Of quaternions, row by row, (n, 4): `second` happens first, or in the frame of `first`."""
     w, x, y, z = first.T
     a, b, c, d = second.T
@@ -72,7 +71,7 @@ def product(first: Array, second: Array) -> Array:
     )
 
 
-def turn_to(direction: Array) -> Array:
+def turn_to(direction: Floats) -> Floats:
     """A quaternion that turns the x axis into a direction (3,); any where that is zero, (4,)."""
     length = float(np.linalg.norm(direction))
     if length == 0.0:

@@ -6,8 +6,9 @@ points backward).
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from legpush.arrays import Floats
 from legpush.scene.robot import HIP_X_M, HIP_Y_M, JOINT_LIMITS_RAD, JOINTS, L1_M, L2_M, L3_M, LEGS
 
 SIDE = np.array([1.0 if leg.endswith("L") else -1.0 for leg in LEGS])
@@ -25,7 +26,7 @@ REACH_SQUARED_M2 = tuple(L2_M**2 + L3_M**2 + 2 * L2_M * L3_M * np.cos(JOINT_LIMI
 """Squared distance from hip-y axis to tip, least and largest, that the knee's limits allow."""
 
 
-def forward(joints_rad: ArrayLike, side: ArrayLike) -> NDArray[np.float64]:
+def forward(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
     """Tips in the hip frame, (..., 3), of joint angles (..., 3); `side` is +1 for left legs, broadcast over `...`."""
     q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
     x = -L2_M * np.sin(q2) - L3_M * np.sin(q2 - q3)
@@ -35,7 +36,7 @@ def forward(joints_rad: ArrayLike, side: ArrayLike) -> NDArray[np.float64]:
     return np.stack([x, y2 * c1 - z2 * s1, y2 * s1 + z2 * c1], axis=-1)
 
 
-def inverse(tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> NDArray[np.float64]:
+def inverse(tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> Floats:
     """Joint angles, (..., 3), that put the tips at `tips_h` in the hip frame; NaN where the leg does not reach.
 
     With `saturate` it stretches, or folds, toward such a tip as far as its joint limits allow.
@@ -55,9 +56,7 @@ def inverse(tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> ND
     return np.clip(joints, LOWER_LIMITS, UPPER_LIMITS) if saturate else joints
 
 
-def _inverse_branch(
-    tips: NDArray[np.float64], side: NDArray[np.float64], z_sign: float, *, saturate: bool
-) -> NDArray[np.float64]:
+def _inverse_branch(tips: Floats, side: Floats, z_sign: float, *, saturate: bool) -> Floats:
     """The solution with the foot at `z2` of this sign in the leg plane."""
     x, y, z = np.moveaxis(tips, -1, 0)
     z2_squared = y * y + z * z - L1_M * L1_M
@@ -76,7 +75,7 @@ def _inverse_branch(
     return np.stack([_wrap(q1), _wrap(q2), np.pi - beta3], axis=-1)
 
 
-def jacobian(joints_rad: ArrayLike, side: ArrayLike) -> NDArray[np.float64]:
+def jacobian(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
     """Derivative of the tip in the hip frame by the joint angles, (..., 3, 3)."""
     q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
     s2, c2 = np.sin(q2), np.cos(q2)
@@ -95,6 +94,6 @@ def jacobian(joints_rad: ArrayLike, side: ArrayLike) -> NDArray[np.float64]:
     return np.stack(rows, axis=-2)
 
 
-def _wrap(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    wrapped: NDArray[np.float64] = (angle + np.pi) % (2 * np.pi) - np.pi
+def _wrap(angle: Floats) -> Floats:
+    wrapped: Floats = (angle + np.pi) % (2 * np.pi) - np.pi
     return wrapped

@@ -6,12 +6,11 @@ from typing import Final, Literal
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.scene.scenario import Scenario
 from sim_proc.model.world import build_model
 
-Array = NDArray[np.float64]
 Kind = Literal["plane", "sphere", "capsule", "cylinder", "box", "mesh"]
 
 KINDS: Final[dict[int, Kind]] = {
@@ -32,13 +31,13 @@ class Shape:
 
     name: str
     kind: Kind
-    position_m: Array
+    position_m: Floats
     """In the frame of its body, (3,), as is the quaternion."""
-    quaternion_wxyz: Array
-    size_m: Array
+    quaternion_wxyz: Floats
+    size_m: Floats
     """MuJoCo's half sizes, (3,): of a sphere its radius; of a capsule or cylinder radius and half length, along z."""
     rgba: tuple[float, float, float, float]
-    triangles_m: Array
+    triangles_m: Floats
     """Of a mesh, in its own frame, (n, 3, 3)."""
 
 
@@ -49,11 +48,11 @@ class Part:
     name: str
     parent: str
     """`world` for those that stand or move freely in it."""
-    position_m: Array
+    position_m: Floats
     """In the frame of its parent, (3,), as is the quaternion: of a hinge at angle 0; not meant for free ones."""
-    quaternion_wxyz: Array
+    quaternion_wxyz: Floats
     joint: Literal["none", "hinge", "free"]
-    axis: Array
+    axis: Floats
     """Of a hinge, (3,), through the origin of the body."""
     qpos: int
     """First column of the joint in `qpos`."""
@@ -102,8 +101,8 @@ def _shapes(model: mujoco.MjModel, body: int) -> Iterator[Shape]:
         )
 
 
-def _triangles(model: mujoco.MjModel, mesh: int) -> Array:
+def _triangles(model: mujoco.MjModel, mesh: int) -> Floats:
     vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(np.float64)
     faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
-    triangles: Array = vertices[faces]
+    triangles: Floats = vertices[faces]
     return triangles

@@ -5,58 +5,24 @@ and 0.56 kg lower leg. Only the listed contact pairs collide, so that each frict
 """
 
 from collections.abc import Sequence
-from math import sin
 from typing import Final
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
 from legpush.scene.robot import (
-    FOOT_RADIUS_M,
-    HIP_X_M,
-    HIP_Y_M,
-    JOINT_LIMITS_RAD,
-    JOINTS,
-    L1_M,
-    L2_M,
-    L3_M,
     LEGS,
-    foot_rectangle_b,
 )
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
-from sim_proc.kinematics.leg import HIPS_B, SIDE, inverse
 from sim_proc.model.box_body import add_box
+from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery, wall_name
 
 PHYSICS_STEP_S: Final = 0.002
-STANDING_HEIGHT_M: Final = 0.48
-"""Trunk centre above the floor."""
-TRUNK_HALF_SIZE_M: Final = (0.35, 0.11, 0.085)
-TRUNK_MASS_KG: Final = 18.0
-HIP_MASS_KG: Final = 1.2
-UPPER_MASS_KG: Final = 1.7
-LOWER_MASS_KG: Final = 0.56
-POSITION_GAIN_N_M_RAD: Final = 1000.0
-VELOCITY_GAIN_N_M_S_RAD: Final = 30.0
-ARMATURE_KG_M2: Final = 0.02
-DAMPING_N_M_S_RAD: Final = 0.5
 FOOT_FLOOR_FRICTION: Final = 1.0
 WALL_FRICTION: Final = 0.5
 NET_FORCE: Final = 3
 """How MuJoCo's contact sensor reduces several contacts to one."""
-
-BODYWORK: Final = (0.93, 0.72, 0.11, 1.0)
-DARK: Final = (0.13, 0.14, 0.16, 1.0)
-
-
-def standing_joints_rad() -> NDArray[np.float64]:
-    """Joint angles of the nominal stance, feet at the corners of the foot rectangle, (4, 3)."""
-    tips_b = np.zeros((4, 3))
-    tips_b[:, :2] = foot_rectangle_b()
-    tips_b[:, 2] = FOOT_RADIUS_M - STANDING_HEIGHT_M
-    return inverse(tips_b - HIPS_B, SIDE)
 
 
 def build_model(scenario: Scenario) -> mujoco.MjModel:
@@ -78,7 +44,7 @@ def build_spec(scenario: Scenario) -> mujoco.MjSpec:
     spec.modelname = "legpush"
     _set_options(spec, scenario.room)
     add_scenery(spec, scenario)
-    _add_robot(spec)
+    add_robot(spec)
     box_geoms = add_box(spec, scenario.box)
     _add_contact_pairs(spec, scenario, box_geoms)
     _add_sensors(spec)
@@ -98,98 +64,6 @@ def _set_options(spec: mujoco.MjSpec, room: Room) -> None:
     spec.option.iterations = 50
     spec.option.ls_iterations = 30
     spec.compiler.degree = False
-
-
-def _add_robot(spec: mujoco.MjSpec) -> None:
-    trunk = spec.worldbody.add_body(name="trunk", pos=[0, 0, 0.5])
-    trunk.add_freejoint(name="trunk")
-    trunk.add_geom(
-        name="trunk",
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=TRUNK_HALF_SIZE_M,
-        mass=0.0,
-        rgba=BODYWORK,
-        contype=0,
-        conaffinity=0,
-    )
-    trunk.explicitinertial = True
-    trunk.mass = TRUNK_MASS_KG
-    trunk.ipos = [_trunk_com_x_m(), 0.0, 0.0]
-    x, y, z = (2 * half for half in TRUNK_HALF_SIZE_M)
-    trunk.inertia = [TRUNK_MASS_KG / 12 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y))]
-    trunk.add_site(name="imu", pos=[0, 0, 0])
-    for x, name in ((TRUNK_HALF_SIZE_M[0], "head"), (-TRUNK_HALF_SIZE_M[0], "tail")):
-        trunk.add_geom(
-            name=name,
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=[x, 0, 0],
-            size=[0.012, 0.095, 0.07],
-            mass=0.0,
-            rgba=DARK,
-            contype=0,
-            conaffinity=0,
-        )
-    for leg in LEGS:
-        _add_leg(spec, trunk, leg)
-
-
-def _trunk_com_x_m() -> float:
-    """Where the trunk's own mass sits, so that the standing robot's CoM is over the body frame, as in the paper.
-
-    The knees point backward, and the legs' mass lies behind the hips.
-    """
-    _, hip_y, knee = standing_joints_rad()[0]
-    upper_x = -L2_M / 2 * sin(hip_y)
-    lower_x = -L2_M * sin(hip_y) - L3_M / 2 * sin(hip_y - knee)
-    return float(-len(LEGS) * (UPPER_MASS_KG * upper_x + LOWER_MASS_KG * lower_x) / TRUNK_MASS_KG)
-
-
-def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str) -> None:
-    fore = 1.0 if leg.startswith("F") else -1.0
-    side = 1.0 if leg.endswith("L") else -1.0
-    axes = {"hip_x": [1, 0, 0], "hip_y": [0, 1, 0], "knee": [0, -1, 0]}
-    hip = trunk.add_body(name=f"{leg}_hip", pos=[fore * HIP_X_M, side * HIP_Y_M, 0])
-    upper = hip.add_body(name=f"{leg}_upper", pos=[0, side * L1_M, 0])
-    lower = upper.add_body(name=f"{leg}_lower", pos=[0, 0, -L2_M])
-    for joint, body in zip(JOINTS, (hip, upper, lower), strict=True):
-        low, high = JOINT_LIMITS_RAD[joint]
-        body.add_joint(
-            name=f"{leg}_{joint}",
-            axis=axes[joint],
-            range=[low, high],
-            limited=True,
-            armature=ARMATURE_KG_M2,
-            damping=DAMPING_N_M_S_RAD,
-        )
-        actuator = spec.add_actuator(name=f"{leg}_{joint}", target=f"{leg}_{joint}", trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        actuator.set_to_position(kp=POSITION_GAIN_N_M_RAD, kv=VELOCITY_GAIN_N_M_S_RAD)
-    links = [
-        (hip, "hip", [0, 0, 0, 0, side * L1_M, 0], 0.055, HIP_MASS_KG, DARK),
-        (upper, "upper", [0, 0, 0, 0, 0, -L2_M], 0.04, UPPER_MASS_KG, BODYWORK),
-        (lower, "lower", [0, 0, 0, 0, 0, -L3_M], 0.018, LOWER_MASS_KG, DARK),
-    ]
-    for body, part, fromto, radius, mass, rgba in links:
-        body.add_geom(
-            name=f"{leg}_{part}",
-            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            fromto=fromto,
-            size=[radius, 0, 0],
-            mass=mass,
-            rgba=rgba,
-            contype=0,
-            conaffinity=0,
-        )
-    lower.add_geom(
-        name=f"{leg}_foot",
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        pos=[0, 0, -L3_M],
-        size=[FOOT_RADIUS_M, 0, 0],
-        mass=0.0,
-        rgba=(0.85, 0.24, 0.18, 1.0) if leg.startswith("F") else DARK,
-        contype=0,
-        conaffinity=0,
-    )
-    lower.add_site(name=f"{leg}_tip", pos=[0, 0, -L3_M])
 
 
 def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Sequence[str]) -> None:
@@ -236,8 +110,3 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
     spec.add_sensor(
         name="com", type=mujoco.mjtSensor.mjSENS_SUBTREECOM, objtype=mujoco.mjtObj.mjOBJ_BODY, objname="trunk"
     )
-
-
-def leg_joint_names() -> list[str]:
-    """FL_hip_x, FL_hip_y, ... RR_knee."""
-    return [f"{leg}_{joint}" for leg in LEGS for joint in JOINTS]

@@ -1,30 +1,23 @@
 """The running world: MuJoCo's model and data behind arrays in the order of `LEGS`, and the control loop itself."""
 
 import zlib
-from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import Final
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
 from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
+from sim_proc.control.plant import TickLog
+from sim_proc.kinematics.body import POSITION_GAIN_N_M_RAD, STANDING_HEIGHT_M, standing_joints_rad
 from sim_proc.model.scenery import wall_name
-from sim_proc.model.world import (
-    PHYSICS_STEP_S,
-    POSITION_GAIN_N_M_RAD,
-    STANDING_HEIGHT_M,
-    build_model,
-    standing_joints_rad,
-)
+from sim_proc.model.world import PHYSICS_STEP_S, build_model
 from sim_proc.physics.appearing import Waiting
-
-Array = NDArray[np.float64]
 
 FALL_TILT_RAD: Final = radians(30.0)
 FALL_HEIGHT_M: Final = 0.3
@@ -33,24 +26,6 @@ PARKED_M: Final = 1000.0
 STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
 
 JOINT_QVEL: Final = slice(6, 18)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recording:
-    """What was measured at each tick, one row per tick; all but `qpos` as of 2 ms before its end."""
-
-    qpos: Array
-    """(n, 26): trunk (7), joints (12), box (7)."""
-    tips_m: Array
-    """(n, 4, 3)"""
-    floor_forces_n: Array
-    """(n, 4, 3), of the floor on each foot."""
-    box_forces_n: Array
-    """(n, 4, 3), of the box on each foot."""
-    com_m: Array
-    """(n, 3), of the robot."""
-    ctrl: Array
-    """(n, 12), what the servos were commanded."""
 
 
 class Physics:
@@ -64,7 +39,7 @@ class Physics:
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
         gravity = model.opt.gravity
-        self.downhill: Array = gravity[:2] / -gravity[2]
+        self.downhill: Floats = gravity[:2] / -gravity[2]
         """How far from its foot on the floor a plumb line of unit height ends, world frame, (2,)."""
         self.mass_kg = float(model.body_subtreemass[self._trunk_body])
         self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
@@ -84,7 +59,7 @@ class Physics:
         self.tick = 0
         self.fallen = False
 
-    def run(self, joint_commands_rad: Array, joint_torques_n_m: Array) -> Recording:
+    def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
         """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stops short at a fall.
 
         An obstacle that is due is put in its place at the end of a tick.
@@ -118,7 +93,7 @@ class Physics:
                 break
         self._check(qpos[:done])
         self.tick += done
-        return Recording(
+        return TickLog(
             qpos=qpos[:done],
             tips_m=tips[:done],
             floor_forces_n=-sensors[:done, self._floor_forces].reshape(done, 4, 3),
@@ -141,7 +116,7 @@ class Physics:
         """The row of an obstacle that appears later in MuJoCo's positions of such bodies."""
         return int(self.model.body(wall_name(index)).mocapid[0])
 
-    def _check(self, qpos: Array) -> None:
+    def _check(self, qpos: Floats) -> None:
         """`LegpushError` if MuJoCo warned, or the state stopped being finite, in these ticks."""
         when = f"between ticks {self.tick} and {self.tick + len(qpos)}: the episode cannot go on"
         for warning in mujoco.mjtWarning.__members__.values():
@@ -150,35 +125,40 @@ class Physics:
         if not np.isfinite(qpos).all():
             raise LegpushError(f"qpos stopped being finite {when}")
 
-    def sensor(self, name: str) -> Array:
+    def sensor(self, name: str) -> Floats:
         """A copy of what a sensor of the model reads."""
-        values: Array = self.data.sensordata[self._sensors[name]].copy()
+        values: Floats = self.data.sensordata[self._sensors[name]].copy()
         return values
 
-    def tips_m(self) -> Array:
+    def joints_rad(self) -> Floats:
+        """Joint angles, (12,)."""
+        joints: Floats = self.data.qpos[JOINT_QPOS].copy()
+        return joints
+
+    def tips_m(self) -> Floats:
         """Centres of the foot spheres, (4, 3)."""
-        tips: Array = self.data.site_xpos[self._tip_sites]
+        tips: Floats = self.data.site_xpos[self._tip_sites]
         return tips
 
-    def floor_forces_n(self) -> Array:
+    def floor_forces_n(self) -> Floats:
         """Forces of the floor on the feet, (4, 3)."""
-        forces: Array = -self.data.sensordata[self._floor_forces].reshape(4, 3)
+        forces: Floats = -self.data.sensordata[self._floor_forces].reshape(4, 3)
         return forces
 
-    def box_forces_n(self) -> Array:
+    def box_forces_n(self) -> Floats:
         """Forces of the box on the feet, (4, 3)."""
-        forces: Array = -self.data.sensordata[self._box_forces].reshape(4, 3)
+        forces: Floats = -self.data.sensordata[self._box_forces].reshape(4, 3)
         return forces
 
-    def trunk_angular_velocity_rad_s(self) -> Array:
+    def trunk_angular_velocity_rad_s(self) -> Floats:
         """World frame, (3,); MuJoCo keeps it in the trunk's frame."""
         rotation = self.data.xmat[self._trunk_body].reshape(3, 3)
-        velocity: Array = rotation @ self.data.qvel[3:6]
+        velocity: Floats = rotation @ self.data.qvel[3:6]
         return velocity
 
-    def com_m(self) -> Array:
+    def com_m(self) -> Floats:
         """Centre of mass of the robot, (3,)."""
-        com: Array = self.data.subtree_com[self._trunk_body].copy()
+        com: Floats = self.data.subtree_com[self._trunk_body].copy()
         return com
 
     def box_pose(self) -> Pose2:
@@ -206,6 +186,6 @@ def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
     return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)
 
 
-def _planar(free_joint_qpos: Array) -> Pose2:
+def _planar(free_joint_qpos: Floats) -> Pose2:
     x, y, _, qw, qx, qy, qz = (float(value) for value in free_joint_qpos)
     return Pose2(x_m=x, y_m=y, yaw_rad=float(np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))))

@@ -10,11 +10,11 @@ from typing import Annotated
 
 import tyro
 
-from legpush.errors import ConfigError, LegpushError
-from legpush.lockstep.episode import read_episode
-from legpush.options.export import View
+from legpush.errors import NO_OPENGL, ConfigError, LegpushError
+from legpush.exports import View
+from legpush.history.steps import read_episode
 from sim_proc.render.film import film_of, timeline_of
-from sim_proc.render.rendering import NO_OPENGL, Take, frame_rows, render, use_backend, usual_speed
+from sim_proc.render.rendering import Take, frame_rows, render, use_backend, usual_speed
 
 
 @dataclass(frozen=True, kw_only=True)

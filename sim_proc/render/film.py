@@ -5,29 +5,27 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.errors import JournalError, RecordingError
 from legpush.geometry import rpy_from_quaternion
+from legpush.history.steps import PlanRecord, StepRecord
 from legpush.history.timeline import BOX, TRUNK, Timeline
-from legpush.lockstep.episode import PlanRecord, StepRecord
 from legpush.messages.stepping import Follow, Reset
 from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.scene.scenario import Scenario
-from sim_proc.observation import LOADED_N
-
-Array = NDArray[np.float64]
+from sim_proc.kinematics.body import LOADED_N
 
 SMOOTHING_S: Final = 3.0
 """Cameras follow places and headings averaged over this long."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Footprint:
+class FootMark:
     """Where a foot came down, from a row on."""
 
     row: int
-    position_m: Array
+    position_m: Floats
     front: bool
 
 
@@ -38,19 +36,19 @@ class Film:
     scenario: Scenario
     first_tick: int
     """Of row 0."""
-    qpos: Array
+    qpos: Floats
     """(n, 26)"""
-    trunk_m: Array
+    trunk_m: Floats
     """The robot's smoothed place, (n, 2)."""
-    heading_rad: Array
+    heading_rad: Floats
     """The robot's smoothed heading, (n,)."""
-    box_m: Array
+    box_m: Floats
     """The box's smoothed place, (n, 2)."""
-    box_heading_rad: Array
+    box_heading_rad: Floats
     """The box's smoothed heading, (n,)."""
-    paths_m: list[tuple[int, Array]]
+    paths_m: list[tuple[int, Floats]]
     """Paths by the row from which they are followed, each (k, 2)."""
-    footprints: list[Footprint]
+    footprints: list[FootMark]
     hidden_until: dict[int, int | None]
     """By the place of an obstacle that appears later: the row from which it is seen, None for never."""
 
@@ -115,25 +113,25 @@ def _hidden_until(timeline: Timeline, first_tick: int) -> dict[int, int | None]:
     return {index: rows.get(index) for index, obstacle in obstacles if obstacle.appears_at_s > 0.0}
 
 
-def _footprints(tips_m: Array, forces_n: Array) -> list[Footprint]:
+def _footprints(tips_m: Floats, forces_n: Floats) -> list[FootMark]:
     """Where each foot begins to carry load; one whose force is not known carries it all the time."""
     loaded = ~(forces_n < LOADED_N)
     landed = loaded[1:] & ~loaded[:-1] & (tips_m[1:, :, 2] < 2 * tips_m[0, :, 2].max())
     return [
-        Footprint(row=int(row) + 1, position_m=tips_m[row + 1, leg, :2], front=leg < 2)
+        FootMark(row=int(row) + 1, position_m=tips_m[row + 1, leg, :2], front=leg < 2)
         for row, leg in np.argwhere(landed)
     ]
 
 
-def _smooth_place(pose: Array) -> Array:
+def _smooth_place(pose: Floats) -> Floats:
     return np.column_stack([_smooth(pose[:, 0]), _smooth(pose[:, 1])])
 
 
-def _smooth_heading(pose: Array) -> Array:
+def _smooth_heading(pose: Floats) -> Floats:
     return _smooth(np.unwrap(rpy_from_quaternion(pose[:, 3:])[:, 2]))
 
 
-def _smooth(values: Array) -> Array:
+def _smooth(values: Floats) -> Floats:
     """A centred moving average with a raised-cosine window, held at the ends, (n,)."""
     half = round(SMOOTHING_S / CONTROL_PERIOD_S / 2)
     window = np.hanning(2 * half + 3)[1:-1]

@@ -19,14 +19,12 @@ import imageio_ffmpeg
 import numpy as np
 
 from legpush.errors import LegpushError
-from legpush.options.export import View
+from legpush.exports import View
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 BACKENDS: Final = ("egl", "osmesa")
 DRAW_NOTHING: Final = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 8, 8).render()"
-NO_OPENGL: Final = 4
-"""Exit code of programs that cannot draw."""
 SEGMENT_FRAMES: Final = 60
 LONGEST_S: Final = 30.0
 LEAST_SPEED: Final = 3.0

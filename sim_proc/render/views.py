@@ -5,9 +5,9 @@ from math import pi, radians, tan
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from legpush.options.export import View
+from legpush.arrays import Floats
+from legpush.exports import View
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
@@ -27,7 +27,7 @@ ROOM_BORDER: Final = 1.08
 class Look:
     """A free camera of MuJoCo: what it looks at, and from where."""
 
-    at_m: NDArray[np.float64]
+    at_m: Floats
     """World frame, (3,)."""
     distance_m: float
     azimuth_rad: float

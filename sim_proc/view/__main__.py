@@ -9,7 +9,7 @@ from legpush.errors import LegpushError
 from legpush.options.view import ViewOptions
 from legpush.service import one_line, stop_on_signals
 from sim_proc.view.page import Page
-from sim_proc.view.sources import LiveRun, RecordedRun
+from sim_proc.view.sources import LiveSource, RecordedSource
 
 
 def main() -> int:
@@ -17,8 +17,8 @@ def main() -> int:
     options = tyro.cli(ViewOptions, prog="legpush view")
     stop = stop_on_signals()
     try:
-        source: RecordedRun | LiveRun
-        source = RecordedRun(options.files) if options.files else LiveRun(options.run, options.connect)
+        source: RecordedSource | LiveSource
+        source = RecordedSource(options.files) if options.files else LiveSource(options.run, options.connect)
         with Page(source, options.host, options.port) as page, source:
             sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
             sys.stdout.write(f"    without a GPU: {page.url}/?fixedDpr=0.5\n")

@@ -9,15 +9,13 @@ from typing import Any, Final
 import mujoco
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.messages.stepping import Appearance
 from legpush.scene.scenario import Scenario
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import Part, Shape, parts_of_model
 from sim_proc.model.world import build_model
-
-Array = NDArray[np.float64]
 
 AROUND: Final = 14
 """Corners of what is round."""
@@ -52,7 +50,7 @@ class Bodies:
         )
         """Those that can be seen; the floor is not among them."""
 
-    def poses(self, qpos: Array) -> tuple[Array, Array]:
+    def poses(self, qpos: Floats) -> tuple[Floats, Floats]:
         """Positions (n, 3) and quaternions (n, 4; w, x, y, z) of all bodies, world frame."""
         self._data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, self._data)
@@ -97,7 +95,7 @@ def _mesh(shape: Shape) -> trimesh.Trimesh:
     return mesh
 
 
-def _pose(shape: Shape) -> Array:
+def _pose(shape: Shape) -> Floats:
     """From the frame of a shape to that of its body, (4, 4)."""
     matrix = np.eye(4)
     rotation = np.empty(9)

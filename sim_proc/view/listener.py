@@ -12,11 +12,12 @@ from legpush.bus.status import StatusBeacon
 from legpush.history.run_history import Timelines
 from legpush.messages.common import Role
 from legpush.messages.telemetry import Copies, Origin, Taken
-from legpush.recording.facts import SCENARIO_FILE, scenario_in
+from legpush.recording.facts import scenario_in
 from legpush.recording.inbox import BatchInbox
 from legpush.recording.ledger import Ledger
 from legpush.recording.mcap_file.writer import topic_of
 from legpush.recording.recorder import taken_by
+from legpush.runs.folder import SCENARIO_FILE
 
 LOOK_S: Final = 0.05
 
@@ -65,7 +66,7 @@ class Listener:
     def live(self) -> list[Origin]:
         """Who is there, or played by a replay that is."""
         there = [
-            Origin(role=peer.role, name=peer.name, incarnation=peer.incarnation) for peer in self._bus.roster.live()
+            Origin(role=peer.role, name=peer.name, incarnation=peer.incarnation) for peer in self._bus.liveliness.live()
         ]
         incarnations = {each.incarnation for each in there}
         return there + [origin for origin, player in self._played.values() if player in incarnations]

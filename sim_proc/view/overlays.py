@@ -4,8 +4,8 @@ from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.history.run_history import Timelines
 from legpush.history.timeline import BOX, Timeline, TimelineStep
@@ -15,9 +15,7 @@ from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.robot import FOOT_RADIUS_M, LEGS
 from sim_proc.control.push_cycle import PUSH_SHIFT_TICKS, contact_point
 from sim_proc.control.swing import bezier, control_points
-from sim_proc.observation import LOADED_N
-
-Array = NDArray[np.float64]
+from sim_proc.kinematics.body import LOADED_N
 
 FORCE_M_PER_N: Final = 0.0025
 TRAIL_ROWS: Final = 160
@@ -36,23 +34,23 @@ ON_FLOOR_M: Final = 0.006
 class Curve(NamedTuple):
     """The Bezier curve of a push."""
 
-    points_m: Array
+    points_m: Floats
     """(`CURVE_POINTS`, 3)"""
-    control_m: Array
+    control_m: Floats
     """(4, 3)"""
 
 
-def segments(points_m: Array) -> Array:
+def segments(points_m: Floats) -> Floats:
     """The lines between consecutive points (n, 3), (n - 1, 2, 3)."""
     return np.stack([points_m[:-1], points_m[1:]], axis=1)
 
 
-def on_floor(points_m: Array, height_m: float = ON_FLOOR_M) -> Array:
+def on_floor(points_m: Floats, height_m: float = ON_FLOOR_M) -> Floats:
     """Points of the plane (n, 2) just above it, (n, 3)."""
     return np.column_stack([points_m, np.full(len(points_m), height_m)])
 
 
-def support_polygon(timeline: Timeline, row: int) -> Array:
+def support_polygon(timeline: Timeline, row: int) -> Floats:
     """Corners of the convex hull of the feet that stand, counter-clockwise, on the floor, (k, 3), k in 0 to 4."""
     loaded = timeline.contact_forces_n[row, :, 2] >= LOADED_N
     points = timeline.tips_m[row, loaded, :2]
@@ -63,14 +61,14 @@ def support_polygon(timeline: Timeline, row: int) -> Array:
     return on_floor(points)
 
 
-def contact_arrows(timeline: Timeline, row: int) -> Array:
+def contact_arrows(timeline: Timeline, row: int) -> Floats:
     """From each foot as far as its contact force reaches, (4, 2, 3); without length where nothing is known of it."""
     tips = timeline.tips_m[row]
     forces = np.nan_to_num(timeline.contact_forces_n[row])
     return np.stack([tips, tips + FORCE_M_PER_N * forces], axis=1)
 
 
-def foot_traces(timeline: Timeline, row: int) -> Array:
+def foot_traces(timeline: Timeline, row: int) -> Floats:
     """Where the feet were in the last `TRAIL_ROWS` ticks, (4, n, 2, 3), n fixed: what is missing has no length."""
     n = TRAIL_ROWS // TRAIL_STRIDE
     rows = timeline.rows_at(timeline.tick[row] - TRAIL_STRIDE * np.arange(n, -1, -1))
@@ -78,7 +76,7 @@ def foot_traces(timeline: Timeline, row: int) -> Array:
     return np.stack([tips[:-1], tips[1:]], axis=2).transpose(1, 0, 2, 3)
 
 
-def box_trace(timeline: Timeline, row: int) -> Array:
+def box_trace(timeline: Timeline, row: int) -> Floats:
     """Where the box was since the beginning, on the floor, (n, 3)."""
     first, last = timeline.tick[0], timeline.tick[row]
     stride = BOX_TRACE_TICKS * np.ceil((last - first) / (BOX_TRACE_TICKS * MAX_BOX_POINTS) or 1.0)
@@ -100,7 +98,7 @@ def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
     return Curve(bezier(control, np.linspace(0.0, 1.0, CURVE_POINTS)), control)
 
 
-def followed_path(timeline: Timeline, row: int) -> Array:
+def followed_path(timeline: Timeline, row: int) -> Floats:
     """The path of the trunk that the last `Follow` up to a row gave, (n, 3)."""
     motions = (timeline.steps[index].motion for index in range(timeline.step_index_at(row), -1, -1))
     paths = (motion.waypoints for motion in motions if isinstance(motion, Follow))
@@ -119,12 +117,12 @@ def plan_at(timelines: Timelines, timeline: Timeline, row: int, kind: str) -> Pl
     return None
 
 
-def plan_path(plan: Plan) -> Array:
+def plan_path(plan: Plan) -> Floats:
     """Its waypoints, (n, 3)."""
     return _waypoints(plan.waypoints)
 
 
-def plan_tree(plan: Plan) -> Array:
+def plan_tree(plan: Plan) -> Floats:
     """The edges of its search tree, (n, 2, 3)."""
     if plan.tree is None or not plan.tree.points_m:
         return np.empty((0, 2, 3))
@@ -132,14 +130,14 @@ def plan_tree(plan: Plan) -> Array:
     return np.stack([points[list(plan.tree.parents)], points], axis=1)
 
 
-def _waypoints(waypoints: tuple[Pose2, ...]) -> Array:
+def _waypoints(waypoints: tuple[Pose2, ...]) -> Floats:
     points = np.array([[pose.x_m, pose.y_m] for pose in waypoints]).reshape(-1, 2)
     if not len(points):
         return np.empty((0, 3))
     return on_floor(points[np.unique(np.linspace(0, len(points) - 1, PATH_POINTS).round().astype(np.intp))])
 
 
-def hull(points: Array) -> list[int]:
+def hull(points: Floats) -> list[int]:
     """Indices of the convex hull of 4 points (4, 2), counter-clockwise."""
     about = points - points.mean(axis=0)
     order = [int(i) for i in np.argsort(np.arctan2(about[:, 1], about[:, 0]))]
@@ -148,9 +146,9 @@ def hull(points: Array) -> list[int]:
     return corners or order
 
 
-def _turns_left(points: Array, a: int, b: int, c: int) -> bool:
+def _turns_left(points: Floats, a: int, b: int, c: int) -> bool:
     return _cross(points[b] - points[a], points[c] - points[b]) > 0.0
 
 
-def _cross(a: Array, b: Array) -> float:
+def _cross(a: Floats, b: Floats) -> float:
     return float(a[0] * b[1] - a[1] * b[0])

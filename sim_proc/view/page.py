@@ -17,7 +17,7 @@ from legpush.geometry import rpy_from_quaternion
 from legpush.history.run_history import Timelines
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.messages.telemetry import Origin
-from sim_proc.view.panel import FOLLOW_ROBOT, Command, Panel, speed_of
+from sim_proc.view.panel import FOLLOW_ROBOT, Panel, PanelCommand, speed_of
 from sim_proc.view.player import Player
 from sim_proc.view.plots import Plots
 from sim_proc.view.scene import LAYERS, Scene
@@ -33,7 +33,7 @@ PUMP_S: Final = 0.02
 
 
 @dataclass(frozen=True)
-class Camera:
+class Viewpoint:
     """Where it stands, and what it looks at, in the frame of the robot."""
 
     position_m: tuple[float, float, float]
@@ -41,9 +41,9 @@ class Camera:
 
 
 CAMERAS: Final = {
-    "Behind": Camera((-2.2, -1.4, 1.4), (0.5, 0.0, 0.1)),
-    "Side": Camera((0.4, -2.6, 0.9), (0.4, 0.0, 0.2)),
-    "Top": Camera((-0.05, 0.0, 6.0), (0.0, 0.0, 0.0)),
+    "Behind": Viewpoint((-2.2, -1.4, 1.4), (0.5, 0.0, 0.1)),
+    "Side": Viewpoint((0.4, -2.6, 0.9), (0.4, 0.0, 0.2)),
+    "Top": Viewpoint((-0.05, 0.0, 6.0), (0.0, 0.0, 0.0)),
 }
 
 
@@ -163,7 +163,7 @@ class Page:
         self._scene.begin(timeline)
         self._scene.show(self.timelines, timeline, self.player.row(timeline), follow=self._follows_robot)
 
-    def obey(self, command: Command) -> None:
+    def obey(self, command: PanelCommand) -> None:
         """Do what somebody wants."""
         if command.name in LAYERS:
             self._scene.show_layer(command.name, bool(command.value))
@@ -176,7 +176,7 @@ class Page:
         elif self.shown is not None:
             self._obey_in_time(command, self.shown)
 
-    def _obey_in_time(self, command: Command, timeline: Timeline) -> None:
+    def _obey_in_time(self, command: PanelCommand, timeline: Timeline) -> None:
         player = self.player
         self._follows_newest = False
         match command.name:
@@ -204,7 +204,7 @@ class Page:
                 if self.player.follows:
                     self.player.play(self.timelines.episodes[key])
 
-    def _aim(self, command: Command) -> None:
+    def _aim(self, command: PanelCommand) -> None:
         """Of whoever asked for it, and nobody else."""
         client = command.client
         if client is None:

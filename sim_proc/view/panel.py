@@ -24,7 +24,7 @@ SMALL: Final = "color:#6b7280;font-size:.85em"
 
 
 @dataclass(frozen=True)
-class Command:
+class PanelCommand:
     """What somebody did."""
 
     name: str
@@ -37,7 +37,7 @@ class Panel:
 
     def __init__(self, server: viser.ViserServer, *, live: bool) -> None:
         """All controls, in the main panel of the page; a live run can be followed."""
-        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._commands: SimpleQueue[PanelCommand] = SimpleQueue()
         self._gui = gui = server.gui
         self._processes = gui.add_html("")
         self._now = gui.add_html("")
@@ -64,7 +64,7 @@ class Panel:
             for name, label in LAYERS.items():
                 self._on_update(gui.add_checkbox(label, initial_value=True), name)
 
-    def commands(self) -> list[Command]:
+    def commands(self) -> list[PanelCommand]:
         """What people did since the last call, in order."""
         done = []
         while True:
@@ -125,7 +125,7 @@ class Panel:
         def take(event: Any) -> None:
             # Not what this program set itself, nor what no control of it can say.
             if event.client_id is not None and is_possible(event.target):
-                self._commands.put(Command(name, event.target.value, event.client))
+                self._commands.put(PanelCommand(name, event.target.value, event.client))
 
         register(take)
 

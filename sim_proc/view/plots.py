@@ -6,12 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats, Indices
 from legpush.history.timeline import Timeline
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 MAX_POINTS: Final = 400
 """Of a curve; more would not be seen."""
@@ -31,26 +28,26 @@ class Curve:
     """`y` on the left, `y2` on the right."""
 
 
-def rewards(timeline: Timeline, rows: Rows) -> Array:
+def rewards(timeline: Timeline, rows: Indices) -> Floats:
     """What the step that led to each row earned; 0 of one that is not known to have earned anything."""
     starts = np.array([step.first_row for step in timeline.steps])
     earned = np.array([timeline.rewards.get(step.number, 0.0) for step in timeline.steps])
-    found: Array = earned[np.searchsorted(starts, rows, side="right") - 1]
+    found: Floats = earned[np.searchsorted(starts, rows, side="right") - 1]
     return found
 
 
-def chosen_rows(n_rows: int) -> Rows:
+def chosen_rows(n_rows: int) -> Indices:
     """At most `MAX_POINTS` rows, the first and the last among them."""
     return np.unique(np.linspace(0, n_rows - 1, min(n_rows, MAX_POINTS)).round().astype(np.intp))
 
 
-def box_errors(timeline: Timeline, rows: Rows) -> tuple[Array, ...]:
+def box_errors(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
     """Position [cm] and angle [deg]."""
     error = timeline.box_error(rows)
     return 100.0 * error[:, 0], np.degrees(error[:, 1])
 
 
-def trunk_angles(timeline: Timeline, rows: Rows) -> tuple[Array, ...]:
+def trunk_angles(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
     """Roll and pitch [deg]."""
     angles = np.degrees(timeline.roll_pitch_rad[rows])
     return angles[:, 0], angles[:, 1]
@@ -62,7 +59,7 @@ class Plot:
 
     title: str
     curves: tuple[Curve, ...]
-    values: Callable[[Timeline, Rows], tuple[Array, ...]]
+    values: Callable[[Timeline, Indices], tuple[Floats, ...]]
     """Of each curve at some rows; NaN where nothing is known."""
 
 
@@ -131,7 +128,7 @@ class Plots:
             handle.data = (time_s, *map(begun, plot.values(timeline, rows)), now)
 
 
-def begun(values: Array) -> Array:
+def begun(values: Floats) -> Floats:
     """A curve whose first value is a number, if any is: charts find no scale for one that begins with none."""
     known = values[np.isfinite(values)]
     return np.concatenate([known[:1], values[1:]]) if len(known) else values

@@ -6,15 +6,14 @@ from typing import Any, Final
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.history.run_history import Timelines
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.view import overlays
 from sim_proc.view.bodies import Bodies
 
-Array = NDArray[np.float64]
 Rgb = tuple[int, int, int]
 
 WORLD: Final = "/world"
@@ -58,7 +57,7 @@ class Scene:
         """Of each thing that changes seldom: what it was drawn from."""
         self._layers: dict[str, Any] = {}
         self._shown = dict.fromkeys(LAYERS, True)
-        self._centre_m: Array | None = None
+        self._centre_m: Floats | None = None
         server.scene.set_up_direction("+z")
         # The default surroundings, a photograph that lights everything, cost a page without a GPU most of its time.
         server.scene.configure_environment_map(None)
@@ -144,7 +143,7 @@ class Scene:
                 if body.appears:
                     handle.visible = self._bodies.is_there(body, appeared, timeline.tick[row])
 
-    def _follow(self, centre_m: Array) -> None:
+    def _follow(self, centre_m: Floats) -> None:
         """Move the world instead of the cameras, which are the users'."""
         before = self._centre_m
         self._centre_m = centre_m if before is None else before + SMOOTHING * (centre_m - before)
@@ -239,20 +238,20 @@ class Scene:
         yield self._drawn.get(what) != source
         self._drawn[what] = source
 
-    def _lines_or_none(self, name: str, lines: Array | None, color: Rgb, thickness: float) -> None:
+    def _lines_or_none(self, name: str, lines: Floats | None, color: Rgb, thickness: float) -> None:
         if lines is None or not len(lines):
             self._forget(name)
         else:
             self._lines(name, lines, color, thickness)
 
-    def _lines(self, name: str, lines: Array, color: Rgb, thickness: float) -> None:
+    def _lines(self, name: str, lines: Floats, color: Rgb, thickness: float) -> None:
         self._handles[name] = [
             self._server.scene.add_line_segments(
                 f"{WORLD}/{name}", lines.astype(np.float32), color, thickness=thickness, thickness_units="screen"
             )
         ]
 
-    def _points(self, name: str, points_m: Array, color: Rgb) -> None:
+    def _points(self, name: str, points_m: Floats, color: Rgb) -> None:
         self._handles[name] = [
             self._server.scene.add_point_cloud(
                 f"{WORLD}/{name}", points_m.astype(np.float32), color, point_size=0.016, point_shape="circle"

@@ -13,7 +13,7 @@ from legpush.history.run_history import Timelines
 from legpush.messages.telemetry import Origin
 from legpush.recording.facts import scenario_of
 from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
-from legpush.runs.choose_run import Watched, choose_run, find_run
+from legpush.runs.choose_run import ChosenRun, choose_run, find_run
 from legpush.runs.live_runs import find_live_runs
 from legpush.scene.scenario import Scenario
 from sim_proc.view.listener import Listener
@@ -24,7 +24,7 @@ KEEP_EPISODES: Final = 100
 """Of a live run, however long it lasts."""
 
 
-class RecordedRun:
+class RecordedSource:
     """All messages of a recording that are as they were recorded; a context manager as the others are."""
 
     is_live = False
@@ -37,7 +37,7 @@ class RecordedRun:
         self._scenario = _scenario(recording)
         self._left: Iterator[Recorded] = filter(recording.is_as_recorded, recording.messages)
 
-    def __enter__(self) -> "RecordedRun":
+    def __enter__(self) -> "RecordedSource":
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -66,7 +66,7 @@ def _scenario(recording: Recording) -> Scenario | None:
         return None
 
 
-class LiveRun:
+class LiveSource:
     """The run that goes on, or the next one that begins; when it is over, the one after it."""
 
     is_live = True
@@ -80,7 +80,7 @@ class LiveRun:
         self._open = ExitStack()
         self._looked_at = monotonic()
 
-    def __enter__(self) -> "LiveRun":
+    def __enter__(self) -> "LiveSource":
         self._attach()
         return self
 
@@ -114,7 +114,7 @@ class LiveRun:
         bus = Bus(self._watched.run, "recorder", f"view-{token_hex(3)}", self._watched.endpoints)
         self._listener = self._open.enter_context(Listener(self._open.enter_context(bus)))
 
-    def _next_run(self) -> Watched | None:
+    def _next_run(self) -> ChosenRun | None:
         """Another one that has begun, where nobody of this one is there."""
         if self._watched.launched in find_live_runs() or any(peer.role != "launcher" for peer in self.live()):
             return None

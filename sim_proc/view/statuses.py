@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from legpush.history.run_history import Said
-from legpush.messages.common import Role
+from legpush.messages.common import ROLES, Role
 from legpush.messages.telemetry import Origin
 
 SILENT_S: Final = 3.0
 """Statuses come at least once a second; whoever said nothing for this long is not well."""
-ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 
 Health = Literal["alive", "silent", "gone"]
 

@@ -1,20 +1,20 @@
 """A world without physics: walking follows the path exactly, pushing moves the box as the push model says."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from math import cos, pi, radians, sin
 from typing import Any
 from zlib import crc32
 
 import numpy as np
-from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from agent_proc.frames.station import station
-from agent_proc.policies.scripted import MIRROR
-from agent_proc.push_model.model import nearest_model
+from agent_proc.push_model.model import MIRROR, nearest_model
 from legpush.geometry import Pose2
-from legpush.lockstep.episode import PlanRecord, StepRecord
+from legpush.history.steps import PlanRecord, StepRecord
+from legpush.lockstep.local import LocalWorld
 from legpush.messages import codec
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import (
@@ -33,6 +33,7 @@ from legpush.messages.stepping import (
     Walk,
     WorldState,
 )
+from legpush.plans.planner import Interrupted
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.robot import CONTROL_PERIOD_S, foot_rectangle_b
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
@@ -41,7 +42,6 @@ STRIDE_M = 0.4
 WALK_TICKS = 80
 PUSH_TICKS = 150
 TRUNK_HEIGHT_M = 0.48
-Floats = NDArray[np.float64]
 
 
 def make_scenario(start: tuple[float, float, float] = (1.5, 3.0, 0.0), **changes: object) -> Scenario:
@@ -114,10 +114,9 @@ def straight_plan(query: PlanQuery) -> Plan:
 
 
 @dataclass
-class FakeWorld:
-    """Answers a mission, and keeps what was asked and answered."""
+class KinematicSimulator:
+    """Walks along the path exactly, and moves the box as the push model says."""
 
-    planner: Callable[[PlanQuery], Plan] = straight_plan
     box_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """From the nominal pose of the box: x, y in m and yaw in rad."""
     walk_stride_m: float = STRIDE_M
@@ -129,76 +128,29 @@ class FakeWorld:
     falls_in: Callable[[Motion, int], bool] = lambda _motion, _n: False
     """Whether the robot falls in this motion, the n-th of its kind from 1."""
     noise: np.random.Generator | None = None
-    records: list[StepRecord | PlanRecord] = field(default_factory=list)
-    told: list[tuple[str, float | None, str]] = field(default_factory=list)
-    rewards: list[dict[str, float]] = field(default_factory=list)
-    better: Callable[[PlanQuery, int], Plan] = lambda query, _revision: straight_plan(query)
-    n_cancelled: int = 0
+    n_done: Counter[type[Motion]] = field(default_factory=Counter)
+    """Motions by their kind."""
     _tick: int = 0
     _appeared: tuple[Appearance, ...] = ()
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """As a simulator that serves actions."""
-        outcome = self.step(motion)
-        return outcome if with_trace else replace(outcome, trace=None)
-
-    def step(self, motion: Motion) -> Outcome:
         """Carry out one motion."""
-        n_before = len(self.motions(type(motion)))
         before = None if isinstance(motion, Reset) else (self._trunk, self._box)
         n_ticks = self._move(motion)
-        fallen = self.falls_in(motion, n_before + 1)
+        self.n_done[type(motion)] += 1
+        fallen = self.falls_in(motion, self.n_done[type(motion)])
         begin, self._tick = self._tick, self._tick + n_ticks
         self._let_appear()
         world = make_state(
             self._trunk, self._box, tick=self._tick, fallen=fallen, path=self._progress(), appeared=self._appeared
         )
         trace = _trace(begin, n_ticks, before or (self._trunk, self._box), (self._trunk, self._box))
-        outcome = Outcome(world=world, state_crc=crc32(codec.encode(world)), trace=trace)
-        self.records.append(StepRecord(motion, outcome))
-        return outcome
-
-    def plan(self, query: PlanQuery) -> Plan:
-        """Ask the planner."""
-        plan = self.planner(query)
-        self.records.append(PlanRecord(query, plan))
-        return plan
-
-    def revision(self, revision: int) -> Plan:
-        """The better plan with this number."""
-        query = next(r.query for r in reversed(self.records) if isinstance(r, PlanRecord))
-        plan = self.better(query, revision)
-        self.records.append(PlanRecord(query, plan))
-        return plan
-
-    def cancel_plan(self) -> None:
-        """Count it."""
-        self.n_cancelled += 1
-
-    def tell(self, phase: str, fraction: float | None, detail: str) -> None:
-        """Keep what people are told."""
-        self.told.append((phase, fraction, detail))
-
-    def tell_reward(self, terms: Mapping[str, float]) -> None:
-        """Keep what the last step earned."""
-        self.rewards.append(dict(terms))
+        return Outcome(world=world, state_crc=crc32(codec.encode(world)), trace=trace if with_trace else None)
 
     @property
     def tick(self) -> int:
         """Now."""
         return self._tick
-
-    def motions(self, kind: type[Motion]) -> list[Motion]:
-        """All motions of one kind."""
-        return [r.motion for r in self.records if isinstance(r, StepRecord) and isinstance(r.motion, kind)]
-
-    def queries(self) -> list[TrunkPathQuery]:
-        """All queries for a path of the trunk."""
-        return [r.query for r in self.records if isinstance(r, PlanRecord) and isinstance(r.query, TrunkPathQuery)]
-
-    def box_queries(self) -> list[BoxPathQuery]:
-        """All queries for a path of the box."""
-        return [r.query for r in self.records if isinstance(r, PlanRecord) and isinstance(r.query, BoxPathQuery)]
 
     def _move(self, motion: Motion) -> int:
         """Change the state; returns the ticks that it took."""
@@ -250,6 +202,60 @@ class FakeWorld:
 
     def _progress(self) -> PathProgress | None:
         return None if self._path is None else self._path.progress()
+
+
+def straight_better(query: PlanQuery, _revision: int) -> Plan:
+    """A better plan that is the same one again."""
+    return straight_plan(query)
+
+
+class FakeWorld(LocalWorld):
+    """A local world with a kinematic simulator, which keeps what was asked, answered and told."""
+
+    def __init__(
+        self,
+        planner: Callable[[PlanQuery], Plan] = straight_plan,
+        better: Callable[[PlanQuery, int], Plan] = straight_better,
+        simulator: "KinematicSimulator | None" = None,
+        **of_simulator: Any,
+    ) -> None:
+        """`planner` answers queries, `better` their revisions; the rest are fields of a `KinematicSimulator`."""
+        self.simulator = simulator or KinematicSimulator(**of_simulator)
+        self.records: list[StepRecord | PlanRecord] = []
+        self.told: list[tuple[str, float | None, str]] = []
+        self.rewards: list[dict[str, float]] = []
+        self.n_cancelled = 0
+        self.planner, self.better = planner, better
+        super().__init__(self.simulator, self._make_plans, on_record=self.records.append)
+
+    def cancel_plan(self) -> None:
+        """Count it."""
+        self.n_cancelled += 1
+
+    def tell(self, phase: str, fraction: float | None, detail: str) -> None:
+        """Keep what people are told."""
+        self.told.append((phase, fraction, detail))
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Keep what the last step earned."""
+        self.rewards.append(dict(terms))
+
+    def motions(self, kind: type[Motion]) -> list[Motion]:
+        """All motions of one kind."""
+        return [r.motion for r in self.records if isinstance(r, StepRecord) and isinstance(r.motion, kind)]
+
+    def queries(self) -> list[TrunkPathQuery]:
+        """All queries for a path of the trunk."""
+        return [r.query for r in self.records if isinstance(r, PlanRecord) and isinstance(r.query, TrunkPathQuery)]
+
+    def box_queries(self) -> list[BoxPathQuery]:
+        """All queries for a path of the box."""
+        return [r.query for r in self.records if isinstance(r, PlanRecord) and isinstance(r.query, BoxPathQuery)]
+
+    def _make_plans(self, query: PlanQuery, _interrupted: Interrupted) -> Iterator[Plan]:
+        yield self.planner(query)
+        for revision in count(1):
+            yield self.better(query, revision)
 
 
 class _Path:

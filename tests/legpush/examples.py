@@ -7,7 +7,6 @@ from legpush.geometry import Pose2
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
 from legpush.messages.planning import (
     BoxPathQuery,
-    OccupancyGrid,
     Plan,
     PlanCancel,
     PlanRequest,
@@ -38,6 +37,7 @@ from legpush.messages.stepping import (
 )
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published, Reward, RewardTerm, Status, Taken
 from legpush.scene.footprints import Footprint
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
 
 

@@ -15,14 +15,15 @@ from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.history.journal import Opened
 from legpush.lockstep.client import PastStep, SimLink
-from legpush.lockstep.server import Stepper, serve_actions
+from legpush.lockstep.server import serve_actions
+from legpush.lockstep.simulator import Stepper
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Role
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
-from legpush.plans.request_queue import Interrupted, MakePlans
+from legpush.plans.planner import Interrupted, MakePlans
 from legpush.plans.server import serve_plans
 from tests.legpush.examples import RESET, TRACE, WORLD
 

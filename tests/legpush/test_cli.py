@@ -168,7 +168,7 @@ def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyP
         taken.append(options)
         return 1
 
-    monkeypatch.setattr("legpush.launch.run.run_mission", run_mission)
+    monkeypatch.setattr("legpush.launch.run.launch_mission", run_mission)
     words = "run --scenario push --seed 3 --out here --planner rrt --box-mass-kg 0.9 --no-video --deadline 60"
     assert cli.main([*words.split(), "--inject-faults", "0.2"]) == 1
     assert cli.main(["run"]) == 1

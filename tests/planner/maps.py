@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Smoothing
 
 CLEARANCE_M = 0.44
@@ -75,17 +77,17 @@ def pose(x_m: float, y_m: float, yaw_rad: float = 0.0) -> Pose2:
     return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
 
 
-def positions(plan: Plan) -> NDArray[np.float64]:
+def positions(plan: Plan) -> Floats:
     """Positions of a plan's waypoints, (n, 2)."""
     return np.array([(waypoint.x_m, waypoint.y_m) for waypoint in plan.waypoints])
 
 
-def true_clearance(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def true_clearance(grid: OccupancyGrid, points: Floats) -> Floats:
     """Distance of points, (n, 2), to the nearest occupied square or the outside: every square looked at."""
     cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
     low = np.array(grid.origin_m)
     high = low + np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
-    clearance: NDArray[np.float64] = np.maximum(np.minimum(points - low, high - points).min(axis=1), 0.0)
+    clearance: Floats = np.maximum(np.minimum(points - low, high - points).min(axis=1), 0.0)
     rows, columns = np.nonzero(cells)
     if len(rows) == 0:
         return clearance
@@ -96,7 +98,7 @@ def true_clearance(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[
     return clearance
 
 
-def samples(path: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
+def samples(path: Floats, spacing_m: float) -> Floats:
     """Points all along a polyline, (n, 2), at most `spacing_m` apart, vertices among them."""
     parts = []
     for a, b in pairwise(path):

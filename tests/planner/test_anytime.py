@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.messages.planning import PlanQuery
-from legpush.plans.request_queue import PlanningInterruptedError
+from legpush.plans.planner import PlanningInterruptedError
 from legpush.scene.scenario import Anytime, PlannerName, Rectangle
 from planner_proc.planning import make_plan, make_plans
 from tests.planner import maps

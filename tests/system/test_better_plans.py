@@ -11,9 +11,10 @@ from legpush.bus import channels
 from legpush.bus.faults import Faults
 from legpush.errors import JournalError
 from legpush.history.journal import Journal
-from legpush.lockstep.episode import Episode, PlanRecord, read_episode
+from legpush.history.steps import PlanRecord, read_episode
+from legpush.lockstep.episode import Episode
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.plans.request_queue import Interrupted, PlanningInterruptedError
+from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from legpush.scene.scenario import Anytime
 from tests.legpush.examples import QUERY
 from tests.legpush.fakes import agent, eventually, fake_plan, opened, planner, sim

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from legpush.lockstep.episode import PlanRecord, StepRecord, read_episode
+from legpush.history.steps import PlanRecord, StepRecord, read_episode
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scenarios.file import dump_scenario, load_scenario, override
 from sim_proc.simulator import Simulator

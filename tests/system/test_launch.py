@@ -13,7 +13,8 @@ import psutil
 import pytest
 from rich.console import Console
 
-from legpush.launch.run import Place, Programs, run_mission
+from legpush.launch.process_commands import Place, Programs
+from legpush.launch.run import launch_mission
 from legpush.launch.summary import ReportError
 from legpush.messages.common import Role
 from legpush.options.run import RunOptions
@@ -44,7 +45,7 @@ def work(config: Config, bus: Bus, stop: threading.Event) -> int:
             while not stop.wait(0.05):  # a signal may wake another thread than this one
                 pass
             return 0
-        while not {"planner", "sim"} <= {peer.role for peer in bus.roster.live()}:
+        while not {"planner", "sim"} <= {peer.role for peer in bus.liveliness.live()}:
             if stop.wait(0.01):
                 return 0
         if config.does == "ends":
@@ -61,8 +62,8 @@ from rich.console import Console
 sys.path.insert(0, sys.argv[1])
 from test_launch import programs
 from legpush.options.run import RunOptions
-from legpush.launch.run import run_mission
-sys.exit(run_mission(RunOptions(scenario="push", out=Path(sys.argv[2])), Console(), programs("waits")))
+from legpush.launch.run import launch_mission
+sys.exit(launch_mission(RunOptions(scenario="push", out=Path(sys.argv[2])), Console(), programs("waits")))
 """
 
 
@@ -108,7 +109,7 @@ def wait_until_all_end(pids: list[int]) -> None:
 def run(folder: Path, agent_does: str = "ends", film: str = "pass", **options: bool) -> Ended:
     console = Console(file=StringIO(), width=200)
     run_options = RunOptions(scenario="push", out=folder, **options)  # type: ignore[arg-type]
-    code = run_mission(run_options, console, programs(agent_does, film))
+    code = launch_mission(run_options, console, programs(agent_does, film))
     assert isinstance(console.file, StringIO)
     return Ended(code, console.file.getvalue(), folder)
 

@@ -179,7 +179,7 @@ def test_copies_that_come_while_an_action_is_carried_out_get_one_answer_together
     with sim(tmp_path, stepper) as serving, bus(tmp_path, "agent") as asking:
         answers = asking.subscribe(channels.answers(RUN, "main"))
         actions = asking.publisher(channels.actions(RUN, "main"))
-        assert eventually(lambda: len(asking.roster.live("sim")) == 1)
+        assert eventually(lambda: len(asking.liveliness.live("sim")) == 1)
 
         def send(step: int, motion: Motion) -> None:
             actions.send(lambda header: Action(header=header, episode=0, step=step, motion=motion))
@@ -213,7 +213,7 @@ def test_two_simulators_of_one_name_are_an_error_and_neither_is_used(tmp_path: P
     ):
         one.announce()
         other.announce()
-        assert eventually(lambda: len(agent_bus.roster.live("sim")) == 2)
+        assert eventually(lambda: len(agent_bus.liveliness.live("sim")) == 2)
         asking = Agent(agent_bus, Patience(rival_s=0.2))
         with pytest.raises(PeerError, match=r"to be one process.* is several processes, 2 of them \(\w+, \w+\)"):
             asking.do(MISSION)

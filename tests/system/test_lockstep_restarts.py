@@ -17,7 +17,8 @@ from legpush.bus.faults import Faults
 from legpush.bus.liveliness import LEASE_S
 from legpush.errors import JournalError, MotionError, PeerError
 from legpush.history.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
-from legpush.lockstep.episode import Episode, PlanRecord, StepRecord, read_episode
+from legpush.history.steps import PlanRecord, StepRecord, read_episode
+from legpush.lockstep.episode import Episode
 from legpush.messages.common import Role
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome, Walk
@@ -170,7 +171,7 @@ def test_a_frozen_simulator_is_named_and_goes_on_when_it_thaws(tmp_path: Path) -
 
 def test_a_killed_simulator_is_called_dead(tmp_path: Path) -> None:
     with process(tmp_path, "sim") as started, agent(tmp_path, patience=Patience(deadline_s=0.3)) as asking:
-        assert eventually(lambda: asking.bus.roster.live("sim") != [])
+        assert eventually(lambda: asking.bus.liveliness.live("sim") != [])
         asking.do(MISSION[:3])
         started.kill()
         with pytest.raises(PeerError, match=r"sim/main is dead: its link closed"):
@@ -217,7 +218,7 @@ def test_processes_find_each_other_over_tcp_in_whatever_order_they_are_started(
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_process_that_is_asked_to_stop_ends_well_and_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
     with bus(tmp_path, "launcher") as watching, process(tmp_path, "sim") as started:
-        assert eventually(lambda: watching.roster.live("sim") != [])
+        assert eventually(lambda: watching.liveliness.live("sim") != [])
         started.send_signal(number)
         _, err = started.communicate(timeout=10.0)
         assert started.returncode == 0
@@ -228,7 +229,7 @@ def test_a_process_that_is_asked_to_stop_ends_well_and_leaves_nothing(tmp_path: 
 
 def test_an_agent_that_is_asked_to_stop_while_it_waits_ends_as_interrupted(tmp_path: Path) -> None:
     with bus(tmp_path, "launcher") as watching, process(tmp_path, "agent", "--journal", str(tmp_path / "j")) as started:
-        assert eventually(lambda: watching.roster.live("agent") != [])
+        assert eventually(lambda: watching.liveliness.live("agent") != [])
         started.send_signal(signal.SIGTERM)
         _, err = started.communicate(timeout=10.0)
         assert started.returncode == 130

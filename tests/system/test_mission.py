@@ -17,7 +17,7 @@ import pytest
 
 from legpush.bus import endpoints
 from legpush.history.journal import Acted, Entry, Queried, read_entries
-from legpush.lockstep.episode import StepRecord, read_episode
+from legpush.history.steps import StepRecord, read_episode
 from legpush.messages.common import Role
 from legpush.messages.stepping import Push, Walk
 from legpush.scenarios.file import dump_scenario, load_scenario, override

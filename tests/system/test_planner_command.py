@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from agent_proc.reporting.mission_record import read_record
-from legpush.lockstep.episode import read_episode
+from legpush.history.steps import read_episode
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))
 EXAMPLE = Path(__file__).parents[2] / "examples" / "grid_planner.py"

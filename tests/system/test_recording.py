@@ -97,8 +97,8 @@ def test_a_recording_has_every_message_byte_for_byte(tmp_path: Path) -> None:
     file = tmp_path / "a.mcap"
     with recorder(tmp_path, file) as process:
         with witness(tmp_path) as (session, seen), sim(tmp_path), planner(tmp_path), agent(tmp_path) as asking:
-            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
-            assert eventually(lambda: len(asking.bus.roster.live("planner")) == 1)
+            assert eventually(lambda: len(asking.bus.liveliness.live("recorder")) == 1, 20.0)
+            assert eventually(lambda: len(asking.bus.liveliness.live("planner")) == 1)
             assert eventually(lambda: len(list(session.info.peers_zid())) == 3)
             asking.do(mission())
             walk(asking, 500)
@@ -121,7 +121,7 @@ def test_a_recorder_that_is_killed_loses_at_most_a_second(tmp_path: Path, seed: 
     file, out = tmp_path / "a.mcap", tmp_path / "b.mcap"
     life_s = random.Random(seed).uniform(1.2, 3.0)
     with sim(tmp_path), agent(tmp_path) as asking, recorder(tmp_path, file) as process:
-        assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+        assert eventually(lambda: len(asking.bus.liveliness.live("recorder")) == 1, 20.0)
         asking.do(mission())
         until = monotonic() + life_s
         while monotonic() < until:
@@ -146,7 +146,7 @@ def test_a_recorder_that_is_frozen_stalls_nobody_and_says_what_it_lacks(tmp_path
     file = tmp_path / "a.mcap"
     with recorder(tmp_path, file) as process:
         with sim(tmp_path), agent(tmp_path) as asking:
-            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+            assert eventually(lambda: len(asking.bus.liveliness.live("recorder")) == 1, 20.0)
             asking.do(mission())
             usual = walk(asking, 1500)
             process.send_signal(signal.SIGSTOP)
@@ -156,7 +156,7 @@ def test_a_recorder_that_is_frozen_stalls_nobody_and_says_what_it_lacks(tmp_path
                 walk(asking, 1)
                 slowest_s, n_frozen = max(slowest_s, monotonic() - began), n_frozen + 1
             process.send_signal(signal.SIGCONT)
-            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 1, 20.0)
+            assert eventually(lambda: len(asking.bus.liveliness.live("recorder")) == 1, 20.0)
             walk(asking, 100)
             n_steps = len(asking.past)
             assert asking.past[-1].state_crc == crc_after([*mission(), *[Walk()] * (n_steps - len(mission()))])
@@ -176,12 +176,12 @@ def test_a_recorder_that_is_stuck_does_not_keep_another_one_from_its_messages(tm
     with recorder(tmp_path, file) as process:
         with bus(tmp_path, "recorder", "stuck") as stuck, sim(tmp_path), agent(tmp_path) as asking:
             stuck.announce()
-            assert eventually(lambda: len(asking.bus.roster.live("recorder")) == 2, 20.0)
+            assert eventually(lambda: len(asking.bus.liveliness.live("recorder")) == 2, 20.0)
             asking.do(mission())
             until = monotonic() + 6.0
             while monotonic() < until:
                 walk(asking, 20)
-            assert len(asking.bus.roster.live("recorder")) == 2
+            assert len(asking.bus.liveliness.live("recorder")) == 2
             left_bytes = asking.bus.taps.own.buffer.n_bytes
             n_steps = len(asking.past)
         process.send_signal(signal.SIGINT)
@@ -347,7 +347,7 @@ def test_what_an_agent_hears_stands_in_for_a_planner_that_hands_over_nothing(tmp
             silent.taps.own.close()
             opened.taps.witness("planner")
             asking = Agent(opened, IMPATIENT)
-            assert eventually(lambda: len(opened.roster.live("recorder")) == 1, 20.0)
+            assert eventually(lambda: len(opened.liveliness.live("recorder")) == 1, 20.0)
             for seed in range(5):
                 asking.planner.plan(replace(QUERY, seed=seed))
             process.send_signal(signal.SIGINT)

@@ -18,11 +18,12 @@ from stable_baselines3.common.env_checker import check_env as check_env_sb3
 
 from agent_proc.learning.env import PushEnv
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.simulators.bus_world import LocalWorld, SteppingWorld
-from agent_proc.simulators.pools import joined_simulators, own_simulators
+from agent_proc.simulators import joined_simulators, own_simulators
 from agent_proc.task.config import TaskConfig
 from legpush.bus.endpoints import Endpoints, in_directory
 from legpush.errors import ConfigError, PeerError, StopRequestedError
+from legpush.lockstep.local import LocalWorld
+from legpush.lockstep.world import SteppingWorld
 from legpush.patience import Patience
 from legpush.processes.pool import MAX_RESTARTS, SimPool
 from sim_proc.simulator import Simulator

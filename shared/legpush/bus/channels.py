@@ -7,13 +7,15 @@ from typing import Generic, Literal, TypeVar, cast
 from legpush.bus import keys
 from legpush.messages.common import Header, Role
 from legpush.messages.planning import PlanCancel, PlanRequest, PlanResult
-from legpush.messages.stepping import Action, Observation, Refusal
+from legpush.messages.stepping import Action, Answer, Observation, Refusal
 from legpush.messages.telemetry import Copies, Reward, Status, Taken
 
-Answer = Observation | Refusal
 Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Reward | Status | Copies | Taken
 
 M = TypeVar("M", bound=Message)
+
+Quality = Literal["lockstep", "tap"]
+"""`lockstep` never drops a message on a living link, `tap` drops rather than delay anything."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,8 +28,7 @@ class Channel(Generic[M]):
     """The only role that may speak here; None for any."""
     key_of: Callable[[Header], str] | None = None
     """The key that the sender named in a header has to use, where the key names the sender."""
-    quality: Literal["lockstep", "tap"] = "lockstep"
-    """`lockstep` never drops a message on a living link, `tap` drops rather than delay anything."""
+    quality: Quality = "lockstep"
     is_copied: bool = True
     """Whether recorders get copies of it."""
 

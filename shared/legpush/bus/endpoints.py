@@ -88,3 +88,7 @@ def _check(locator: str) -> None:
             f"Expected a unix socket path of at most {MAX_SOCKET_PATH_BYTES} bytes, got {length}: {address}; "
             "use a shorter run directory"
         )
+
+
+DEFAULT_RUN: Final = "local"
+DEFAULT_NAME: Final = "main"

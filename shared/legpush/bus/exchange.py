@@ -90,7 +90,7 @@ class Exchange(Generic[M]):
         resend = _Resend(self._patience, self._clock)
         try:
             while not self._stop.is_set():
-                live = self._bus.roster.live(self._role, self._name)
+                live = self._bus.liveliness.live(self._role, self._name)
                 if len(live) == 1:
                     if live[0].incarnation != self._peer:
                         self._meet(live[0].incarnation, what)
@@ -152,4 +152,4 @@ class Exchange(Generic[M]):
         self._peer = incarnation
 
     def _state(self) -> str:
-        return f"{self.peer} is {self._bus.roster.describe(self._role, self._name)}"
+        return f"{self.peer} is {self._bus.liveliness.describe(self._role, self._name)}"

@@ -1,5 +1,9 @@
 """The key space: `legpush/v<protocol version>/<run>/...`, one key per message type and peer."""
 
+from msgspec import Struct
+
+from legpush.fields import Name
+from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Role
 
 
@@ -56,3 +60,17 @@ def taken(run: str, role: Role | str, name: str) -> str:
 def liveliness(run: str, role: Role | str, name: str, incarnation: str) -> str:
     """Liveliness token of one incarnation of a process; `*` for any."""
     return f"{prefix(run)}/live/{role}/{name}/{incarnation}"
+
+
+class Token(Struct, frozen=True, kw_only=True):
+    """What a liveliness key says."""
+
+    role: Role
+    name: Name
+    incarnation: Name
+
+
+def parse_token(key: str) -> Token:
+    """The last three segments of a liveliness key; `MessageError` if they name no process."""
+    role, name, incarnation = key.split("/")[-3:]
+    return codec.convert({"role": role, "name": name, "incarnation": incarnation}, Token)

@@ -31,7 +31,7 @@ class Sighting:
     """What it last said it was doing."""
 
 
-class Roster:
+class Liveliness:
     """Kept by the bus from liveliness tokens and messages; safe to read from any thread."""
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:

@@ -3,7 +3,8 @@
 import threading
 from typing import Final
 
-from legpush.bus.tap_sender import Send, Tap, TapBuffer
+from legpush.bus.tap_buffer import Send, TapBuffer
+from legpush.bus.tap_sender import Tap
 from legpush.messages.common import Header, Role
 from legpush.messages.telemetry import Origin, Taken
 
@@ -11,7 +12,7 @@ MAX_HEARD: Final = 16
 """Incarnations that this process stands in for because it hears them; what later ones say is not handed over."""
 
 
-class Taps:
+class RecorderTaps:
     """Safe to use from any thread; `send` publishes a batch and returns it."""
 
     def __init__(self, own: Origin, send: Send) -> None:

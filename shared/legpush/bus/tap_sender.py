@@ -6,21 +6,11 @@ until it is taken. Without a recorder nothing is noted but how much was publishe
 """
 
 import threading
-from collections import deque
-from collections.abc import Callable
-from time import monotonic, time_ns
+from time import monotonic
 from typing import Final
 
-from legpush.messages import codec
-from legpush.messages.common import Header
-from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published
+from legpush.bus.tap_buffer import BATCH_BYTES, Send, TapBuffer
 
-LIMIT_BYTES: Final = 64 * 1024 * 1024
-"""Notes of a recorder that is away; what comes beyond that is lost to it."""
-BATCH_BYTES: Final = 1024 * 1024
-"""A batch ends when it has as much."""
-LARGEST_BYTES: Final = codec.MAX_MESSAGE_BYTES // 2
-"""Of a message that is copied: a batch is a message itself."""
 PERIOD_S: Final = 0.02
 """Notes are handed over this often."""
 RESEND_S: Final = 0.25
@@ -32,150 +22,6 @@ PATIENCE_S: Final = 60.0
 """Without any recorder for this long, notes are thrown away, and no more are taken until one comes."""
 FAREWELL_S: Final = 2.0
 """A process that ends waits so long at most for its last notes to be taken."""
-
-Build = Callable[[Header], Copies]
-Send = Callable[[Build], Copies]
-
-
-class TapBuffer:
-    """Notes and batches, without I/O; safe to use from any thread."""
-
-    def __init__(self, origin: Origin, limit_bytes: int = LIMIT_BYTES) -> None:
-        self.active = False
-        """Whether notes are taken."""
-        self._origin = origin
-        self._limit_bytes = limit_bytes
-        self._lock = threading.Lock()
-        self._published: dict[str, int] = {}
-        self._since: dict[str, int] = {}
-        """By key: the first sequence since notes are taken that no batch has."""
-        self._copies: deque[Copy] = deque()
-        self._n_bytes = 0
-        self._facts: dict[str, Fact] = {}
-        self._new_facts: list[Fact] = []
-        self._recorders: set[str] = set()
-        self._late: set[str] = set()
-        """Recorders that are not waited for."""
-        self._taken_by: set[str] = set()
-        self._n_batches = 0
-        self._at_hand: Build | None = None
-
-    def note(self, key: str, sequence: int, payload: bytes) -> None:
-        """A message is being published."""
-        with self._lock:
-            self._published[key] = sequence + 1
-            if not self.active:
-                return
-            self._since.setdefault(key, sequence)
-            if self._n_bytes + len(payload) > self._limit_bytes or len(payload) > LARGEST_BYTES:
-                return
-            self._n_bytes += len(payload)
-            self._copies.append(Copy(key=key, sequence=sequence, time_ns=time_ns(), payload=payload))
-
-    def attach(self, fact: Fact) -> None:
-        """Recordings get this file as well; one of the same name before is replaced."""
-        with self._lock:
-            self._facts[fact.name] = fact
-            self._new_facts.append(fact)
-
-    def start(self) -> None:
-        """From now on notes are taken."""
-        with self._lock:
-            self.active = True
-
-    def stop(self) -> None:
-        """Throw all notes away and take no more."""
-        with self._lock:
-            self.active = False
-            self._copies.clear()
-            self._since.clear()
-            self._n_bytes = 0
-            self._at_hand = None
-
-    def meet(self, recorders: set[str]) -> bool:
-        """These incarnations record now; whether one is new, to whom the batch at hand has to be sent."""
-        with self._lock:
-            new = recorders - self._recorders
-            self._recorders = set(recorders)
-            self._late &= recorders
-            if new:
-                self._new_facts = list(self._facts.values())
-            return bool(new)
-
-    def take(self, recorder: str, batch: int) -> bool:
-        """A recorder has this batch; whether it was the one at hand and all who are waited for have it now."""
-        with self._lock:
-            if batch != self._n_batches - 1:
-                return False
-            if recorder in self._late:
-                self._late.discard(recorder)
-                self._new_facts = list(self._facts.values())
-            self._taken_by.add(recorder)
-            if self._at_hand is None or (self._recorders - self._late or self._recorders) - self._taken_by:
-                return False
-            self._at_hand = None
-            return True
-
-    def waive(self) -> bool:
-        """Whoever has not taken the batch at hand goes without, if somebody has; whether that is so.
-
-        They are not waited for any more until they take a batch while it is the last one.
-        """
-        with self._lock:
-            if self._at_hand is None or not self._taken_by & self._recorders:
-                return False
-            self._late = self._recorders - self._taken_by
-            self._at_hand = None
-            return True
-
-    def batch(self, *, final: bool = False) -> Build | None:
-        """The batch at hand, else a new one; None where there is nothing to hand over, unless it is the final one."""
-        with self._lock:
-            if self._at_hand is None and (self._copies or self._new_facts or final):
-                self._at_hand = self._cut(final)
-            return self._at_hand
-
-    @property
-    def n_bytes(self) -> int:
-        """Of the copies that wait for their batch."""
-        return self._n_bytes
-
-    @property
-    def is_filling(self) -> bool:
-        """Whether notes may soon be lost."""
-        return self._n_bytes > self._limit_bytes // 2
-
-    def is_empty(self) -> bool:
-        """Whether everything has been handed over and taken."""
-        with self._lock:
-            return self._at_hand is None and not self._copies and not self._new_facts
-
-    def _cut(self, final: bool) -> Build:
-        """A batch of the oldest notes; the final one only where nothing is left behind."""
-        copies: list[Copy] = []
-        n_bytes = 0
-        while self._copies and (not copies or n_bytes + len(self._copies[0].payload) <= BATCH_BYTES):
-            copies.append(self._copies.popleft())
-            n_bytes += len(copies[-1].payload)
-        self._n_bytes -= n_bytes
-        facts, self._new_facts = tuple(self._new_facts), []
-        published = tuple(Published(key=key, n=n, since=self._since.get(key, n)) for key, n in self._published.items())
-        self._since |= {copy.key: copy.sequence + 1 for copy in copies}
-        number, self._n_batches, self._taken_by = self._n_batches, self._n_batches + 1, set()
-        is_final = final and not self._copies
-
-        def build(header: Header) -> Copies:
-            return Copies(
-                header=header,
-                origin=self._origin,
-                batch=number,
-                copies=tuple(copies),
-                published=published,
-                facts=facts,
-                final=is_final,
-            )
-
-        return build
 
 
 class Tap:

@@ -9,7 +9,7 @@ from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header
 
 
-class Intake(Generic[M]):
+class Validation(Generic[M]):
     """The gate of one channel: size, MessagePack, protocol version, finite numbers, schema, run, sender; in this order.
 
     Causes it counts: `oversize`, `malformed`, `version`, `not_finite`, `foreign_run`, `sender`.

@@ -18,8 +18,9 @@ from zlib import crc32
 from msgspec import Struct
 
 from legpush.errors import JournalError, MessageError
+from legpush.fields import Name
 from legpush.messages import codec
-from legpush.messages.common import Count, Name
+from legpush.messages.common import Count
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
 

@@ -6,12 +6,11 @@ Messages may come in any order that keeps each sender's own, live or from a reco
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from legpush.bus.channels import Answer
 from legpush.errors import MessageError
 from legpush.history.timeline import Timeline, is_whole
 from legpush.messages import codec
 from legpush.messages.planning import Plan, PlanQuery, PlanRequest, PlanResult
-from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal, Reset
+from legpush.messages.stepping import Action, Answer, Motion, Observation, Outcome, Refusal, Reset
 from legpush.messages.telemetry import Copy, Origin, Reward, Status
 from legpush.scene.scenario import Scenario
 
@@ -20,7 +19,7 @@ Step = tuple[str, int, int]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Planned:
+class PlanAt:
     """An answer of the planner."""
 
     time_ns: int
@@ -61,7 +60,7 @@ class Timelines:
         """Of the same episodes, counted from the first one that began."""
         self.held: Timeline | None = None
         """Is kept however old it is."""
-        self.plans: list[Planned] = []
+        self.plans: list[PlanAt] = []
         """In the order in which they became known."""
         self.said: list[Said] = []
         self.scenario: Scenario | None = None
@@ -119,7 +118,7 @@ class Timelines:
         self._requests.clear()
         self._results.clear()
 
-    def plans_of(self, timeline: Timeline) -> Iterator[tuple[int, Planned]]:
+    def plans_of(self, timeline: Timeline) -> Iterator[tuple[int, PlanAt]]:
         """The plans that were made during an episode, each with the row at which it was there."""
         if not timeline.steps:
             return
@@ -221,7 +220,7 @@ class Timelines:
 
     def _add_plan(self, request: PlanRequest, result: PlanResult, time_ns: int) -> None:
         self.plans.append(
-            Planned(
+            PlanAt(
                 time_ns=time_ns,
                 client=request.header.name,
                 query=request.query,

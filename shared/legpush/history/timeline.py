@@ -6,14 +6,12 @@ from math import nan
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats, Indices
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import Motion, Outcome, Trace, WorldState
-from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, TRUNK_QPOS
+from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, N_QPOS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
-
-Array = NDArray[np.float64]
 
 TRUNK: Final = TRUNK_QPOS
 JOINTS: Final = JOINT_QPOS
@@ -52,7 +50,7 @@ class Timeline:
             name: _Column(shape)
             for name, shape in (
                 ("tick", ()),
-                ("qpos", (26,)),
+                ("qpos", (N_QPOS,)),
                 ("roll_pitch_rad", (2,)),
                 ("tips_m", (4, 3)),
                 ("contact_forces_n", (4, 3)),
@@ -86,51 +84,51 @@ class Timeline:
         return self._columns["tick"].n
 
     @property
-    def tick(self) -> Array:
+    def tick(self) -> Floats:
         """Control periods since the reset, (n,)."""
         return self._columns["tick"].view()
 
     @property
-    def time_s(self) -> Array:
+    def time_s(self) -> Floats:
         """Simulated time since the reset, (n,)."""
         return self.tick * CONTROL_PERIOD_S
 
     @property
-    def qpos(self) -> Array:
+    def qpos(self) -> Floats:
         """MuJoCo's generalized positions, (n, 26): `TRUNK`, `JOINTS`, `BOX`."""
         return self._columns["qpos"].view()
 
     @property
-    def roll_pitch_rad(self) -> Array:
+    def roll_pitch_rad(self) -> Floats:
         """Of the trunk, (n, 2)."""
         return self._columns["roll_pitch_rad"].view()
 
     @property
-    def tips_m(self) -> Array:
+    def tips_m(self) -> Floats:
         """Centres of the foot spheres FL, FR, RL, RR, world frame, (n, 4, 3)."""
         return self._columns["tips_m"].view()
 
     @property
-    def contact_forces_n(self) -> Array:
+    def contact_forces_n(self) -> Floats:
         """Of floor and box together on each foot, world frame, (n, 4, 3)."""
         return self._columns["contact_forces_n"].view()
 
     @property
-    def com_m(self) -> Array:
+    def com_m(self) -> Floats:
         """Of the robot, world frame, (n, 3)."""
         return self._columns["com_m"].view()
 
     @property
-    def zmp_m(self) -> Array:
+    def zmp_m(self) -> Floats:
         """On the floor, (n, 2)."""
         return self._columns["zmp_m"].view()
 
     @property
-    def support_margin_m(self) -> Array:
+    def support_margin_m(self) -> Floats:
         """Signed distance of the CoM's ground projection to the border of the support polygon, inside positive."""
         return self._columns["support_margin_m"].view()
 
-    def box_error(self, rows: slice | NDArray[np.intp] = slice(None)) -> Array:
+    def box_error(self, rows: slice | Indices = slice(None)) -> Floats:
         """Distance of the box from its goal [m] and the angle between their headings [rad], in [0, pi], (n, 2)."""
         pose = self.scenario.goal.pose.pose()
         box = self.qpos[rows, BOX]
@@ -146,9 +144,9 @@ class Timeline:
         """Where `step_at` is among the steps."""
         return bisect_right(self.steps, row, key=lambda step: step.first_row) - 1
 
-    def rows_at(self, ticks: Array) -> NDArray[np.intp]:
+    def rows_at(self, ticks: Floats) -> Indices:
         """The last row up to each tick, or the first one there is."""
-        rows: NDArray[np.intp] = np.maximum(np.searchsorted(self.tick, ticks, side="right") - 1, 0)
+        rows: Indices = np.maximum(np.searchsorted(self.tick, ticks, side="right") - 1, 0)
         return rows
 
     def row_at(self, time_ns: int) -> int:
@@ -205,7 +203,7 @@ class _Column:
         self.n = 0
         self._rows = np.empty((64, *shape))
 
-    def extend(self, rows: Array) -> None:
+    def extend(self, rows: Floats) -> None:
         n = self.n + len(rows)
         if n > len(self._rows):
             grown = np.empty((max(n, 2 * len(self._rows)), *self._rows.shape[1:]))
@@ -214,7 +212,7 @@ class _Column:
         self._rows[self.n : n] = rows
         self.n = n
 
-    def view(self) -> Array:
+    def view(self) -> Floats:
         """What is there, read-only, as later rows do not change it."""
         view = self._rows[: self.n]
         view.flags.writeable = False

@@ -7,12 +7,14 @@ from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
-from legpush.launch.mission_recorder import next_file
-from legpush.launch.run import Place, Programs, process_arguments, run_mission
+from legpush.files import sha256_of
+from legpush.launch.process_commands import Place, Programs, process_arguments
+from legpush.launch.run import launch_mission
 from legpush.messages.common import Role
 from legpush.options.recordings import BranchOptions
 from legpush.options.run import RunOptions
-from legpush.recording.branch import RecordedPast, parse_point, sha256_of
+from legpush.processes.recorder_process import next_file
+from legpush.recording.branch import RecordedPast, parse_point
 from legpush.recording.facts import unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 
@@ -50,7 +52,7 @@ def branch(options: BranchOptions) -> int:
             video=options.video,
         )
         programs = Programs(process=process, again=lambda folder: again(options, folder), kind="branch")
-        return run_mission(run, Console(), programs, about)
+        return launch_mission(run, Console(), programs, about)
 
 
 def default_file(options: BranchOptions) -> Path:

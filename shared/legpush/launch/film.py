@@ -4,15 +4,14 @@ import sys
 from pathlib import Path
 from typing import Final
 
+from legpush.errors import INTERRUPTED, NO_OPENGL
+from legpush.exports import View
 from legpush.launch.display import Display
-from legpush.launch.supervisor import INTERRUPTED, Verdict
-from legpush.options.export import View
+from legpush.launch.supervisor import Verdict
 from legpush.patience import SLICE_S, Stopwatch
 from legpush.processes.child import Command, describe_exit
-from legpush.processes.crew import Crew, Interrupted
+from legpush.processes.crew import Crew, Interrupt
 
-NO_OPENGL: Final = 4
-"""Exit code of the film process where no OpenGL library can be used; it says so in a line."""
 LONGEST_S: Final = 900.0
 """A film that takes longer is given up."""
 
@@ -30,7 +29,7 @@ def film(command: Command, crew: Crew, display: Display, longest_s: float = LONG
     while process.exit_code is None:
         display.progress("filming", None, "".join(process.last_words(1)), "")
         event = crew.next_event(SLICE_S)
-        if isinstance(event, Interrupted):
+        if isinstance(event, Interrupt):
             crew.stop()
             return Verdict(INTERRUPTED, f"interrupted by {event.by.name} while filming")
         if stopwatch.tick() > longest_s:

@@ -6,18 +6,19 @@ from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Final, Literal
+from typing import Literal
 
 from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import RecordingError, StopRequestedError
+from legpush.errors import INTERRUPTED, RecordingError, StopRequestedError
 from legpush.launch.display import make_display
-from legpush.launch.run import Place, Programs, process_arguments, run_mission
-from legpush.lockstep.client import PastStep, SimLink
+from legpush.launch.process_commands import Place, Programs, process_arguments
+from legpush.launch.run import launch_mission
+from legpush.lockstep.bus_world import BusWorld
+from legpush.lockstep.client import SimLink
 from legpush.messages.common import Role
-from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.options.recordings import ReplayOptions
 from legpush.options.run import RunOptions
 from legpush.plans.client import PlanLink
@@ -30,8 +31,6 @@ from legpush.recording.publish import from_start, publish
 from legpush.recording.verify import Verified, verify
 from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.service import stop_on_signals
-
-INTERRUPTED: Final = 130
 
 
 def replay(options: ReplayOptions) -> int:
@@ -85,7 +84,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
             out=options.out,
             video=False,
         )
-        return run_mission(run, console, Programs(process=process, kind="replay"))
+        return launch_mission(run, console, Programs(process=process, kind="replay"))
 
 
 def play_agent(files: tuple[Path, ...], console: Console) -> int:
@@ -126,7 +125,7 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
         pool = stack.enter_context(SimPool(1, logs, stop, kind="replay"))
         bus = stack.enter_context(Bus(pool.run, "agent", "main", pool.endpoints))
         display = stack.enter_context(make_display(console))
-        world = LinkedWorld(SimLink(bus, pool.names[0], stop=stop))
+        world = BusWorld(SimLink(bus, pool.names[0], stop=stop))
         bus.announce()
         try:
             verified = verify(episodes, world.step, lambda text: display.progress("verifying", None, text, ""))
@@ -147,20 +146,3 @@ def _words(verified: Verified, wall_s: float) -> str:
         return f"{verified.divergence}\n"
     seconds = verified.n_ticks * CONTROL_PERIOD_S
     return f"identical: {verified.n_steps} steps, {seconds:.1f} s simulated in {wall_s:.1f} s\n"
-
-
-class LinkedWorld:
-    """A simulator on the bus, where a `Reset` begins a new episode."""
-
-    def __init__(self, link: SimLink) -> None:
-        self._link = link
-        self._past: list[PastStep] = []
-
-    def step(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion."""
-        if isinstance(motion, Reset):
-            self._past = []
-            self._link.begin()
-        outcome = self._link.step(motion, self._past, with_trace=with_trace)
-        self._past.append(PastStep(motion, outcome.state_crc))
-        return outcome

@@ -3,9 +3,8 @@
 import os
 import shlex
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,84 +16,30 @@ from rich.text import Text
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
-from legpush.errors import ConfigError
+from legpush.errors import INTERRUPTED, ConfigError
 from legpush.launch.display import make_display
-from legpush.launch.film import film, film_arguments
-from legpush.launch.mission_recorder import MissionRecorder, next_file
+from legpush.launch.film import film
+from legpush.launch.mission_recorder import MissionRecorder
+from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
 from legpush.launch.summary import print_summary, read_report
-from legpush.launch.supervisor import (
-    BAD_INPUT,
-    GAVE_UP,
-    INTERRUPTED,
-    NO_SUCCESS,
-    SUCCESS,
-    Limits,
-    Supervisor,
-    Verdict,
-)
-from legpush.messages.common import Role
-from legpush.options.run import RunOptions, split_command
+from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
+from legpush.messages.common import ROLES, Role
+from legpush.options.run import RunOptions
 from legpush.processes.child import Command
 from legpush.processes.crew import Crew
+from legpush.processes.environment import child_environment
+from legpush.processes.recorder_process import next_file
 from legpush.recording.facts import CONTINUED
-from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder, run_name
+from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Scenario
 
-ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """What each process cannot start without; the rest of its extra comes along."""
-RECORDED: Final = ("--recorded",)
-"""Has a process keep copies of what it says from its start on, for a recorder that is about to come."""
-ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
-"""Arrays here are small: more threads only get in each other's way."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where a run happens."""
-
-    folder: Path
-    """What it leaves behind; absolute."""
-    sockets: Path
-    """A directory of mode 0700 for the sockets of its processes."""
-
-    @property
-    def run(self) -> str:
-        """Name of the run on the bus."""
-        return run_name(self.folder)
-
-
-def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
-    """The command line of a process of this package, without what `bus_flags` adds."""
-    if role == "planner" and options.planner_command is not None:
-        return split_command(options.planner_command)
-    # -P: what lies in the working directory is no part of the program.
-    arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
-    if role == "agent":
-        arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
-        arguments += ["--out", str(place.folder), "--policy", options.policy]
-        if options.push_map is not None:
-            arguments += ["--push-map", str(options.push_map.absolute())]
-        if options.record is not None and options.planner_command is not None:
-            arguments += ["--witness-planner"]
-    return tuple(arguments)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Programs:
-    """The command lines that a mission is made of."""
-
-    process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
-    film: Callable[[Path], tuple[str, ...]] = film_arguments
-    again: Callable[[Path], str] | None = None
-    """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
-    kind: str = "run"
-    """The subcommand of `legpush` that runs it."""
-
-
-def run_mission(
+def launch_mission(
     options: RunOptions, console: Console, programs: Programs | None = None, about: Mapping[str, str] | None = None
 ) -> int:
     """Run a mission and return the exit code; `LegpushError` for bad input, before anything is started.
@@ -144,26 +89,6 @@ def require_libraries() -> None:
         )
 
 
-def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
-    """How a process finds its peers, and how badly they hear each other."""
-    endpoints = in_directory(place.sockets, role)
-    flags = ["--run", place.run, "--listen", *endpoints.listen]
-    if endpoints.connect:
-        flags += ["--connect", *endpoints.connect]
-    foreign = role == "planner" and options.planner_command is not None
-    if options.inject_faults > 0.0 and not foreign:
-        flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
-    if options.record is not None and not foreign:
-        flags += RECORDED
-    return tuple(flags)
-
-
-def flags_again(role: Role, options: RunOptions) -> tuple[str, ...]:
-    """What `bus_flags` lack where a process is started again: somebody may be recording by then."""
-    foreign = role == "planner" and options.planner_command is not None
-    return () if foreign or options.record is not None else RECORDED
-
-
 def _run_in(
     given: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
 ) -> Verdict:
@@ -196,7 +121,7 @@ def _run_in(
         supervisor = Supervisor(
             crew,
             display,
-            is_alive=lambda role: any(peer.role == role for peer in bus.roster.live()),
+            is_alive=lambda role: any(peer.role == role for peer in bus.liveliness.live()),
             hear=statuses.drain,
             limits=Limits(mission_s=options.deadline_s),
             on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
@@ -214,11 +139,6 @@ def _run_in(
             )
             return film(command, crew, display) or verdict
         return verdict
-
-
-def child_environment(environment: Mapping[str, str]) -> dict[str, str]:
-    """What the processes get: what the launcher has, one thread per library, and output as it comes."""
-    return {**environment, **ONE_THREAD, "PYTHONUNBUFFERED": "1"}
 
 
 def _again(options: RunOptions, folder: Path) -> str:

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import Final
 
+from legpush.errors import INTERRUPTED
 from legpush.launch.display import Display
 from legpush.messages.telemetry import Status
 from legpush.patience import SLICE_S, Stopwatch
 from legpush.processes.child import TAIL_LINES, Command, Process, describe_exit
-from legpush.processes.crew import Crew, Interrupted
+from legpush.processes.crew import Crew, Interrupt
 
 SUCCESS: Final = 0
 NO_SUCCESS: Final = 1
 BAD_INPUT: Final = 2
 GAVE_UP: Final = 3
-INTERRUPTED: Final = 130
 
 FROZEN_EVERY_S: Final = 0.5
 """How often processes are asked whether they are frozen."""
@@ -106,7 +106,7 @@ class Supervisor:
         """Take what happens, one event or one look around at a time, until there is a verdict."""
         while True:
             event = self._crew.next_event(SLICE_S)
-            if isinstance(event, Interrupted):
+            if isinstance(event, Interrupt):
                 return Verdict(INTERRUPTED, f"interrupted by {event.by.name}")
             verdict = self._take_end(event) if isinstance(event, Process) else self._look_around()
             if verdict is not None:

@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 from legpush.bus import channels
 from legpush.bus.bus import Bus
-from legpush.bus.channels import Answer
 from legpush.bus.exchange import Exchange, OnWait, no_report
 from legpush.errors import MotionError, PeerError
 from legpush.messages.common import Header
-from legpush.messages.stepping import Action, Motion, Outcome, Refusal
+from legpush.messages.stepping import Action, Answer, Motion, Outcome, Refusal
 from legpush.messages.telemetry import Reward, RewardTerm
 from legpush.patience import Patience
 

@@ -1,9 +1,8 @@
 """An episode that survives its agent: what was answered before comes from the journal, what is new from the peers."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Mapping
+from typing import Protocol
 
 from legpush.errors import JournalError, MotionError, PeerError
 from legpush.history.journal import (
@@ -19,9 +18,10 @@ from legpush.history.journal import (
     Refused,
     read_entries,
 )
+from legpush.history.steps import words_of
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Motion, Outcome
+from legpush.messages.stepping import Alter, Motion, Outcome
 from legpush.plans.client import PlanLink
 
 log = logging.getLogger(__name__)
@@ -31,7 +31,9 @@ class Past(Protocol):
     """Answers to the first steps of an episode, and to the plan queries among them, from elsewhere."""
 
     n_steps: int
-    """So many steps are answered."""
+    """Number of steps that are answered."""
+    alter: Alter | None
+    """Carried out where the past ends, before anything new."""
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
         """What the motion leads to as this step, with its trace if that is known; `MotionError` if it was refused."""
@@ -44,7 +46,7 @@ class Past(Protocol):
 
 
 class Episode:
-    """The mission's view of the world: `step` moves it and `plan` asks for a path, nothing else does either.
+    """A `World` on the bus that is remembered: `step` moves it and `plan` asks for a path, nothing else does either.
 
     With a journal that already holds entries, the first calls are answered from it. The mission that runs again has to
     ask the very same things, which it does if it depends on the answers alone; then it goes on live where it ended.
@@ -73,6 +75,12 @@ class Episode:
 
     def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         """What the motion leads to; `MotionError` if it cannot be carried out, then the state is as it was."""
+        origin = self._origin
+        if origin is not None and origin.alter is not None and self.n_steps == origin.n_steps:
+            self._step(origin.alter, with_trace=True)
+        return self._step(motion, with_trace=with_trace)
+
+    def _step(self, motion: Motion, *, with_trace: bool) -> Outcome:
         answer = self._answer(
             Acted(motion=motion, with_trace=with_trace), lambda: self._act(motion, with_trace=with_trace)
         )
@@ -113,7 +121,7 @@ class Episode:
         if recorded is None:
             self._journal.append(question)
         elif recorded != question:
-            raise self._mismatch(_words(question), recorded)
+            raise self._mismatch(words_of(question), recorded)
         answer = self._take()
         if answer is None:
             answer = ask()
@@ -180,45 +188,6 @@ class Episode:
 
     def _mismatch(self, expected: str, got: Entry) -> JournalError:
         return JournalError(
-            f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {_words(got)}; "
+            f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {words_of(got)}; "
             "the journal is of another mission, or the mission does not depend on its answers alone"
         )
-
-
-class StepRecord(NamedTuple):
-    """An action that was carried out."""
-
-    motion: Motion
-    outcome: Outcome
-
-
-class PlanRecord(NamedTuple):
-    """A query that was answered."""
-
-    query: PlanQuery
-    plan: Plan
-
-
-def read_episode(path: Path) -> Iterator[StepRecord | PlanRecord]:
-    """What happened in the episode, in order, for reports and pictures; refused and unanswered actions left out."""
-    question: Acted | Queried | Awaited | None = None
-    query: PlanQuery | None = None
-    for entry in read_entries(path):
-        match entry:
-            case Acted() | Queried() | Awaited():
-                question = entry
-                query = entry.query if isinstance(entry, Queried) else query
-            case Observed(outcome=outcome) if isinstance(question, Acted):
-                yield StepRecord(question.motion, outcome)
-            case Planned(plan=plan) if query is not None and not isinstance(question, Acted):
-                yield PlanRecord(query, plan)
-            case Opened() | Numbered() | Refused():
-                pass
-            case _:
-                raise JournalError(f"{path}: {_words(entry)} answers nothing")
-
-
-def _words(entry: Entry) -> str:
-    """What an entry is, in a few words."""
-    name = type(entry).__name__.lower()
-    return f"{name} {entry.motion!r}"[:300] if isinstance(entry, Acted) else name

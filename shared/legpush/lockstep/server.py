@@ -7,12 +7,13 @@ done, asked again: repeat the answer. A `Reset` that opens a newer episode: carr
 import logging
 import threading
 from collections.abc import Callable
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple
 
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.status import StatusBeacon
 from legpush.errors import MotionError, ScenarioError
+from legpush.lockstep.simulator import Stepper
 from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal, Reset
 
@@ -20,13 +21,6 @@ log = logging.getLogger(__name__)
 
 IDLE_S = 0.1
 """The stop event is looked at this often."""
-
-
-class Stepper(Protocol):
-    """A simulator as a function: its only input are the motions, in order."""
-
-    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion; `MotionError` leaves the state as it was, any other error ends the process."""
 
 
 class Denial(NamedTuple):

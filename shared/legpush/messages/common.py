@@ -4,20 +4,21 @@ from typing import Annotated, Final, Literal
 
 from msgspec import Meta, Struct
 
+from legpush.fields import Name
+
 PROTOCOL_VERSION: Final = 6
 
 Role = Literal["planner", "sim", "agent", "launcher", "recorder"]
-Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
+ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
+"""The three processes of a mission."""
 Count = Annotated[int, Meta(ge=0)]
 Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
-Point2 = tuple[float, float]
-Point3 = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
 
-MAX_CELLS: Final = 4096 * 4096
 MAX_WAYPOINTS: Final = 100_000
 MAX_DEPTH_M: Final = 0.25
-"""Of a push."""
+"""Deepest push."""
+USUAL_DEPTH_M: Final = 0.05
+"""Depth of the pushes that the push model is fitted to."""
 
 
 class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -4,22 +4,12 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from legpush.geometry import Pose2
-from legpush.messages.common import MAX_CELLS, MAX_WAYPOINTS, Count, Header, Name, Point2, Unit
+from legpush.fields import Name, Seed
+from legpush.geometry import Point2, Pose2
+from legpush.messages.common import MAX_WAYPOINTS, Count, Header, Unit
 from legpush.scene.footprints import Footprint
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
-
-
-class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Square cells; row 0 lies at the lowest y, column 0 at the lowest x; outside is occupied."""
-
-    n_columns: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
-    n_rows: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
-    resolution_m: Annotated[float, Meta(gt=0.0)]
-    origin_m: Point2
-    """World position of the lower left corner of cell (0, 0)."""
-    cells: Annotated[bytes, Meta(min_length=1, max_length=MAX_CELLS)]
-    """One byte per cell, row after row: 0 free, 1 occupied."""
 
 
 class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="trunk_path"):
@@ -31,7 +21,7 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     clearance_m: Annotated[float, Meta(gt=0.0)]
     """Least distance from the trunk centre to anything occupied: the footprint's radius plus the margin."""
     planner: PlannerName
-    seed: Annotated[int, Meta(ge=0, lt=2**32)]
+    seed: Seed
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
     """Budget; with the seed it makes the answer reproducible, which a wall-clock budget would not."""
     goal_bias: Unit
@@ -92,7 +82,7 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     position_tolerance_m: Annotated[float, Meta(ge=0.0)]
     angle_tolerance_rad: Annotated[float, Meta(ge=0.0)]
     """How far from the goal pose the path may end, where that saves a way around."""
-    seed: Annotated[int, Meta(ge=0, lt=2**32)]
+    seed: Seed
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
     """Budget of the search, as for the trunk."""
     goal_bias: Unit

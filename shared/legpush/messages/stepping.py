@@ -4,8 +4,9 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from legpush.geometry import Pose2
-from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Count, Header, Name, Point2, Point3, Quaternion, Unit
+from legpush.fields import Name, Seed
+from legpush.geometry import Point2, Point3, Pose2, Quaternion
+from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Count, Header, Unit
 from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Face, Scenario
 
@@ -14,7 +15,7 @@ class Reset(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_f
     """Build the world of a scenario, with the offsets that the seed draws, and stand the robot at its start."""
 
     scenario: Scenario
-    seed: Annotated[int, Meta(ge=0, lt=2**32)]
+    seed: Seed
 
 
 class Follow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="follow"):
@@ -189,3 +190,6 @@ class Refusal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
     next_episode: Count
     next_step: Count
     """The step that this simulator can do next; (0, 0) of a fresh one."""
+
+
+Answer = Observation | Refusal

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from legpush.messages.common import Count, Header, Name, Role, Unit
+from legpush.fields import Name
+from legpush.messages.common import Count, Header, Role, Unit
 
 
 class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -3,28 +3,14 @@
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Final, Literal, get_args
+from typing import Annotated, get_args
 
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.exports import ENDINGS, FASTEST_GIF_FPS, FILMS, LARGEST_FRAME, Format, View
 from legpush.options.recordings import Files
 from legpush.options.run import require_new_file
-
-Format = Literal["foxglove", "csv", "parquet", "mp4", "gif"]
-View = Literal["follow", "top", "room", "side", "front", "rear", "box", "orbit"]
-
-ENDINGS: Final[dict[Format, str]] = {
-    "foxglove": ".mcap",
-    "csv": ".csv",
-    "parquet": ".parquet",
-    "mp4": ".mp4",
-    "gif": ".gif",
-}
-FILMS: Final[tuple[Format, ...]] = ("mp4", "gif")
-LARGEST_FRAME: Final = (3840, 2160)
-FASTEST_GIF_FPS: Final = 50.0
-"""What viewers show; the pauses between frames are whole hundredths of a second."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,24 +1,19 @@
 """What `legpush train`, `evaluate` and `calibrate` can be told, and how their programs are started."""
 
 import os
-import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final, Literal, NoReturn
+from typing import Annotated, Final, Literal
 
 import tyro
 
 from legpush.errors import ConfigError
-from legpush.messages.common import MAX_DEPTH_M
+from legpush.fields import Seed, require, require_seeds
+from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M
 from legpush.options.run import require_new_file
 
 MAX_SIMULATORS: Final = 8
 """Started at most unless more are asked for."""
-
-
-USUAL_DEPTH_M: Final = 0.05
-"""Of the pushes that missions make."""
 
 
 def default_simulators() -> int:
@@ -90,8 +85,7 @@ class TrainOptions(SimulatorOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 0 <= self.seed < 2**32:
-            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        require(Seed, self.seed, "--seed")
         if self.steps is not None and self.steps < 1:
             raise ConfigError(f"Expected at least 1 for --steps, got {self.steps}")
         if self.resume is not None and self.out is not None:
@@ -129,10 +123,7 @@ class EvaluateOptions(SimulatorOptions):
         super().__post_init__()
         if self.episodes < 1:
             raise ConfigError(f"Expected at least 1 for --episodes, got {self.episodes}")
-        if not 0 <= self.first_seed <= 2**32 - self.episodes:
-            raise ConfigError(
-                f"Expected seeds from 0 to {2**32 - 1}, got {self.episodes} from --first-seed {self.first_seed} on"
-            )
+        require_seeds(self.first_seed, self.episodes, "--first-seed")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,10 +155,7 @@ class CalibrateOptions(SimulatorOptions):
         super().__post_init__()
         if self.series < 1:
             raise ConfigError(f"Expected at least 1 for --series, got {self.series}")
-        if not 0 <= self.first_seed <= 2**32 - self.series:
-            raise ConfigError(
-                f"Expected seeds from 0 to {2**32 - 1}, got {self.series} from --first-seed {self.first_seed} on"
-            )
+        require_seeds(self.first_seed, self.series, "--first-seed")
         if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):
             raise ConfigError(
                 f"Expected depths above 0 and at most {MAX_DEPTH_M} m for --depths-m, got {self.depths_m}"
@@ -179,25 +167,3 @@ class CalibrateOptions(SimulatorOptions):
                 raise ConfigError(f"Expected each value once for {flag}, got {values}")
         if not self.curves or not all(0.0 <= w <= 1.0 for w in self.curves):
             raise ConfigError(f"Expected values in [0, 1] for --curves, got {self.curves}")
-
-
-Program = Literal[
-    "agent_proc.programs.train",
-    "agent_proc.programs.evaluate",
-    "agent_proc.programs.calibrate",
-    "agent_proc.programs.draw_room",
-    "agent_proc.programs.show_map",
-    "planner_proc.conformance",
-    "sim_proc.export",
-    "sim_proc.view",
-]
-"""A module that Python runs as a program."""
-
-
-def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
-    """Become the program for it; `argv` are its options."""
-    from legpush.launch.run import child_environment
-
-    # -P: what lies in the working directory is no part of the program.
-    command = [sys.executable, "-P", "-m", program, *argv]
-    os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted

@@ -10,6 +10,7 @@ import tyro
 
 from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
+from legpush.fields import Name, require
 from legpush.scene.scenario import PlannerName
 
 File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
@@ -48,8 +49,7 @@ class RecordOptions:
     """Metadata for the file; may be given again."""
 
     def __post_init__(self) -> None:
-        if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.name) is None:
-            raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --name, got {self.name!r}")
+        require(Name, self.name, "--name")
         for flag, number in (("split-mb", self.split_mb), ("split-s", self.split_s), ("duration", self.duration_s)):
             if number is not None and not (isfinite(number) and number > 0.0):
                 raise ConfigError(f"Expected more than 0 for --{flag}, got {number}")
@@ -114,8 +114,7 @@ class ReplayOptions:
             raise ConfigError(f"Expected more than 0 for --rate, got {self.rate}")
         if not (isfinite(self.start_s) and self.start_s >= 0.0):
             raise ConfigError(f"Expected 0 or more for --start, got {self.start_s}")
-        if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", self.run) is None:
-            raise ConfigError(f"Expected 1 to 64 letters, digits, - or _ for --run, got {self.run!r}")
+        require(Name, self.run, "--run")
 
 
 @dataclass(frozen=True, kw_only=True)

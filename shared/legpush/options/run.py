@@ -11,6 +11,7 @@ from typing import Annotated, Final
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.fields import Seed, require
 from legpush.scene.scenario import PlannerName, Steering
 
 DEFAULT_POLICY: Final = "variable"
@@ -57,8 +58,7 @@ class RunOptions:
     """Drop, duplicate, delay and reorder each message between the processes, each with this probability (a test)."""
 
     def __post_init__(self) -> None:
-        if not 0 <= self.seed < 2**32:
-            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        require(Seed, self.seed, "--seed")
         if not 0.0 <= self.inject_faults < 1.0:
             raise ConfigError(f"Expected a probability in [0, 1) for --inject-faults, got {self.inject_faults}")
         if self.record is not None:

@@ -1,11 +1,8 @@
 """What `legpush view` can be told."""
 
-import os
-import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final, NoReturn
+from typing import Annotated, Final
 
 import tyro
 
@@ -40,12 +37,3 @@ class ViewOptions:
             raise ConfigError("Expected either the files of a recording or a live run (--run, --connect), got both")
         if not 0 <= self.port <= MAX_PORT:
             raise ConfigError(f"Expected a port from 0 to {MAX_PORT} for --port, got {self.port}")
-
-
-def start_view(argv: Sequence[str]) -> NoReturn:
-    """Become the program that serves the page; `argv` are its options."""
-    from legpush.launch.run import child_environment
-
-    # -P: what lies in the working directory is no part of the program.
-    command = [sys.executable, "-P", "-m", "sim_proc.view", *argv]
-    os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted

@@ -6,23 +6,15 @@ answered already is skipped.
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest, TrunkPathQuery
+from legpush.plans.planner import Interrupted, MakePlans, PlanningInterruptedError
 
 MAX_CLIENTS: Final = 64
 """Answers are kept for this many clients, the least recently served is forgotten first."""
-
-Interrupted = Callable[[], bool]
-"""Asked now and then by whoever plans: whether to stop, by `PlanningInterruptedError`."""
-MakePlans = Callable[[PlanQuery, Interrupted], Iterator[Plan]]
-"""The revisions of a plan, one for a query without `anytime`."""
-
-
-class PlanningInterruptedError(Exception):
-    """The answer is not wanted any more, or not now."""
 
 
 class Answer(NamedTuple):
@@ -58,7 +50,7 @@ class _Case:
         return Answer(self.client, self.incarnation, self.request_id, revision, final, self.plans[revision])
 
 
-class PlanDesk:
+class RequestQueue:
     """The newest request of each client, and the search for the one at hand."""
 
     def __init__(self, make_plans: MakePlans) -> None:

@@ -12,7 +12,8 @@ from legpush.bus.ports import Publisher
 from legpush.bus.status import StatusBeacon
 from legpush.messages.common import Header
 from legpush.messages.planning import PlanResult
-from legpush.plans.request_queue import Answer, MakePlans, PlanDesk
+from legpush.plans.planner import MakePlans
+from legpush.plans.request_queue import Answer, RequestQueue
 
 IDLE_S: Final = 0.1
 """The stop event is looked at this often."""
@@ -39,7 +40,7 @@ class _Server:
     """A desk with its mail."""
 
     def __init__(self, bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:
-        self.desk = PlanDesk(make_plans)
+        self.desk = RequestQueue(make_plans)
         self._bus = bus
         self._stop = stop
         self._requests = bus.subscribe(channels.plan_requests(bus.run, "*"))

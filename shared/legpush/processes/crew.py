@@ -16,13 +16,13 @@ STOP_STAGES: Final = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKI
 
 
 @dataclass(frozen=True)
-class Interrupted:
+class Interrupt:
     """The user, or whoever started the launcher, wants it to end."""
 
     by: signal.Signals
 
 
-Event = Process | Interrupted
+Event = Process | Interrupt
 """A process that ended, or a signal to the launcher."""
 
 
@@ -76,10 +76,10 @@ class Crew:
                 process.signal(signal.SIGCONT)
             until = monotonic() + patience_s
             while self.running() and (left_s := until - monotonic()) > 0.0:
-                if isinstance(self.next_event(left_s), Interrupted):
+                if isinstance(self.next_event(left_s), Interrupt):
                     break
         self._processes = list(self.running())
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         """The signal handler: a `SimpleQueue` may be put to in the middle of anything."""
-        self._events.put(Interrupted(signal.Signals(number)))
+        self._events.put(Interrupt(signal.Signals(number)))

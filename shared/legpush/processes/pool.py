@@ -13,11 +13,11 @@ from typing import Final, Literal, Self
 
 from legpush.bus.endpoints import Endpoints, in_directory, in_pool
 from legpush.errors import ConfigError, PeerError
-from legpush.launch.mission_recorder import INCOMPLETE, recorder_arguments, what_is_missing
-from legpush.launch.run import RECORDED, child_environment
 from legpush.patience import SLICE_S
 from legpush.processes.child import Command, Process, describe_exit
-from legpush.processes.crew import Crew, Interrupted
+from legpush.processes.crew import Crew, Interrupt
+from legpush.processes.environment import RECORDED, child_environment
+from legpush.processes.recorder_process import INCOMPLETE, recorder_arguments, what_is_missing
 from legpush.runs.folder import run_name
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
 
@@ -106,7 +106,7 @@ class SimPool:
             posts = {name: _Post(crew.start(self._command(name)), self._word) for name in self.names}
             while not self._over.is_set():
                 event = crew.next_event(SLICE_S)
-                if event is None or isinstance(event, Interrupted):
+                if event is None or isinstance(event, Interrupt):
                     continue
                 if event is recorder:
                     log.warning("the recorder %s: %s", describe_exit(event.exit_code or 0), _last_line(event))

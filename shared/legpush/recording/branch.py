@@ -1,16 +1,14 @@
 """The past of a branch: what a recorded episode was asked and answered before the step at which the branch begins."""
 
-import hashlib
 import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 from msgspec.structs import replace
 
 from legpush.errors import ConfigError, MotionError, RecordingError
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Motion, Outcome
+from legpush.messages.stepping import Alter, Motion, Outcome
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
 from legpush.recording.mcap_file.reader import Recording
 from legpush.recording.plans import query_bytes, read_plans
@@ -39,8 +37,8 @@ def parse_point(text: str) -> BranchPoint:
 class RecordedPast:
     """Answers from a recording, up to a branch point."""
 
-    def __init__(self, recording: Recording, at: BranchPoint) -> None:
-        """`RecordingError` where there is no such point, or something before it is damaged."""
+    def __init__(self, recording: Recording, at: BranchPoint, alter: Alter | None = None) -> None:
+        """`alter` changes the box at the branch point. `RecordingError` where there is no such point, or something before it is damaged."""
         episodes = read_episodes(recording)
         if at.episode >= len(episodes):
             raise RecordingError(f"Expected an episode {_range(0, len(episodes) - 1)} for --at, got {at.episode}")
@@ -52,6 +50,7 @@ class RecordedPast:
         if not 1 <= at.step <= n_done:
             raise RecordingError(f"Expected a step {_range(1, n_done)} of episode {at.episode} for --at, got {at.step}")
         self.n_steps = at.step
+        self.alter = alter
         records = read_plans(recording)
         self._plans = {query_bytes(record.query): record.plans for record in records}
         self._planner = RecordedPlanner(records)
@@ -100,11 +99,3 @@ def _motions(episode: EpisodeRecord, last: int) -> Sequence[Motion]:
 
 def _range(first: int, last: int) -> str:
     return f"from {first} to {last}" if last >= first else "(there is none)"
-
-
-def sha256_of(paths: Sequence[Path]) -> str:
-    """Of a recording, all parts together."""
-    digest = hashlib.sha256()
-    for path in paths:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()

@@ -5,8 +5,9 @@ from typing import Final, NamedTuple
 import msgspec
 from msgspec import Struct
 
+from legpush.fields import Name
 from legpush.messages import codec
-from legpush.messages.common import Count, Name
+from legpush.messages.common import Count
 
 DIGEST_TOPIC: Final = "recording/digests"
 

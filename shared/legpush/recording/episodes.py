@@ -6,10 +6,9 @@ from typing import TypeVar, cast
 
 import msgspec
 
-from legpush.bus.channels import Answer
 from legpush.errors import MessageError
 from legpush.messages import codec
-from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal
+from legpush.messages.stepping import Action, Answer, Motion, Observation, Outcome, Refusal
 from legpush.recording.mcap_file.reader import Recorded, Recording
 
 T = TypeVar("T", Action, Answer)

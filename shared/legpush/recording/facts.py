@@ -10,11 +10,11 @@ from msgspec import Struct
 from legpush.errors import RecordingError, ScenarioError
 from legpush.messages.common import Count
 from legpush.recording.mcap_file.reader import Recording
+from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 
 MISSION_FILE: Final = "mission.json"
-SCENARIO_FILE: Final = "scenario.toml"
 VERSIONS_FILE: Final = "versions.json"
 PUSH_MAP_FILE: Final = "push_map.json"
 

@@ -11,7 +11,7 @@ from legpush.recording.mcap_file.reader import Recording
 
 
 @dataclass(kw_only=True)
-class PlanRecord:
+class RecordedPlans:
     """A query and the revisions of its answer."""
 
     client: str
@@ -20,9 +20,9 @@ class PlanRecord:
     plans: dict[int, Plan] = field(default_factory=dict)
 
 
-def read_plans(recording: Recording) -> list[PlanRecord]:
+def read_plans(recording: Recording) -> list[RecordedPlans]:
     """Every query that was answered, in the order of asking; `RecordingError` where a message is damaged."""
-    records: dict[tuple[str, int], PlanRecord] = {}
+    records: dict[tuple[str, int], RecordedPlans] = {}
     results: list[PlanResult] = []
     for message in recording.messages:
         if message.topic.startswith("plan/") and message.topic.endswith(("/request", "/result")):
@@ -33,7 +33,7 @@ def read_plans(recording: Recording) -> list[PlanRecord]:
                     request = codec.decode(message.copy.payload, PlanRequest)
                     key = (request.header.incarnation, request.request_id)
                     name = request.header.name
-                    records.setdefault(key, PlanRecord(client=name, request_id=key[1], query=request.query))
+                    records.setdefault(key, RecordedPlans(client=name, request_id=key[1], query=request.query))
                 else:
                     results.append(codec.decode(message.copy.payload, PlanResult))
             except MessageError as error:

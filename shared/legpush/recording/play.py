@@ -19,11 +19,11 @@ from legpush.errors import MotionError, RecordingError
 from legpush.lockstep.server import serve_actions
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome, Reset
-from legpush.plans.request_queue import Interrupted, PlanningInterruptedError
+from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from legpush.plans.server import serve_plans
 from legpush.recording.episodes import EpisodeRecord, difference, read_episodes
 from legpush.recording.mcap_file.reader import read_recording
-from legpush.recording.plans import PlanRecord, query_bytes, read_plans
+from legpush.recording.plans import RecordedPlans, query_bytes, read_plans
 from legpush.service import ServiceConfig, run_process
 
 IDLE_S: Final = 0.01
@@ -84,7 +84,7 @@ def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_t
 class RecordedPlanner:
     """A planner that knows the recorded queries only."""
 
-    def __init__(self, records: Sequence[PlanRecord]) -> None:
+    def __init__(self, records: Sequence[RecordedPlans]) -> None:
         self._records = records
         self._plans = {query_bytes(record.query): record.plans for record in records}
 

@@ -129,5 +129,5 @@ def taken_by(batch: Copies) -> Callable[[Header], Taken]:
 
 
 def _peers(bus: Bus) -> list[Origin]:
-    live = bus.roster.live()
+    live = bus.liveliness.live()
     return [Origin(role=p.role, name=p.name, incarnation=p.incarnation) for p in live if p.role in COPIED]

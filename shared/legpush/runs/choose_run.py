@@ -13,19 +13,18 @@ their runs themselves, by their folders, whatever it says.
 """
 
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from legpush.bus.endpoints import Endpoints, listing, local
+from legpush.bus.endpoints import DEFAULT_RUN, Endpoints, listing, local
 from legpush.errors import ConfigError
+from legpush.fields import Name, require
 from legpush.runs.live_runs import LiveRun, find_live_runs
-from legpush.service import DEFAULT_RUN
 
 
 @dataclass(frozen=True, kw_only=True)
-class Watched:
+class ChosenRun:
     """A run, and where its processes listen."""
 
     run: str
@@ -43,7 +42,7 @@ class Watched:
         return str(self.launched) if self.launched is not None else f"{self.run} at {listing(self.endpoints.connect)}"
 
 
-def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched:
+def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
     """The run to watch: the live one if there is one, else processes that were, or will be, started by hand.
 
     `run` and `connect` are what the command line says. `ConfigError` where several are meant, or `run` is no name.
@@ -51,7 +50,7 @@ def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched
     return find_run(run, connect) or by_hand(run)
 
 
-def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched | None:
+def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun | None:
     """The same, but None where no launcher has such a run going yet: whoever waits for one asks again."""
     if connect:
         return by_hand(run, connect)
@@ -61,18 +60,14 @@ def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched |
         return None
     if len(meant) > 1:
         raise ConfigError(f"Expected --run with the name or folder of one of the live runs: {_list(meant)}")
-    return Watched(run=meant[0].run, endpoints=Endpoints(connect=meant[0].connect), launched=meant[0])
+    return ChosenRun(run=meant[0].run, endpoints=Endpoints(connect=meant[0].connect), launched=meant[0])
 
 
-def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> Watched:
+def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
     """Processes that were started by hand, on their fixed ports if no endpoints are given."""
     name = _name(run) or DEFAULT_RUN
-    if re.fullmatch(r"[A-Za-z0-9_-]{1,64}", name) is None:
-        raise ConfigError(
-            f"Expected the name or folder of a live run, or 1 to 64 letters, digits, - or _ for --run, got {name!r}; "
-            f"live: {_list(find_live_runs()) or 'none'}"
-        )
-    return Watched(run=name, endpoints=Endpoints(connect=connect or local("recorder").connect))
+    require(Name, name, f"--run (live: {_list(find_live_runs()) or 'none'})")
+    return ChosenRun(run=name, endpoints=Endpoints(connect=connect or local("recorder").connect))
 
 
 def _name(run: str | None) -> str | None:

@@ -81,3 +81,16 @@ def _fill(folder: Path, scenario: bytes) -> None:
 
 def _unusable(folder: Path, error: OSError) -> ConfigError:
     return ConfigError(f"{folder}: expected a folder that can be written to ({error.strerror})")
+
+
+@contextmanager
+def own_folder(folder: Path) -> Iterator[None]:
+    """Keep other programs out of the folder meanwhile; `ConfigError` where one is in it."""
+    lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError as error:
+        raise ConfigError(f"{folder}: expected a folder of its own, but another program is using it") from error
+    finally:
+        os.close(lock)

@@ -19,7 +19,8 @@ from msgspec import Meta, Struct
 
 from legpush.bus.endpoints import Endpoints
 from legpush.errors import EndpointError
-from legpush.messages.common import PROTOCOL_VERSION, Count, Name
+from legpush.fields import Name
+from legpush.messages.common import PROTOCOL_VERSION, Count
 
 PREFIX: Final = "legpush-"
 """How directories of sockets are called in the temporary directory."""

@@ -9,11 +9,10 @@ from math import degrees, hypot, radians, sin
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.errors import ScenarioError
 from legpush.geometry import Pose2, wrap_angle
-from legpush.messages.common import MAX_CELLS
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import (
     Footprint,
@@ -24,7 +23,7 @@ from legpush.scene.footprints import (
     distance_to_point_m,
     obstacle_footprint,
 )
-from legpush.scene.occupancy import clearance_m, grid_shape
+from legpush.scene.occupancy import MAX_CELLS, clearance_m, grid_shape
 from legpush.scene.reference import Reference, first_straight_m, reference_curve
 from legpush.scene.robot import (
     BODY_LENGTH_M,
@@ -34,7 +33,16 @@ from legpush.scene.robot import (
     FOOT_RECTANGLE_RADIUS_M,
     FOOT_RECTANGLE_WIDTH_M,
 )
-from legpush.scene.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, Face, Planning, Rectangle, Room, Scenario
+from legpush.scene.scenario import (
+    CALIBRATION_PUSH_M,
+    STAND_OFF_M,
+    STATION_M,
+    Face,
+    PlanSettings,
+    Rectangle,
+    Room,
+    Scenario,
+)
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
@@ -129,7 +137,7 @@ def _check_place_to_end(scenario: Scenario, face: Face) -> None:
     _check_circle(scenario.room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", what)
 
 
-def _check_planning(planning: Planning) -> None:
+def _check_planning(planning: PlanSettings) -> None:
     """A better path is joined by straight lines."""
     curved = planning.steering != "straight" or planning.min_turning_radius_m > 0.0
     if planning.anytime is not None and curved:
@@ -214,7 +222,7 @@ def _check_box(
         _require(distance, reach_m, field, f"from {what} to `room.obstacles[{index}]`", because)
 
 
-def _near(room: Room, points: NDArray[np.float64], reach_m: float) -> Iterator[tuple[int, Rectangle]]:
+def _near(room: Room, points: Floats, reach_m: float) -> Iterator[tuple[int, Rectangle]]:
     """The obstacles that do not appear later, with their indices, not farther than `reach_m` along an axis from all
     points, (n, 2).
     """

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 from msgspec import Meta, Struct
 from msgspec.structs import fields, replace
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags, Indices
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import (
@@ -109,12 +109,12 @@ def frame_note(grid: GridSource | None, occupancy: OccupancyMap | None) -> str:
     return f' (places are counted from {corner} in the map\'s frame, which `room.frame = "map"` counts in)'
 
 
-def merged_rectangles(occupied: NDArray[np.bool_], cell_m: float) -> tuple[Rectangle, ...]:
+def merged_rectangles(occupied: Flags, cell_m: float) -> tuple[Rectangle, ...]:
     """Rectangles that cover exactly the occupied cells, (rows, columns), row 0 at y = 0, without overlapping."""
     return _rectangles(merged_cells(occupied), cell_m)
 
 
-def merged_cells(occupied: NDArray[np.bool_]) -> NDArray[np.intp]:
+def merged_cells(occupied: Flags) -> Indices:
     """The same in cells, (n, 4): first row, row after the last, first column, column after the last.
 
     Cells side by side in a row make a run; equal runs of rows one above the other make a rectangle.
@@ -134,7 +134,7 @@ def merged_cells(occupied: NDArray[np.bool_]) -> NDArray[np.intp]:
     return merged[np.lexsort((merged[:, 2], merged[:, 0], merged[:, 1]))]
 
 
-def _rectangles(cells: NDArray[np.intp], cell_m: float) -> tuple[Rectangle, ...]:
+def _rectangles(cells: Indices, cell_m: float) -> tuple[Rectangle, ...]:
     return tuple(
         Rectangle(x_min_m=first * cell_m, x_max_m=last * cell_m, y_min_m=first_row * cell_m, y_max_m=after_row * cell_m)
         for first_row, after_row, first, last in cells.tolist()

@@ -10,8 +10,8 @@ from typing import Final, Literal
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags
 from legpush.errors import ScenarioError
 
 CELL_SUFFIXES: Final = (".csv", ".npy")
@@ -31,9 +31,9 @@ FirstRow = Literal["top", "bottom"]
 class OccupancyMap:
     """Square cells, (rows, columns); row 0 lies at the lowest y, column 0 at the lowest x."""
 
-    occupied: NDArray[np.bool_]
+    occupied: Flags
     """Walls, and what is unknown."""
-    unknown: NDArray[np.bool_]
+    unknown: Flags
     """Those of them that the file calls neither occupied nor free."""
     cell_m: float
     origin_m: tuple[float, float] = (0.0, 0.0)
@@ -71,7 +71,7 @@ def require_side(n_rows: int, n_columns: int, where: str) -> None:
         raise ScenarioError(f"{where}: expected 1 to {MAX_MAP_SIDE} rows and columns of cells, got {size}")
 
 
-def _read_csv(content: bytes, where: str) -> NDArray[np.bool_]:
+def _read_csv(content: bytes, where: str) -> Flags:
     """Cells as in the file, (rows, columns)."""
     try:
         rows = [row for row in csv.reader(StringIO(content.decode("utf-8"))) if row]
@@ -87,7 +87,7 @@ def _read_csv(content: bytes, where: str) -> NDArray[np.bool_]:
     return np.array([[cell.strip() == "1" for cell in row] for row in rows])
 
 
-def _read_npy(content: bytes, where: str) -> NDArray[np.bool_]:
+def _read_npy(content: bytes, where: str) -> Flags:
     """Cells as in the file, (rows, columns)."""
     try:
         cells = np.load(BytesIO(content), allow_pickle=False)

@@ -18,6 +18,7 @@ from msgspec import Meta, Struct
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
+from legpush.arrays import Flags
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import OccupancyMap, require_side
@@ -104,7 +105,7 @@ def _read_yaml(source: Traversable) -> MapServerFile:
     return fields
 
 
-def _read_image(source: Traversable, where: str, mode: str) -> tuple[NDArray[np.uint16], int, NDArray[np.bool_]]:
+def _read_image(source: Traversable, where: str, mode: str) -> tuple[NDArray[np.uint16], int, Flags]:
     """Grey values as in the file, (rows, columns), the value of white, and where transparency hides them."""
     try:
         content = source.read_bytes()

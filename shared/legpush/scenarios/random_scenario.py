@@ -9,16 +9,13 @@ from math import hypot
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags, Floats, Indices, Integers
 from legpush.errors import ConfigError, ScenarioError
 from legpush.geometry import Pose2
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.random_room import RandomRoom
-from legpush.scene.scenario import Box, Goal, Mission, PoseDeg, Randomization, Rectangle, Room, Scenario
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
 
 N_ROOMS: Final = 200
 """Sets of obstacles that are tried."""
@@ -77,7 +74,7 @@ def _obstacles(options: RandomRoom, random: np.random.Generator) -> tuple[Rectan
     return tuple(found)
 
 
-def _passages(room: Room, corridor_m: float) -> tuple[tuple[Floats, Floats], NDArray[np.int64]]:
+def _passages(room: Room, corridor_m: float) -> tuple[tuple[Floats, Floats], Integers]:
     """Coordinates of cells, and which region of the room each is in that such a disc can move in; 0 for none."""
     xs, ys = (np.arange(CELL_M / 2, side, CELL_M) for side in room.size_m)
     x, y = np.meshgrid(xs, ys)
@@ -109,7 +106,7 @@ def _grown(region: Flags) -> Flags:
 
 
 def _pose(
-    centres: tuple[Floats, Floats], free: NDArray[np.intp], labels: NDArray[np.int64], random: np.random.Generator
+    centres: tuple[Floats, Floats], free: Indices, labels: Integers, random: np.random.Generator
 ) -> tuple[PoseDeg, int]:
     row, column = free[int(random.integers(len(free)))].tolist()
     yaw_deg = round(float(random.uniform(-180.0, 180.0)), 1)
@@ -130,7 +127,7 @@ def _scenario(options: RandomRoom, seed: int, room: Room, start: PoseDeg, box: P
             position_tolerance_m=options.position_tolerance_m,
             angle_tolerance_deg=options.angle_tolerance_deg,
         ),
-        mission=Mission(max_push_cycles=MAX_PUSH_CYCLES),
+        mission=MissionSettings(max_push_cycles=MAX_PUSH_CYCLES),
         randomization=Randomization(box_xy_m=options.box_xy_m, box_yaw_deg=options.box_yaw_deg),
     )
 

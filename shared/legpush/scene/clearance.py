@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
-from legpush.messages.planning import OccupancyGrid
-
-Floats = NDArray[np.float64]
+from legpush.scene.occupancy import OccupancyGrid
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,13 +77,13 @@ def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) ->
     return np.where(_meet(a, b, centres, half_m), 0.0, apart)
 
 
-def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> NDArray[np.bool_]:
+def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> Flags:
     """Whether a segment and squares overlap: no axis of the squares, and not the segment's normal, parts them."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     boxes = ((centres + half_m >= low) & (centres - half_m <= high)).all(axis=1)
     normal = np.array([a[1] - b[1], b[0] - a[0]])
     off = np.abs((centres - a) @ normal)
-    meets: NDArray[np.bool_] = boxes & (off <= half_m * np.abs(normal).sum())
+    meets: Flags = boxes & (off <= half_m * np.abs(normal).sum())
     return meets
 
 

@@ -2,8 +2,8 @@
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, rectangle_corners
 from legpush.scene.scenario import Box, Positive, Rectangle, Room
 
@@ -15,7 +15,7 @@ class Footprint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     length_m: Positive
     width_m: Positive
 
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Floats:
         """Counter-clockwise from front left, world frame, (4, 2)."""
         return self.pose.apply(rectangle_corners(self.length_m, self.width_m))
 
@@ -43,12 +43,12 @@ def obstacle_footprint(obstacle: Rectangle) -> Footprint:
     )
 
 
-def distance_to_border_m(points: NDArray[np.float64], room: Room) -> float:
+def distance_to_border_m(points: Floats, room: Room) -> float:
     """Least distance of `points`, (n, 2), to the border of the room, negative outside."""
     return float(np.minimum(points, np.asarray(room.size_m) - points).min())
 
 
-def distance_to_point_m(footprint: Footprint, point: NDArray[np.float64]) -> float:
+def distance_to_point_m(footprint: Footprint, point: Floats) -> float:
     """From the border of the footprint to a point, (2,); negative inside."""
     beyond = np.abs(footprint.pose.inverse().apply(point)) - np.array([footprint.length_m, footprint.width_m]) / 2
     return float(np.hypot(*np.maximum(beyond, 0.0)) + min(beyond.max(), 0.0))
@@ -66,7 +66,7 @@ def distance_m(a: Footprint, b: Footprint) -> float:
     )
 
 
-def _separation(footprint: Footprint, corners: NDArray[np.float64]) -> float:
+def _separation(footprint: Footprint, corners: Floats) -> float:
     """Largest gap along the footprint's own two axes between it and a convex polygon, (n, 2)."""
     seen = footprint.pose.inverse().apply(corners)
     half = np.array([footprint.length_m, footprint.width_m]) / 2

@@ -3,22 +3,48 @@
 from collections.abc import Collection, Sequence
 from itertools import compress
 from math import ceil
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
+from msgspec import Meta, Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from legpush.messages.planning import OccupancyGrid
+from legpush.geometry import Point2
 from legpush.scene.footprints import Footprint, obstacle_footprint
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import Planning, Room
+from legpush.scene.scenario import PlanSettings, Room
 
 TOUCH_M: Final = 1e-9
 """A cell that is overlapped by less than this is not touched: a wall along a cell border stays on its side of it."""
 
+MAX_CELLS: Final = 4096 * 4096
+"""Most cells of a grid."""
 
-def clearance_m(planning: Planning) -> float:
+
+class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Square cells; row 0 lies at the lowest y, column 0 at the lowest x; outside is occupied."""
+
+    n_columns: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
+    n_rows: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
+    resolution_m: Annotated[float, Meta(gt=0.0)]
+    origin_m: Point2
+    """World position of the lower left corner of cell (0, 0)."""
+    cells: Annotated[bytes, Meta(min_length=1, max_length=MAX_CELLS)]
+    """One byte per cell, row after row: 0 free, 1 occupied."""
+
+    def far_corner_m(self) -> Point2:
+        """World position of the corner with the highest x and y."""
+        x_m, y_m = self.origin_m
+        return x_m + self.n_columns * self.resolution_m, y_m + self.n_rows * self.resolution_m
+
+    def extent(self) -> str:
+        """The area that the grid covers, in words."""
+        right_m, top_m = self.far_corner_m()
+        return f"x {self.origin_m[0]:g} to {right_m:g} m and y {self.origin_m[1]:g} to {top_m:g} m"
+
+
+def clearance_m(planning: PlanSettings) -> float:
     """What the trunk centre keeps from everything occupied: the foot rectangle's radius and the margin."""
     return FOOT_RECTANGLE_RADIUS_M + planning.margin_m
 

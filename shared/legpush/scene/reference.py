@@ -5,11 +5,10 @@ from typing import Annotated, Final
 
 import numpy as np
 from msgspec import Meta, Struct
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 
-Floats = NDArray[np.float64]
 Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Angle = Annotated[float, Meta(gt=0.0, le=720.0)]
 

@@ -8,7 +8,8 @@ from math import hypot, radians
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from legpush.arrays import Floats
 
 Leg = Literal["FL", "FR", "RL", "RR"]
 FrontLeg = Literal["FL", "FR"]
@@ -48,7 +49,7 @@ JOINT_LIMITS_RAD: Final[dict[str, tuple[float, float]]] = {
 """Table 1; the knee is flexion, 0 is the straight leg."""
 
 
-def foot_rectangle_b() -> NDArray[np.float64]:
+def foot_rectangle_b() -> Floats:
     """Corners of the foot rectangle in the ground-projected body frame, (4, 2), in the order of `LEGS`."""
     half_length, half_width = FOOT_RECTANGLE_LENGTH_M / 2, FOOT_RECTANGLE_WIDTH_M / 2
     return np.array(
@@ -64,4 +65,5 @@ def foot_rectangle_b() -> NDArray[np.float64]:
 TRUNK_QPOS: Final = slice(0, 7)
 JOINT_QPOS: Final = slice(7, 19)
 BOX_QPOS: Final = slice(19, 26)
+N_QPOS: Final = BOX_QPOS.stop
 """Columns of MuJoCo's `qpos`: position and quaternion (w, x, y, z) of trunk and box, world frame; joints between."""

@@ -5,6 +5,7 @@ from typing import Annotated, Final, Literal
 
 from msgspec import Meta, Struct
 
+from legpush.fields import Name
 from legpush.geometry import Pose2
 from legpush.scene.reference import Reference
 from legpush.scene.robot import HIP_X_M, PUSH_GAP_M
@@ -24,8 +25,6 @@ STAND_OFF_M: Final = 0.75
 CALIBRATION_PUSH_M: Final = 0.06
 """What one push of a calibration moves the box by, at most."""
 MAX_OBSTACLES: Final = 10_000
-
-ScenarioName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 
 
 class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -127,7 +126,7 @@ class Anytime(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Of each."""
 
 
-class Planning(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PlanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the planner is asked."""
 
     planner: PlannerName = "rrt_connect"
@@ -149,7 +148,7 @@ class Planning(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """With it, walking begins on the first path found, and a better one may be taken between gait cycles."""
 
 
-class Mission(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class MissionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the agent runs the mission (Fig. 5)."""
 
     handover_distance_m: Positive = 3.0
@@ -157,7 +156,7 @@ class Mission(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     max_push_cycles: Annotated[int, Meta(ge=1, le=10_000)] = 200
 
 
-class Pushing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the box is pushed along a path."""
 
     composition: Literal["closed_loop", "open_loop"] = "closed_loop"
@@ -194,7 +193,7 @@ class Randomization(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything that an episode starts from, but the seed."""
 
-    name: ScenarioName
+    name: Name
     """Names the run's folder and shows up in its report."""
     room: Room
     start: PoseDeg
@@ -202,9 +201,9 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     box: Box
     goal: Goal
     description: str = ""
-    planning: Planning = Planning()
-    mission: Mission = Mission()
-    pushing: Pushing = Pushing()
+    planning: PlanSettings = PlanSettings()
+    mission: MissionSettings = MissionSettings()
+    pushing: PushSettings = PushSettings()
     reference: Reference | None = None
     """A curve for the box's centre, from its nominal pose on and pushed at its rear face, instead of a planned path; it
     ends at the goal."""

@@ -12,7 +12,6 @@ from agent_proc.evaluation.plot import save_plot
 from agent_proc.evaluation.sweep import make_sweep
 from agent_proc.evaluation.table import as_csv, table, write_parquet
 from agent_proc.policies.scripted import ScriptedPolicy
-from agent_proc.simulators.bus_world import LocalWorld
 from agent_proc.statistics import mean_interval, wilson
 from legpush.messages.stepping import Push, WorldState
 from legpush.scenarios.file import override
@@ -45,9 +44,7 @@ def row(case: str = "", seed: int = 0, position_error_m: float = 0.01, ending: s
 
 
 def test_an_episode_of_the_scripted_policy_ends_at_the_goal() -> None:
-    result = run_episode(
-        LocalWorld(FakeWorld(box_offset=(0.0, 0.03, 0.05))), scenario_at_station(), 5, ScriptedPolicy()
-    )
+    result = run_episode(FakeWorld(box_offset=(0.0, 0.03, 0.05)), scenario_at_station(), 5, ScriptedPolicy())
 
     assert (result.ending, result.success, result.seed) == ("done", True, 5)
     assert result.position_error_m < 0.03
@@ -57,7 +54,7 @@ def test_an_episode_of_the_scripted_policy_ends_at_the_goal() -> None:
 
 
 def test_a_fall_ends_an_episode_without_success() -> None:
-    world = LocalWorld(FakeWorld(falls_in=lambda motion, n: isinstance(motion, Push) and n == 3))
+    world = FakeWorld(falls_in=lambda motion, n: isinstance(motion, Push) and n == 3)
 
     result = run_episode(world, scenario_at_station(), 0, Always())
 
@@ -67,7 +64,7 @@ def test_a_fall_ends_an_episode_without_success() -> None:
 def test_an_episode_ends_after_the_cycles_of_the_scenario() -> None:
     scenario = override(scenario_at_station(), {"mission.max_push_cycles": 4})
 
-    result = run_episode(LocalWorld(FakeWorld()), scenario, 0, Always())
+    result = run_episode(FakeWorld(), scenario, 0, Always())
 
     assert (result.ending, result.n_cycles) == ("max_cycles", 4)
 
@@ -76,8 +73,7 @@ def test_rows_come_in_the_order_of_cases_and_seeds_however_many_worlds_there_are
     cases = make_sweep(scenario_at_station(), ["box.mass_kg=0.1,0.5"], grid=False).cases
     seen: list[Row] = []
     one, three = (
-        evaluate([LocalWorld(FakeWorld()) for _ in range(n)], cases, range(3), ScriptedPolicy(), seen.append)
-        for n in (1, 3)
+        evaluate([FakeWorld() for _ in range(n)], cases, range(3), ScriptedPolicy(), seen.append) for n in (1, 3)
     )
 
     assert one == three

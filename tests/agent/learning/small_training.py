@@ -7,10 +7,10 @@ from pathlib import Path
 from msgspec.structs import replace
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agent_proc.learning.training import Plan, Progress, Training
+from agent_proc.learning.training import Training
+from agent_proc.learning.training_plan import Progress, TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoSettings, load_profile
-from agent_proc.simulators.bus_world import LocalWorld
 from agent_proc.task.config import TaskConfig
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 
@@ -41,8 +41,8 @@ def make_training(
     scenario = scenario_at_station()
     scenario = replace(scenario, mission=replace(scenario.mission, max_push_cycles=12))
     task = TaskConfig(observation=profile.observation, reward=profile.reward, scenario=scenario, max_steps=12)
-    worlds = [LocalWorld(FakeWorld(box_offset=(0.0, 0.03, 0.02))) for _ in range(N_WORLDS)]
-    plan = Plan(profile=profile, task=task, seed=7, n_simulators=N_WORLDS, command="legpush train", versions={})
+    worlds = [FakeWorld(box_offset=(0.0, 0.03, 0.02)) for _ in range(N_WORLDS)]
+    plan = TrainingPlan(profile=profile, task=task, seed=7, n_simulators=N_WORLDS, command="legpush train", versions={})
     env = PushVecEnv(task, worlds)
     return Training(plan, folder, env, worlds, stop=stop or threading.Event(), on_progress=on_progress)
 

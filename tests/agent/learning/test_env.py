@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_env_sb3
 
 from agent_proc.gym_envs import PUSH_ID
-from agent_proc.learning.env import ASTRAY, PushEnv, is_done, policy_observation, policy_push
-from agent_proc.simulators.bus_world import LocalWorld
+from agent_proc.learning.env import ASTRAY, PushEnv
 from agent_proc.task.config import Domain, TaskConfig
 from agent_proc.task.observation import element_names
+from agent_proc.task.policy_view import is_done, policy_observation, policy_push
 from agent_proc.task.reward_tuned import CYCLE_COST, FALL_PENALTY
 from legpush.errors import ConfigError, PeerError
+from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld, scenario_at_station
@@ -144,10 +145,10 @@ def test_the_options_say_which_episode_it_is() -> None:
 class Recorder(FakeWorld):
     """Keeps the scenarios that it is reset to."""
 
-    def step(self, motion: Motion) -> Outcome:
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         if isinstance(motion, Reset):
             self.told.append((str(motion.scenario.box.mass_kg), None, str(motion.scenario.box.friction)))
-        return super().step(motion)
+        return super().step(motion, with_trace=with_trace)
 
 
 def test_a_domain_is_drawn_anew_for_every_episode_within_its_interval() -> None:

@@ -10,7 +10,8 @@ import pytest
 import torch
 
 from agent_proc.learning.checkpoint import CheckpointError, load_checkpoint
-from agent_proc.learning.training import BEST, CHECKPOINT_FILE, LAST, Progress, Result, Training
+from agent_proc.learning.training import BEST, CHECKPOINT_FILE, LAST, Training
+from agent_proc.learning.training_plan import Progress, TrainingResult
 from agent_proc.policies.learned import load_learned
 from agent_proc.profiles.profile import AnyProfile, PpoProfile
 from legpush.errors import PeerError
@@ -23,10 +24,10 @@ class TwoTrainings:
     """One that ran through, and one that was interrupted and went on."""
 
     whole: Training
-    expected: Result
-    first: Result
+    expected: TrainingResult
+    first: TrainingResult
     second: Training
-    result: Result
+    result: TrainingResult
 
 
 def train_twice(folder: Path, profile: AnyProfile, is_time_to_stop: Callable[[Progress], bool]) -> TwoTrainings:

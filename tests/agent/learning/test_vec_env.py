@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from agent_proc.learning.env import PushEnv
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.simulators.bus_world import LocalWorld, SteppingWorld
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError, PeerError
+from legpush.lockstep.local import LocalWorld
+from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld, scenario_at_station
@@ -33,9 +34,9 @@ class Meeting:
         self._barrier = barrier
         self._world = FakeWorld()
 
-    def step(self, motion: Motion) -> Outcome:
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         self._barrier.wait(timeout=20.0)
-        return self._world.step(motion)
+        return self._world.step(motion, with_trace=with_trace)
 
     def tell_reward(self, terms: Mapping[str, float]) -> None:
         self._world.tell_reward(terms)
@@ -44,10 +45,10 @@ class Meeting:
 class Broken:
     """A world whose simulator is lost in the first push."""
 
-    def step(self, motion: Motion) -> Outcome:
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
         if isinstance(motion, Push):
             raise PeerError("sim/sim1 is dead")
-        return FakeWorld().step(motion)
+        return FakeWorld().step(motion, with_trace=with_trace)
 
     def tell_reward(self, terms: Mapping[str, float]) -> None:
         raise AssertionError(terms)

@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
+from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import box_error, planar_pose
 from agent_proc.frames.station import stand_off, station
-from agent_proc.mission.mission import MissionResult, run_mission
+from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.walking.actor import STILL_CYCLES
 from legpush.errors import PeerError
@@ -18,12 +19,12 @@ from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.scene.clearance import clearance_at
 from legpush.scene.occupancy import clearance_m
-from legpush.scene.scenario import Box, Goal, Mission, PoseDeg, Randomization, Rectangle, Room, Scenario
-from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
+from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
+from tests.agent.fake_world import FakeWorld, KinematicSimulator, make_scenario, scenario_at_station, straight_plan
 
 
 def run(world: FakeWorld, scenario: Scenario) -> MissionResult:
-    return run_mission(world, scenario, 7, ScriptedPolicy())
+    return run_mission(world, scenario, 7, ScriptedPolicy(), tell=world.tell)
 
 
 def last_state(world: FakeWorld) -> WorldState:
@@ -56,13 +57,13 @@ def test_a_mission_walks_hands_over_approaches_and_pushes_the_box_to_its_goal() 
 
 
 def test_the_hand_over_happens_at_the_first_gait_cycle_within_the_distance() -> None:
-    scenario = make_scenario(mission=Mission(handover_distance_m=2.5))
+    scenario = make_scenario(mission=MissionSettings(handover_distance_m=2.5))
     world = FakeWorld()
 
     result = run(world, scenario)
 
     assert result.handover_distance_m is not None
-    assert 2.5 - world.walk_stride_m < result.handover_distance_m <= 2.5
+    assert 2.5 - world.simulator.walk_stride_m < result.handover_distance_m <= 2.5
 
 
 def test_the_second_plan_starts_where_the_robot_is_and_leads_behind_the_measured_box() -> None:
@@ -107,7 +108,9 @@ def test_a_wide_margin_moves_the_stand_off_back_from_the_box() -> None:
 def test_a_robot_that_came_close_to_a_wall_keeps_the_clearance_that_it_has() -> None:
     wall = Rectangle(x_min_m=0.0, x_max_m=12.0, y_min_m=0.0, y_max_m=2.6)
     scenario = make_scenario(
-        (3.6, 3.0, 0.0), room=Room(size_m=(12.0, 6.0), obstacles=(wall,)), mission=Mission(handover_distance_m=3.0)
+        (3.6, 3.0, 0.0),
+        room=Room(size_m=(12.0, 6.0), obstacles=(wall,)),
+        mission=MissionSettings(handover_distance_m=3.0),
     )
     world = FakeWorld()
 
@@ -177,8 +180,8 @@ def test_a_fall_with_the_box_at_its_goal_is_no_success() -> None:
 
 def test_a_box_that_tips_over_ends_the_mission_even_at_its_goal() -> None:
     class TippingWorld(FakeWorld):
-        def step(self, motion: Motion) -> Outcome:
-            outcome = super().step(motion)
+        def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+            outcome = super().step(motion, with_trace=with_trace)
             if isinstance(motion, Push):
                 lying = replace(outcome.world.box, orientation_wxyz=(cos(pi / 8), 0.0, sin(pi / 8), 0.0))
                 outcome = replace(outcome, world=replace(outcome.world, box=lying))
@@ -191,7 +194,7 @@ def test_a_box_that_tips_over_ends_the_mission_even_at_its_goal() -> None:
 
 
 def test_the_push_cycles_are_limited() -> None:
-    scenario = replace(scenario_at_station(), mission=Mission(max_push_cycles=4))
+    scenario = replace(scenario_at_station(), mission=MissionSettings(max_push_cycles=4))
     world = FakeWorld()
 
     result = run(world, scenario)
@@ -235,14 +238,14 @@ def test_a_robot_that_does_not_get_on_ends_the_mission() -> None:
 
 
 def test_an_approach_that_ends_elsewhere_is_not_pushed_from() -> None:
-    class Drifting(FakeWorld):
+    class Drifting(KinematicSimulator):
         def _move(self, motion: Motion) -> int:
             n_ticks = super()._move(motion)
             if isinstance(motion, Walk):
                 self._trunk = Pose2(x_m=self._trunk.x_m, y_m=self._trunk.y_m - 0.4, yaw_rad=self._trunk.yaw_rad)
             return n_ticks
 
-    world = Drifting()
+    world = FakeWorld(simulator=Drifting())
 
     result = run(world, make_scenario())
 
@@ -252,8 +255,8 @@ def test_an_approach_that_ends_elsewhere_is_not_pushed_from() -> None:
 
 def test_a_simulator_that_reports_no_path_after_a_follow_is_an_error() -> None:
     class Forgetful(FakeWorld):
-        def step(self, motion: Motion) -> Outcome:
-            outcome = super().step(motion)
+        def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+            outcome = super().step(motion, with_trace=with_trace)
             return replace(outcome, world=replace(outcome.world, path=None))
 
     with pytest.raises(PeerError, match="Expected `path` in the state of the world at tick 0"):
@@ -271,7 +274,7 @@ def test_a_mission_that_is_answered_from_its_record_asks_the_same_again() -> Non
         def __init__(self) -> None:
             self.left = list(first.records)
 
-        def step(self, motion: Motion) -> Outcome:
+        def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
             asked, outcome = self.left.pop(0)
             assert asked == motion
             assert isinstance(outcome, Outcome)
@@ -287,9 +290,6 @@ def test_a_mission_that_is_answered_from_its_record_asks_the_same_again() -> Non
             raise AssertionError(revision)
 
         def cancel_plan(self) -> None:
-            pass
-
-        def tell(self, phase: str, fraction: float | None, detail: str) -> None:
             pass
 
         def tell_reward(self, terms: Mapping[str, float]) -> None:

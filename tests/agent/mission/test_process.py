@@ -14,7 +14,7 @@ from legpush.errors import ConfigError, JournalError, StopRequestedError
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Motion, Outcome
 from legpush.scenarios.file import dump_scenario
-from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
+from tests.agent.fake_world import KinematicSimulator, make_scenario, straight_plan
 from tests.legpush.fakes import bus, planner, sim
 
 
@@ -49,7 +49,7 @@ def report(out: Path) -> dict[str, object]:
 
 def test_a_mission_leaves_journal_report_and_picture(sockets: Path, scenario_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "deep" / "out"
-    with sim(sockets, FakeWorld()), planner(sockets, straight_plan):
+    with sim(sockets, KinematicSimulator()), planner(sockets, straight_plan):
         code = run_agent(sockets, config(scenario_file, out, seed=4))
 
     assert code == 0
@@ -61,14 +61,14 @@ def test_a_mission_leaves_journal_report_and_picture(sockets: Path, scenario_fil
 
 
 def test_a_mission_without_success_ends_with_1(sockets: Path, scenario_file: Path, tmp_path: Path) -> None:
-    with sim(sockets, FakeWorld()), planner(sockets, lambda _: Plan(status="failed", reason="nothing found")):
+    with sim(sockets, KinematicSimulator()), planner(sockets, lambda _: Plan(status="failed", reason="nothing found")):
         code = run_agent(sockets, config(scenario_file, tmp_path / "out"))
 
     assert code == 1
     assert report(tmp_path / "out")["reason"] == "no_path"
 
 
-class Interrupting(FakeWorld):
+class Interrupting(KinematicSimulator):
     """Asks the agent to stop in its n-th step, and does not answer that before the agent has."""
 
     def __init__(self, at_step: int) -> None:
@@ -89,7 +89,7 @@ def test_an_interrupted_mission_goes_on_from_its_journal_to_the_same_state(
     at_step: int, sockets: Path, scenario_file: Path, tmp_path: Path
 ) -> None:
     with planner(sockets, straight_plan):
-        with sim(sockets, FakeWorld()):
+        with sim(sockets, KinematicSimulator()):
             run_agent(sockets, config(scenario_file, tmp_path / "whole"))
         stopping = Interrupting(at_step)
         with sim(sockets, stopping):
@@ -97,7 +97,7 @@ def test_an_interrupted_mission_goes_on_from_its_journal_to_the_same_state(
                 run_agent(sockets, config(scenario_file, tmp_path / "parts"), stopping.stop)
             stopping.stopped.set()
         assert not (tmp_path / "parts" / "report.json").exists()
-        with sim(sockets, FakeWorld()):
+        with sim(sockets, KinematicSimulator()):
             code = run_agent(sockets, config(scenario_file, tmp_path / "parts"))
 
     assert code == 0
@@ -110,7 +110,7 @@ def test_a_mission_that_is_over_gets_its_report_again_without_a_peer(
     sockets: Path, scenario_file: Path, tmp_path: Path
 ) -> None:
     options = config(scenario_file, tmp_path / "out")
-    with sim(sockets, FakeWorld()), planner(sockets, straight_plan):
+    with sim(sockets, KinematicSimulator()), planner(sockets, straight_plan):
         run_agent(sockets, options)
     before = report(tmp_path / "out")
     (tmp_path / "out" / "report.json").unlink()
@@ -120,7 +120,7 @@ def test_a_mission_that_is_over_gets_its_report_again_without_a_peer(
 
 
 def test_the_journal_of_another_seed_or_scenario_is_refused(sockets: Path, scenario_file: Path, tmp_path: Path) -> None:
-    with sim(sockets, FakeWorld()), planner(sockets, straight_plan):
+    with sim(sockets, KinematicSimulator()), planner(sockets, straight_plan):
         run_agent(sockets, config(scenario_file, tmp_path / "out"))
 
     with pytest.raises(JournalError, match="expected a journal of seed 1, got one of 0"):

@@ -6,17 +6,18 @@ from itertools import groupby
 import pytest
 from msgspec.structs import replace
 
+from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import box_error, distance_m
-from agent_proc.mission.mission import MissionResult, run_mission
+from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.lockstep.episode import StepRecord
+from legpush.history.steps import StepRecord
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
 from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Walk
 from legpush.scene.clearance import clearance_at
 from legpush.scene.reference import Arcs, Straight
-from legpush.scene.scenario import Goal, PoseDeg, Pushing, Rectangle, Room, Scenario
+from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Rectangle, Room, Scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
 
 WALKING_S = 2.0
@@ -30,7 +31,7 @@ ASIDE = replace(GATE, y_min_m=0.0, y_max_m=1.0)
 
 
 def run(world: FakeWorld, scenario: Scenario) -> MissionResult:
-    return run_mission(world, scenario, 7, ScriptedPolicy())
+    return run_mission(world, scenario, 7, ScriptedPolicy(), tell=world.tell)
 
 
 def with_obstacles(scenario: Scenario, *obstacles: Rectangle) -> Scenario:
@@ -86,7 +87,7 @@ def test_a_robot_asks_for_a_new_way_from_where_it_is_when_something_appears_in_i
     first, second, *_ = world.queries()
     assert (knows(first, GATE), knows(second, GATE)) == (False, True)
     assert second.goal == first.goal
-    assert second.start.x_m - first.start.x_m == pytest.approx(2 * world.walk_stride_m, abs=0.01)
+    assert second.start.x_m - first.start.x_m == pytest.approx(2 * world.simulator.walk_stride_m, abs=0.01)
     follows = world.motions(Follow)
     assert isinstance(follows[1], Follow)
     assert distance_m(follows[1].waypoints[0], second.start) < 1e-9
@@ -194,7 +195,7 @@ def test_a_box_that_is_cut_off_from_its_goal_ends_the_mission_without_a_path() -
 
 def test_an_open_loop_does_not_look() -> None:
     crate = Rectangle(x_min_m=6.6, x_max_m=6.8, y_min_m=3.0, y_max_m=3.4, appears_at_s=PUSHING_S)
-    scenario = replace(with_obstacles(scenario_at_station(), crate), pushing=Pushing(composition="open_loop"))
+    scenario = replace(with_obstacles(scenario_at_station(), crate), pushing=PushSettings(composition="open_loop"))
     world = FakeWorld()
 
     assert run(world, scenario).n_replans == 0
@@ -220,7 +221,7 @@ def test_there_is_no_other_way_than_along_a_reference(appears_at_s: float) -> No
 
 def test_a_calibration_ends_when_something_appears() -> None:
     beside = Rectangle(x_min_m=6.6, x_max_m=6.8, y_min_m=5.0, y_max_m=5.6, appears_at_s=PUSHING_S)
-    scenario = replace(scenario_at_station(), pushing=Pushing(calibration_pushes=8))
+    scenario = replace(scenario_at_station(), pushing=PushSettings(calibration_pushes=8))
     world, without = FakeWorld(), FakeWorld()
 
     run(world, with_obstacles(scenario, beside))
@@ -242,7 +243,7 @@ def test_a_mission_with_new_ways_is_answered_from_its_record_as_it_was() -> None
     class Replay(FakeWorld):
         """Answers in the recorded order, and checks what is asked."""
 
-        def step(self, motion: Motion) -> Outcome:
+        def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
             asked, outcome = left.pop(0)
             assert asked == motion
             assert isinstance(outcome, Outcome)
@@ -264,8 +265,8 @@ def test_a_mission_with_new_ways_is_answered_from_its_record_as_it_was() -> None
 
 def test_a_simulator_that_invents_obstacles_is_an_error() -> None:
     class Inventive(FakeWorld):
-        def step(self, motion: Motion) -> Outcome:
-            outcome = super().step(motion)
+        def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+            outcome = super().step(motion, with_trace=with_trace)
             return replace(outcome, world=replace(outcome.world, appeared=(Appearance(obstacle=3, tick=0),)))
 
     with pytest.raises(PeerError, match=r"an obstacle that appears later \(0\), got 3"):

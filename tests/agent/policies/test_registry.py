@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent_proc.policies.scripted import MIRROR, ScriptedPolicy
-from agent_proc.push_model.model import ON_ITS_SIDE, PushModel
+from agent_proc.policies.scripted import ScriptedPolicy
+from agent_proc.push_model.model import MIRROR, ON_ITS_SIDE, PushModel
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Goal, PoseDeg, Scenario
 from tests.agent.fake_world import make_scenario, make_state

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from numpy.typing import NDArray
 from PIL import Image
 
 from agent_proc.programs.show_map import run
 from agent_proc.reporting.map_picture import KEPT_CLEAR, UNKNOWN
 from agent_proc.reporting.picture import BOX, GOAL, WALL
+from legpush.arrays import Floats, Integers
 from legpush.errors import ConfigError, LegpushError
 from legpush.options.maps import MapOptions
 from tests.legpush.scenarios.map_examples import CELLS, grey_of, write_csv, write_png, write_scenario_of, write_yaml
@@ -22,18 +22,18 @@ def options(file: str | Path, **flags: Any) -> MapOptions:
     return MapOptions(action="show", file=str(file), **flags)
 
 
-def pixels_of(picture: Path, color: str) -> NDArray[np.int64]:
+def pixels_of(picture: Path, color: str) -> Integers:
     """How many of a colour lie in the quarters of a picture, (2, 2), the upper ones first."""
     with Image.open(picture) as image:
         pixels = np.asarray(image.convert("RGB"), dtype=int)
     found = np.abs(pixels - np.round(255 * np.array(to_rgb(color)))).max(axis=-1) <= 1
     height, width = (side // 2 for side in found.shape)
-    quarters: NDArray[np.int64] = found[: 2 * height, : 2 * width].reshape(2, height, 2, width).sum(axis=(1, 3))
+    quarters: Integers = found[: 2 * height, : 2 * width].reshape(2, height, 2, width).sum(axis=(1, 3))
     assert quarters.any()
     return quarters
 
 
-def share_of(picture: Path, color: str) -> NDArray[np.float64]:
+def share_of(picture: Path, color: str) -> Floats:
     """The same as shares of all pixels with that colour."""
     quarters = pixels_of(picture, color)
     return quarters / float(quarters.sum())

@@ -15,13 +15,12 @@ from agent_proc.push_model.calibration import SERIES, CalibrationError, calibrat
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap, load_push_map, make_push_map, measured_faces, write_push_map
 from agent_proc.push_model.model import NOMINAL, PushModel
-from agent_proc.simulators.bus_world import LocalWorld
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Push
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.reference import Arcs, Left, Straight, reference_curve
-from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Pushing, Room
+from legpush.scene.scenario import Box, Face, Goal, PoseDeg, PushSettings, Room
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
 
@@ -30,7 +29,7 @@ DEPTHS_M = (0.02, 0.05)
 
 def measured(box: Box = NOMINAL, push_scale: float = 1.0, curves: tuple[float, ...] = (0.5,)) -> PushMap:
     """A map of what the fake world does."""
-    worlds = [LocalWorld(FakeWorld(push_scale=push_scale)) for _ in range(2)]
+    worlds = [FakeWorld(push_scale=push_scale) for _ in range(2)]
     planned = cells(measured_faces(box), [(w, w) for w in curves], DEPTHS_M, (1, 2))
     return make_push_map(box, calibrate(worlds, box, planned), "test")
 
@@ -113,13 +112,13 @@ def test_the_first_curve_is_what_missions_push_by() -> None:
 
 def test_a_fall_ends_a_calibration_and_a_stop_too() -> None:
     planned = cells(("rear",), ((0.5, 0.5),), (0.05,), (1,))
-    falling = LocalWorld(FakeWorld(falls_in=lambda motion, n: isinstance(motion, Push) and n == 3))
+    falling = FakeWorld(falls_in=lambda motion, n: isinstance(motion, Push) and n == 3)
     with pytest.raises(CalibrationError, match=r"fell as it pushed the rear face 0.05 m deep, FL"):
         calibrate([falling], NOMINAL, planned)
     stop = threading.Event()
     stop.set()
     with pytest.raises(StopRequestedError):
-        calibrate([LocalWorld(FakeWorld())], NOMINAL, planned, stop=stop)
+        calibrate([FakeWorld()], NOMINAL, planned, stop=stop)
 
 
 def test_a_file_gives_the_map_again(tmp_path: Path) -> None:
@@ -176,7 +175,7 @@ def turning_twice() -> PushMap:
 def calibrating(n_pushes: int, room: Room) -> list[BoxPathQuery | Push]:
     """What a mission asks and does, in order, with an unknown box that turns half as much again."""
     goal = Goal(pose=PoseDeg(x_m=8.0, y_m=4.0, yaw_deg=90.0))
-    pushing = Pushing(calibration_pushes=n_pushes, faces=("rear",))
+    pushing = PushSettings(calibration_pushes=n_pushes, faces=("rear",))
     world = FakeWorld(planner=make_plan, turn_scale=1.5)
     result = run_mission(world, replace(make_scenario(room=room), goal=goal, pushing=pushing), 3, ScriptedPolicy())
     assert result.success, result.detail
@@ -212,7 +211,7 @@ def test_a_reference_is_refused_for_a_guess_but_not_if_the_box_can_be_calibrated
     goal = Goal(pose=PoseDeg(x_m=x_m, y_m=y_m, yaw_deg=degrees(yaw_rad)))
     results = []
     for n_pushes in (0, 6):
-        pushing = Pushing(calibration_pushes=n_pushes)
+        pushing = PushSettings(calibration_pushes=n_pushes)
         asked = replace(scenario, reference=reference, goal=goal, pushing=pushing)
         results.append(run_mission(FakeWorld(turn_scale=1.5), asked, 3, ScriptedPolicy()))
 

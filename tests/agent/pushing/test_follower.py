@@ -14,14 +14,14 @@ from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.follower import Follower
 from agent_proc.pushing.reference_stage import trailing
-from agent_proc.pushing.stage import BoxPath
+from agent_proc.pushing.stage import Stage
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.reference import Arcs, Left, Reference, Right, Sine, Straight, reference_curve
-from legpush.scene.scenario import Face, Goal, PoseDeg, Pushing, Room, Scenario
+from legpush.scene.scenario import Face, Goal, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station
 
@@ -40,7 +40,7 @@ def quarter(radius_m: float, straight_m: float) -> tuple[Pose2, ...]:
 
 
 def test_a_place_on_a_path_is_found_from_the_box_beside_it() -> None:
-    path = BoxPath("rear", quarter(0.8, 0.5), AXLE_M)
+    path = Stage("rear", quarter(0.8, 0.5), AXLE_M)
     beside = path.pose(0.9) @ BEHIND @ Pose2(x_m=0.0, y_m=0.03, yaw_rad=radians(4.0))
     box = beside @ Pose2(x_m=AXLE_M, y_m=0.0, yaw_rad=0.0)
 
@@ -62,7 +62,7 @@ def test_an_arc_and_a_line_are_followed_to_their_end(scale: float) -> None:
     end = poses[-1]
     goal = Goal(pose=PoseDeg(x_m=end.x_m, y_m=end.y_m, yaw_deg=degrees(end.yaw_rad)))
     scenario = replace(scenario, goal=goal)
-    path, estimate = BoxPath("rear", poses, AXLE_M), PushEstimate(scenario.box)
+    path, estimate = Stage("rear", poses, AXLE_M), PushEstimate(scenario.box)
     follower = Follower(path, ScriptedPolicy(), scenario, estimate)
     world = FakeWorld(push_scale=scale)
     state = world.step(Reset(scenario=scenario, seed=0)).world
@@ -84,7 +84,7 @@ def test_an_arc_and_a_line_are_followed_to_their_end(scale: float) -> None:
 def test_a_box_that_left_its_path_is_said_so() -> None:
     scenario = scenario_at_station()
     follower = Follower(
-        BoxPath("rear", quarter(0.8, 0.5), AXLE_M), ScriptedPolicy(), scenario, PushEstimate(scenario.box)
+        Stage("rear", quarter(0.8, 0.5), AXLE_M), ScriptedPolicy(), scenario, PushEstimate(scenario.box)
     )
     aside = make_state(scenario.start.pose(), Pose2(x_m=6.1, y_m=3.2, yaw_rad=0.0))
 
@@ -130,7 +130,7 @@ def test_a_mission_reaches_goals_anywhere(x_m: float, y_m: float, yaw_deg: float
 
 
 def test_faces_that_may_not_be_pushed_are_not() -> None:
-    scenario = replace(anywhere(7.0, 3.6, 0.0), pushing=Pushing(faces=("rear",)))
+    scenario = replace(anywhere(7.0, 3.6, 0.0), pushing=PushSettings(faces=("rear",)))
     world = FakeWorld(planner=make_plan)
 
     run_mission(world, scenario, 3, ScriptedPolicy())
@@ -140,7 +140,7 @@ def test_faces_that_may_not_be_pushed_are_not() -> None:
 
 
 def test_an_open_loop_plans_once_and_corrects_nothing() -> None:
-    scenario = replace(anywhere(8.0, 4.0, 90.0), pushing=Pushing(composition="open_loop", faces=("rear",)))
+    scenario = replace(anywhere(8.0, 4.0, 90.0), pushing=PushSettings(composition="open_loop", faces=("rear",)))
     exact, weak = FakeWorld(planner=make_plan), FakeWorld(planner=make_plan, push_scale=0.8)
     results = [run_mission(world, scenario, 3, ScriptedPolicy()) for world in (exact, weak)]
 
@@ -182,7 +182,7 @@ def along(reference: Reference, composition: Literal["closed_loop", "open_loop"]
     scenario = scenario_at_station()
     x_m, y_m, yaw_rad = reference_curve(reference, scenario.box.pose.pose())[-1].tolist()
     goal = Goal(pose=PoseDeg(x_m=x_m, y_m=y_m, yaw_deg=degrees(yaw_rad)))
-    return replace(scenario, goal=goal, reference=reference, pushing=Pushing(composition=composition))
+    return replace(scenario, goal=goal, reference=reference, pushing=PushSettings(composition=composition))
 
 
 @pytest.mark.parametrize("reference", [EIGHT, Sine(amplitude_m=0.3, wavelength_m=3.0, n_periods=1.0)])

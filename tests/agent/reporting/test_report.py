@@ -8,22 +8,24 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import planar_pose
-from agent_proc.mission.mission import MissionResult, run_mission
+from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.pushing.queries import query_for_box
 from agent_proc.reporting.mission_record import MissionRecord, read_record
 from agent_proc.reporting.picture import save_picture
 from agent_proc.reporting.picture_parts import appeared, followed
-from agent_proc.reporting.report import box_path_rms_m, distances_m, installed_versions, make_report, tracking_rms_m
-from agent_proc.walking.queries import query_for_box
+from agent_proc.reporting.report import box_path_rms_m, distances_m, make_report, tracking_rms_m
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
-from legpush.lockstep.episode import PlanRecord, StepRecord
+from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import Plan, PlanQuery, Tree
 from legpush.messages.stepping import Follow, Outcome, Push, Reset, Trace, Walk
 from legpush.scene.reference import Arcs, Straight
 from legpush.scene.scenario import Rectangle
+from legpush.versions import installed_versions
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan
 
 SCENARIO = make_scenario()

@@ -5,12 +5,12 @@ from math import radians
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from agent_proc.frames.goal_frame import LOOK_AHEAD_M, mirror_sign
 from agent_proc.frames.station import station
 from agent_proc.task.observation import as_markdown, bounds, element_names, observe
 from agent_proc.task.observation_relative import NEAR_RAD, RELATIVE
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.stepping import WorldState
 from legpush.scene.scenario import Goal, PoseDeg
@@ -33,7 +33,7 @@ def mirrored(pose: Pose2, line_y_m: float) -> Pose2:
     return Pose2(x_m=pose.x_m, y_m=2 * line_y_m - pose.y_m, yaw_rad=-pose.yaw_rad)
 
 
-def named(observation: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def named(observation: Floats) -> dict[str, Floats]:
     ends = np.cumsum([entry.size for entry in RELATIVE])
     return {entry.name: part for entry, part in zip(RELATIVE, np.split(observation, ends[:-1]), strict=True)}
 

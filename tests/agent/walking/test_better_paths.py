@@ -7,19 +7,20 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.mission.mission import MissionResult, run_mission
+from agent_proc.endings import MissionResult
+from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.walking.better_paths import BetterPaths, cost_m
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Follow
-from legpush.scene.scenario import Anytime, Planning, Rectangle, Room
+from legpush.scene.scenario import Anytime, PlanSettings, Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.planner import maps
 
 ANYTIME = Anytime(n_improvements=4, improvement_iterations=10)
-FAR = make_scenario((1.0, 3.0, 0.0), planning=Planning(anytime=ANYTIME))
+FAR = make_scenario((1.0, 3.0, 0.0), planning=PlanSettings(anytime=ANYTIME))
 
 
 def path(*corners: tuple[float, float]) -> Plan:
@@ -47,12 +48,12 @@ def run(world: FakeWorld, **changes: object) -> MissionResult:
 def test_a_better_path_is_joined_after_the_first_gait_cycle_and_makes_the_way_shorter() -> None:
     usual, better = FakeWorld(planner=detour), FakeWorld(planner=detour)
     better.better = lambda query, _: replace(straight_plan(query), length_m=1.0)
-    first = run(usual, planning=Planning())
+    first = run(usual, planning=PlanSettings())
     result = run(better)
     assert first.n_better_paths == 0
     assert result.success
     assert result.n_better_paths >= 1
-    assert better.tick < usual.tick
+    assert better.simulator.tick < usual.simulator.tick
     assert len(better.motions(Follow)) == len(usual.motions(Follow)) + result.n_better_paths
 
 

@@ -72,7 +72,7 @@ def pair(tmp_path: Path) -> Iterator[tuple[Bus, Bus]]:
     """A simulator and an agent that see each other."""
     with bus(tmp_path, "sim") as sim, bus(tmp_path, "agent") as agent:
         sim.announce()
-        assert eventually(lambda: len(agent.roster.live("sim")) == 1)
+        assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
         yield sim, agent
 
 
@@ -101,7 +101,7 @@ def test_a_watcher_is_told_who_is_there_and_who_comes_and_goes(tmp_path: Path) -
     with bus(tmp_path, "agent") as agent:
         with bus(tmp_path, "sim") as sim:
             sim.announce()
-            assert eventually(lambda: len(agent.roster.live("sim")) == 1)
+            assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
             agent.watch(lambda *event: seen.put(event))
             assert seen.get(timeout=10.0) == ("sim", "main", sim.incarnation, True)
         assert seen.get(timeout=10.0) == ("sim", "main", sim.incarnation, False)
@@ -110,8 +110,8 @@ def test_a_watcher_is_told_who_is_there_and_who_comes_and_goes(tmp_path: Path) -
 def test_a_process_is_not_on_its_own_roster(pair: tuple[Bus, Bus]) -> None:
     sim, agent = pair
     agent.announce()
-    assert eventually(lambda: len(sim.roster.live()) == 1)
-    assert [sighting.incarnation for sighting in sim.roster.live()] == [agent.incarnation]
+    assert eventually(lambda: len(sim.liveliness.live()) == 1)
+    assert [sighting.incarnation for sighting in sim.liveliness.live()] == [agent.incarnation]
 
 
 def test_own_messages_do_not_come_back(pair: tuple[Bus, Bus]) -> None:
@@ -126,15 +126,15 @@ def test_messages_and_tokens_of_another_run_do_not_arrive(tmp_path: Path) -> Non
     with Bus("other", "sim", "main", in_directory(tmp_path, "sim")) as sim, bus(tmp_path, "agent") as agent:
         sim.announce()
         with Bus("other", "agent", "second", Endpoints(connect=in_directory(tmp_path, "sim").listen)) as second:
-            assert eventually(lambda: len(second.roster.live("sim")) == 1)
-        assert agent.roster.live() == []
+            assert eventually(lambda: len(second.liveliness.live("sim")) == 1)
+        assert agent.liveliness.live() == []
 
 
 def test_a_token_that_names_no_process_is_counted(tmp_path: Path) -> None:
     with bus(tmp_path, "sim") as sim, raw_session(tmp_path) as session:
         with session.liveliness().declare_token(keys.liveliness(RUN, "ghost", "main", "a")):
             assert eventually(lambda: sim.tally["malformed"] > 0)
-        assert sim.roster.live() == []
+        assert sim.liveliness.live() == []
 
 
 def test_more_messages_than_the_inbox_holds_are_counted_and_do_not_block(
@@ -223,14 +223,14 @@ def test_a_socket_left_behind_by_a_killed_process_is_taken_over(tmp_path: Path) 
     ):
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
-        assert eventually(lambda: len(agent.roster.live("sim")) == 1)
+        assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
         process.send_signal(signal.SIGKILL)
         process.wait(10.0)
         assert (tmp_path / "sim.sock").exists()
-        assert eventually(lambda: agent.roster.live("sim") == [])
+        assert eventually(lambda: agent.liveliness.live("sim") == [])
         with bus(tmp_path, "sim") as sim:
             sim.announce()
-            assert eventually(lambda: [s.incarnation for s in agent.roster.live("sim")] == [sim.incarnation])
+            assert eventually(lambda: [s.incarnation for s in agent.liveliness.live("sim")] == [sim.incarnation])
 
 
 def test_a_bus_can_be_opened_again_after_an_error_within(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Asking one peer, with a clock and a roster that are set by hand: when it asks again, and when it gives up."""
+"""Asking one peer, with a clock and a liveliness that are set by hand: when it asks again, and when it gives up."""
 
 from collections.abc import Callable
 from functools import partial
@@ -8,13 +8,12 @@ from threading import Event
 import pytest
 from msgspec.structs import replace
 
-from legpush.bus.channels import Answer
 from legpush.bus.exchange import Exchange
-from legpush.bus.liveliness import Roster
+from legpush.bus.liveliness import Liveliness
 from legpush.bus.tally import Tally
 from legpush.errors import PeerError, StopRequestedError
 from legpush.messages.common import Role
-from legpush.messages.stepping import Refusal
+from legpush.messages.stepping import Answer, Refusal
 from legpush.patience import Patience
 from tests.legpush.examples import MESSAGES
 from tests.legpush.fakes import Clock
@@ -28,7 +27,7 @@ class Table:
 
     def __init__(self) -> None:
         self.clock = Clock()
-        self.roster = Roster(self.clock)
+        self.liveliness = Liveliness(self.clock)
         self.tally = Tally()
         self.sent_at_s: list[float] = []
         self.waits: list[str] = []
@@ -60,7 +59,7 @@ class Table:
         self.events.append((seconds, happens))
 
     def token(self, incarnation: str, alive: bool = True) -> None:
-        self.roster.token("sim", "main", incarnation, alive)
+        self.liveliness.token("sim", "main", incarnation, alive)
 
     def replace(self, old: str, new: str) -> None:
         """One incarnation dies, another one is started."""

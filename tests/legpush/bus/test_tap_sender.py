@@ -6,7 +6,8 @@ from collections.abc import Callable
 import pytest
 
 from legpush.bus import tap_sender as tap
-from legpush.bus.tap_sender import BATCH_BYTES, LIMIT_BYTES, Tap, TapBuffer
+from legpush.bus.tap_buffer import BATCH_BYTES, LIMIT_BYTES, TapBuffer
+from legpush.bus.tap_sender import Tap
 from legpush.messages.common import Header
 from legpush.messages.telemetry import Copies, Fact
 from legpush.recording.ledger import Ledger

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from legpush.bus.channels import Answer, Message
+from legpush.bus.channels import Message
 from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
-from legpush.messages.stepping import Action, Observation, Refusal
+from legpush.messages.stepping import Action, Answer, Observation, Refusal
 from legpush.messages.telemetry import Status
 from tests.legpush.examples import MESSAGES, header
 from tests.legpush.strategies import records

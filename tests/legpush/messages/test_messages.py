@@ -7,8 +7,9 @@ import msgspec
 import pytest
 
 from legpush.bus.channels import Message
+from legpush.fields import Name
 from legpush.messages import codec
-from legpush.messages.common import PROTOCOL_VERSION, Name
+from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES as MESSAGE_KINDS
 from legpush.messages.stepping import Action
 from tests.legpush.examples import MESSAGES

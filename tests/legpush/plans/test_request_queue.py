@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from msgspec.structs import replace
 
 from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest
-from legpush.plans.request_queue import MAX_CLIENTS, Answer, Interrupted, PlanDesk, PlanningInterruptedError
+from legpush.plans.planner import Interrupted, PlanningInterruptedError
+from legpush.plans.request_queue import MAX_CLIENTS, Answer, RequestQueue
 from legpush.scene.scenario import Anytime
 from tests.legpush.examples import QUERY, header
 from tests.legpush.fakes import fake_plan
@@ -43,14 +44,14 @@ def cancel(request_id: int, client: str = "main", incarnation: str = "a") -> Pla
     return PlanCancel(header=replace(header("agent"), name=client, incarnation=incarnation), request_id=request_id)
 
 
-def asked(desk: PlanDesk, one: PlanRequest) -> list[Answer]:
+def asked(desk: RequestQueue, one: PlanRequest) -> list[Answer]:
     """What is answered once it has been worked on."""
     at_once = desk.ask(one)
     assert at_once is not None
     return at_once or worked(desk)
 
 
-def worked(desk: PlanDesk) -> list[Answer]:
+def worked(desk: RequestQueue) -> list[Answer]:
     """All that there is to do."""
     answers = []
     while desk.next_case():
@@ -62,7 +63,7 @@ def worked(desk: PlanDesk) -> list[Answer]:
 
 def test_a_request_is_planned_once_and_its_copies_get_the_same_answer() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     first = asked(desk, request(0))
     assert [(answer.revision, answer.final) for answer in first] == [(0, True)]
     assert asked(desk, request(0)) == first
@@ -71,21 +72,21 @@ def test_a_request_is_planned_once_and_its_copies_get_the_same_answer() -> None:
 
 def test_a_copy_that_comes_while_the_request_waits_is_no_request_of_its_own() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     assert desk.ask(request(0)) == []
     assert desk.ask(request(0)) == []
     assert len(worked(desk)) == 1
 
 
 def test_a_request_older_than_the_newest_is_not_answered() -> None:
-    desk = PlanDesk(Planner())
+    desk = RequestQueue(Planner())
     asked(desk, request(4))
     assert desk.ask(request(3)) is None
 
 
 def test_the_newest_request_of_a_client_supersedes_the_one_that_waits() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     for request_id in (0, 2):
         desk.ask(request(request_id, seed=request_id + 5))
     assert desk.ask(request(1)) is None
@@ -94,7 +95,7 @@ def test_the_newest_request_of_a_client_supersedes_the_one_that_waits() -> None:
 
 
 def test_another_query_under_the_same_request_id_is_invalid() -> None:
-    desk = PlanDesk(Planner())
+    desk = RequestQueue(Planner())
     asked(desk, request(4, seed=1))
     (answer,) = asked(desk, request(4, seed=2))
     assert answer.plan.status == "invalid"
@@ -103,7 +104,7 @@ def test_another_query_under_the_same_request_id_is_invalid() -> None:
 
 
 def test_a_client_that_was_restarted_begins_anew() -> None:
-    desk = PlanDesk(Planner())
+    desk = RequestQueue(Planner())
     asked(desk, request(4, seed=1, incarnation="a"))
     (answer,) = asked(desk, request(0, seed=2, incarnation="b"))
     assert (answer.incarnation, answer.plan.n_iterations) == ("b", 2)
@@ -111,7 +112,7 @@ def test_a_client_that_was_restarted_begins_anew() -> None:
 
 def test_answers_are_kept_for_a_bounded_number_of_clients() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     for index in range(1, MAX_CLIENTS + 2):
         asked(desk, request(0, seed=index, client=f"c{index}"))
     asked(desk, request(0, seed=2, client="c2"))
@@ -121,7 +122,7 @@ def test_answers_are_kept_for_a_bounded_number_of_clients() -> None:
 
 def test_improvements_follow_the_first_answer_and_all_are_repeated_on_demand() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     answers = asked(desk, request(0, anytime=ANYTIME))
     assert [(answer.revision, answer.final) for answer in answers] == [(0, False), (1, False), (2, True)]
     assert [answer.plan.length_m for answer in answers] == [10.0, 9.0, 8.0]
@@ -130,14 +131,14 @@ def test_improvements_follow_the_first_answer_and_all_are_repeated_on_demand() -
 
 
 def test_what_is_invalid_is_not_improved() -> None:
-    desk = PlanDesk(Planner())
+    desk = RequestQueue(Planner())
     (answer,) = asked(desk, request(0, seed=0, anytime=ANYTIME))
     assert answer.final
 
 
 def test_a_first_answer_comes_before_improvements_of_others_which_go_on_where_they_were() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     desk.ask(request(0, seed=1, client="a", anytime=ANYTIME))
     first = desk.work(lambda: False)
     desk.ask(request(0, seed=2, client="b"))
@@ -151,7 +152,7 @@ def test_a_first_answer_comes_before_improvements_of_others_which_go_on_where_th
 
 def test_a_search_that_is_interrupted_gives_no_answer_and_is_begun_anew() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     desk.ask(request(0))
     assert desk.work(lambda: True) is None
     assert [answer.revision for answer in worked(desk)] == [0]
@@ -159,7 +160,7 @@ def test_a_search_that_is_interrupted_gives_no_answer_and_is_begun_anew() -> Non
 
 
 def test_a_cancelled_request_ends_with_the_best_so_far() -> None:
-    desk = PlanDesk(Planner())
+    desk = RequestQueue(Planner())
     desk.ask(request(0, anytime=ANYTIME))
     first = desk.work(lambda: False)
     assert first is not None
@@ -171,7 +172,7 @@ def test_a_cancelled_request_ends_with_the_best_so_far() -> None:
 
 def test_one_that_is_cancelled_before_there_was_a_plan_says_so() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     desk.ask(request(3))
     (answer,) = desk.cancel(cancel(3))
     assert (answer.plan.status, answer.final) == ("cancelled", True)
@@ -181,7 +182,7 @@ def test_one_that_is_cancelled_before_there_was_a_plan_says_so() -> None:
 
 def test_a_cancel_that_overtakes_its_request_holds_and_one_of_an_old_request_does_not() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     (answer,) = desk.cancel(cancel(5))
     assert desk.ask(request(5)) == [answer]
     assert desk.cancel(cancel(4)) == []
@@ -191,7 +192,7 @@ def test_a_cancel_that_overtakes_its_request_holds_and_one_of_an_old_request_doe
 
 def test_a_search_that_is_begun_anew_may_be_interrupted_before_it_comes_to_something_new() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     desk.ask(request(0, client="a", anytime=ANYTIME))
     first = desk.work(lambda: False)
     desk.ask(request(0, client="b", seed=2))
@@ -204,7 +205,7 @@ def test_a_search_that_is_begun_anew_may_be_interrupted_before_it_comes_to_somet
 
 def test_the_improvements_at_hand_go_on_before_those_of_others() -> None:
     planner = Planner()
-    desk = PlanDesk(planner)
+    desk = RequestQueue(planner)
     for client in ("a", "b"):
         desk.ask(request(0, client=client, anytime=ANYTIME))
     order = [(answer.client, answer.revision) for answer in worked(desk)]

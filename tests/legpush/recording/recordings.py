@@ -6,7 +6,7 @@ from typing import Any
 
 from legpush.bus import keys
 from legpush.errors import MotionError
-from legpush.lockstep.server import Stepper
+from legpush.lockstep.simulator import Stepper
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
 from legpush.messages.stepping import Action, Motion, Observation, Refusal

@@ -11,7 +11,7 @@ from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
 from legpush.messages.stepping import Motion, Push, Walk
 from legpush.messages.telemetry import Copies
-from legpush.plans.request_queue import PlanningInterruptedError
+from legpush.plans.planner import PlanningInterruptedError
 from legpush.recording.branch import BranchPoint, RecordedPast, parse_point
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import CONTINUED, read_facts, unpack_mission

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from legpush.errors import ScenarioError
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.file import copy_scenario, dump_scenario, load_scenario, scenario_names
-from legpush.scene.scenario import Box, Goal, Planning, PoseDeg, Rectangle, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PlanSettings, PoseDeg, Rectangle, Room, Scenario
 
 Plain = dict[str, Any]
 
@@ -99,7 +99,7 @@ def test_every_number_and_text_survives_being_written_and_read(
         start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
         box=Box(pose=PoseDeg(x_m=4.5, y_m=2.5, yaw_deg=0.0), mass_kg=mass_kg),
         goal=Goal(pose=PoseDeg(x_m=5.5, y_m=2.5, yaw_deg=0.0)),
-        planning=Planning(margin_m=margin_m),
+        planning=PlanSettings(margin_m=margin_m),
     )
     path = tmp_path_factory.mktemp("any") / "any.toml"
     path.write_text(dump_scenario(scenario), encoding="utf-8")

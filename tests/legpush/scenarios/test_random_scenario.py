@@ -10,7 +10,7 @@ import pytest
 import tyro
 
 from legpush.errors import ConfigError
-from legpush.launch.rooms import RandomScenario
+from legpush.options.scenarios import RandomScenario
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.random_room import RandomRoom
 from legpush.scenarios.random_scenario import random_scenario

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.messages.planning import OccupancyGrid
 from legpush.scenarios.grid import merged_rectangles
 from legpush.scene.footprints import Footprint, distance_m, distance_to_point_m, obstacle_footprint
-from legpush.scene.occupancy import clearance_m, grid_shape, occupancy_grid, room_by_now
+from legpush.scene.occupancy import OccupancyGrid, clearance_m, grid_shape, occupancy_grid, room_by_now
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import Planning, Rectangle, Room
+from legpush.scene.scenario import PlanSettings, Rectangle, Room
 
 LENGTH = st.floats(0.1, 3.0)
 COORDINATE = st.floats(-1.0, 6.0)
@@ -31,7 +31,7 @@ def cells_of(grid: OccupancyGrid) -> NDArray[np.uint8]:
     return np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
 
 
-def samples_in(footprint: Footprint) -> NDArray[np.float64]:
+def samples_in(footprint: Footprint) -> Floats:
     """Points strictly inside, also near its border and corners, (n, 2)."""
     ticks = np.linspace(-0.4999, 0.4999, 41)
     u, v = np.meshgrid(ticks * footprint.length_m, ticks * footprint.width_m)
@@ -108,8 +108,8 @@ def test_a_whole_number_of_cells_makes_no_further_one(n: int, resolution_m: floa
 
 
 def test_the_clearance_is_the_foot_rectangles_radius_and_the_margin() -> None:
-    assert clearance_m(Planning(margin_m=0.1)) == pytest.approx(FOOT_RECTANGLE_RADIUS_M + 0.1)
-    assert clearance_m(Planning()) == pytest.approx(0.442, abs=0.001)
+    assert clearance_m(PlanSettings(margin_m=0.1)) == pytest.approx(FOOT_RECTANGLE_RADIUS_M + 0.1)
+    assert clearance_m(PlanSettings()) == pytest.approx(0.442, abs=0.001)
 
 
 @given(a=FOOTPRINT, b=FOOTPRINT)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from legpush.messages.planning import OccupancyGrid
+from legpush.arrays import Floats
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.clearance.field import ClearanceField
 from tests.planner import maps
 
-Case = tuple[OccupancyGrid, NDArray[np.float64]]
+Case = tuple[OccupancyGrid, Floats]
 
 
 @st.composite

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from legpush.arrays import Flags
 from planner_proc.clearance.nearest import NearestCells
 
 REACH = 9
 
 
-def solid(seed: int) -> NDArray[np.bool_]:
+def solid(seed: int) -> Flags:
     """A large map with a few things on it, whose outermost cells are occupied."""
     rng = np.random.default_rng(seed)
     occupied = rng.random((230 + 17 * seed, 410)) < 0.0004

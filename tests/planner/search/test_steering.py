@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from legpush.geometry import wrap_angle
-from legpush.messages.planning import OccupancyGrid, Plan, TrunkPathQuery
+from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Anytime, PlannerName, Steering
 from planner_proc import planning
 from planner_proc.clearance.field import ClearanceField

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from legpush.messages.planning import OccupancyGrid
+from legpush.arrays import Floats
+from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Smoothing
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
@@ -15,8 +15,6 @@ from planner_proc.smoothing.shortcut import shortcut
 from planner_proc.smoothing.spline import smooth
 from planner_proc.smoothing.tube import Tube
 from tests.planner import maps
-
-Floats = NDArray[np.float64]
 
 BAND = Smoothing()
 

@@ -7,7 +7,8 @@ from msgspec.structs import replace
 
 from legpush.scene.robot import BOX_QPOS, JOINT_LIMITS_RAD, JOINT_QPOS, JOINTS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from sim_proc.model.world import build_model, leg_joint_names
+from sim_proc.kinematics.body import leg_joint_names
+from sim_proc.model.world import build_model
 from sim_proc.physics.physics import Physics
 
 

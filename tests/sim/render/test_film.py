@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.errors import JournalError, RecordingError
+from legpush.errors import NO_OPENGL, JournalError, RecordingError
 from legpush.geometry import Pose2
 from legpush.history.journal import Acted, Journal, Observed, Opened
-from legpush.lockstep.episode import StepRecord, read_episode
+from legpush.history.steps import StepRecord, read_episode
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Walk
 from legpush.scene.scenario import Rectangle, Room, Scenario
 from sim_proc.render.film import Film, film_of, timeline_of
-from sim_proc.render.rendering import NO_OPENGL, working_backend
+from sim_proc.render.rendering import working_backend
 from sim_proc.simulator import Simulator
 
 

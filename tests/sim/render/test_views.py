@@ -10,11 +10,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from legpush.arrays import Floats
+from legpush.exports import View
 from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Motion, Push, Reset
-from legpush.options.export import View
 from legpush.scene.scenario import Scenario
 from sim_proc.render.film import Film, film_of
 from sim_proc.render.rendering import frame_rows, working_backend
@@ -47,7 +47,7 @@ def film(at_the_box: Scenario) -> Film:
     return film_of(timeline, "here")
 
 
-def seen_at(film: Film, view: View, row: int, point_m: NDArray[np.float64]) -> NDArray[np.float64]:
+def seen_at(film: Film, view: View, row: int, point_m: Floats) -> Floats:
     """Place in the frame, x to the right and y up, from -1 to 1 each; not finite behind the camera."""
     place = look(film, view, row, ASPECT)
     azimuth, elevation = place.azimuth_rad, place.elevation_rad
@@ -57,7 +57,7 @@ def seen_at(film: Film, view: View, row: int, point_m: NDArray[np.float64]) -> N
     depth = away @ forward
     assert depth > 0.0
     half = tan(FIELD_OF_VIEW_RAD / 2) * depth
-    seen: NDArray[np.float64] = np.array([away @ right / (half * ASPECT), away @ np.cross(right, forward) / half])
+    seen: Floats = np.array([away @ right / (half * ASPECT), away @ np.cross(right, forward) / half])
     return seen
 
 

@@ -15,7 +15,7 @@ REPLAY = Origin(role="launcher", name="replay", incarnation="replay-1")
 
 def test_whom_a_replay_stands_for_is_there_as_long_as_the_replay_is() -> None:
     peers = [REPLAY]
-    bus: Any = SimpleNamespace(roster=SimpleNamespace(live=lambda: peers))
+    bus: Any = SimpleNamespace(liveliness=SimpleNamespace(live=lambda: peers))
     listener, handed_over = Listener(bus), batch(SIM, 0, [])
     listener.take(
         replace(handed_over, header=replace(handed_over.header, role="launcher", incarnation="replay-1")), Timelines()
@@ -26,7 +26,7 @@ def test_whom_a_replay_stands_for_is_there_as_long_as_the_replay_is() -> None:
 
 
 def test_whose_own_copies_came_is_there_only_as_long_as_it_is_seen() -> None:
-    bus: Any = SimpleNamespace(roster=SimpleNamespace(live=list))
+    bus: Any = SimpleNamespace(liveliness=SimpleNamespace(live=list))
     listener = Listener(bus)
     listener.take(batch(SIM, 0, []), Timelines())
     assert listener.live() == []

@@ -10,7 +10,7 @@ from legpush.messages import codec
 from legpush.messages.stepping import Action, Observation
 from legpush.messages.telemetry import Copy, Origin
 from sim_proc.view.page import Page
-from sim_proc.view.panel import Command
+from sim_proc.view.panel import PanelCommand
 from tests.legpush.recording.recordings import AGENT, EPISODE, SIM
 
 
@@ -62,7 +62,7 @@ def page(training: Training) -> Iterator[Page]:
 def test_an_old_episode_can_be_looked_at_for_as_long_as_one_likes(page: Page, training: Training) -> None:
     training.add(2)
     page.update(0.04)
-    page.obey(Command("episode", "0: simulator main"))
+    page.obey(PanelCommand("episode", "0: simulator main"))
     first = page.shown
     for _ in range(4):
         training.add(3)
@@ -75,9 +75,9 @@ def test_whoever_chose_an_episode_of_a_live_run_can_follow_it_again(page: Page, 
     training.add(2)
     page.update(0.04)
     assert page.player.follows
-    page.obey(Command("episode", "0: simulator main"))
+    page.obey(PanelCommand("episode", "0: simulator main"))
     assert not page.player.follows
-    page.obey(Command("live"))
+    page.obey(PanelCommand("live"))
     page.update(0.04)
     assert page.shown is list(page.timelines.episodes.values())[-1]
 
@@ -86,12 +86,12 @@ def test_an_episode_that_was_forgotten_meanwhile_is_not_shown(page: Page, traini
     training.add(5)
     page.update(0.04)
     before = page.shown
-    page.obey(Command("episode", "0: simulator main"))
+    page.obey(PanelCommand("episode", "0: simulator main"))
     assert page.shown is before
 
 
 def test_before_there_is_anything_controls_do_nothing(page: Page) -> None:
     for name, value in (("play", None), ("seek", 1.0), ("jump", "<"), ("episode", "0: x"), ("camera", "Top")):
-        page.obey(Command(name, value))
+        page.obey(PanelCommand(name, value))
     page.update(0.04)
     assert page.shown is None

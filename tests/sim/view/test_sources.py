@@ -5,16 +5,16 @@ from pathlib import Path
 from legpush.history.run_history import Timelines
 from legpush.messages.stepping import Reset
 from legpush.messages.telemetry import Copy, Fact
-from legpush.recording.facts import SCENARIO_FILE
+from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import dump_scenario
-from sim_proc.view.sources import RecordedRun
+from sim_proc.view.sources import RecordedSource
 from tests.legpush.recording.recordings import write
 from tests.sim.view.conftest import MOTIONS
 
 
 def read(path: Path) -> Timelines:
     timelines = Timelines()
-    with RecordedRun([path]) as run:
+    with RecordedSource([path]) as run:
         while run.is_reading:
             run.pump(timelines, 0.02)
     return timelines

@@ -1,41 +1,9 @@
-"""Worlds that an environment steps: a simulator in this process, or one on the bus."""
+"""A world on the bus: a simulator that may die, and be replaced, at any time."""
 
 from collections.abc import Mapping
-from typing import Protocol
 
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.stepping import Motion, Outcome, Reset
-
-
-class SteppingWorld(Protocol):
-    """Carries out motions, one at a time; an episode begins with a `Reset`."""
-
-    def step(self, motion: Motion) -> Outcome:
-        """What the motion leads to."""
-
-    def tell_reward(self, terms: Mapping[str, float]) -> None:
-        """Let people know what the last step earned, term by term."""
-
-
-class Stepper(Protocol):
-    """A simulator as a function."""
-
-    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion."""
-
-
-class LocalWorld:
-    """A simulator in this process: no bus, no other process, the same trajectories."""
-
-    def __init__(self, stepper: Stepper) -> None:
-        self._stepper = stepper
-
-    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
-        """Carry out one motion."""
-        return self._stepper.perform(motion, with_trace=with_trace)
-
-    def tell_reward(self, terms: Mapping[str, float]) -> None:
-        """Nobody watches."""
 
 
 class BusWorld:

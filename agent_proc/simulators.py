@@ -2,14 +2,15 @@
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from agent_proc.simulators.bus_world import BusWorld
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, listing
 from legpush.errors import PeerError, StopRequestedError
+from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
+from legpush.options.learning import SimulatorOptions
 from legpush.patience import SLICE_S, Patience, Stopwatch
 
 
@@ -55,7 +56,7 @@ def find_simulators(bus: Bus, n: int, stop: threading.Event, deadline_s: float) 
     """Names of the live simulators, sorted, as soon as there are `n`; `PeerError` past the deadline."""
     waited = Stopwatch()
     while not stop.is_set():
-        names = tuple(sorted({peer.name for peer in bus.roster.live("sim")}))
+        names = tuple(sorted({peer.name for peer in bus.liveliness.live("sim")}))
         if len(names) >= n:
             return names
         if waited.tick() > deadline_s:
@@ -72,3 +73,16 @@ def _worlds(bus: Bus, names: tuple[str, ...], stop: threading.Event, patience: P
     worlds = [BusWorld(SimLink(bus, name, stop=stop, patience=patience)) for name in names]
     bus.announce()
     return worlds
+
+
+def simulators(
+    options: SimulatorOptions, logs: Path, stop: threading.Event, *, kind: str, folder: Path | None = None
+) -> AbstractContextManager[list[BusWorld]]:
+    """Worlds of simulators that are started, or joined where the options say so.
+
+    `kind` of work and its `folder` are what a recorder or viewer is told about those that are started.
+    """
+    if options.join is None:
+        return own_simulators(options.n_simulators, logs, stop, record=options.record, kind=kind, folder=folder)
+    endpoints = Endpoints(listen=options.listen, connect=options.connect)
+    return joined_simulators(options.n_simulators, options.join, endpoints, stop)

@@ -1,4 +1,4 @@
-"""What `legpush scenarios random` can be told."""
+"""Options of `legpush scenarios`."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -7,7 +7,31 @@ from typing import Annotated
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.fields import Seed, require
 from legpush.scenarios.random_room import RandomRoom
+
+
+@dataclass(frozen=True)
+class ListScenarios:
+    """List the built-in scenarios."""
+
+
+@dataclass(frozen=True)
+class ShowScenario:
+    """Check a scenario and print it with every field."""
+
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")]
+    """A built-in scenario or the path of a scenario file."""
+
+
+@dataclass(frozen=True)
+class CopyScenario:
+    """Copy a built-in scenario, with its comments, to a new file for you to edit."""
+
+    name: Annotated[str, tyro.conf.arg(metavar="NAME")]
+    """A built-in scenario."""
+    file: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """The new file."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,8 +48,7 @@ class RandomScenario(RandomRoom):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 0 <= self.seed < 2**32:
-            raise ConfigError(f"Expected a seed from 0 to {2**32 - 1} for --seed, got {self.seed}")
+        require(Seed, self.seed, "--seed")
         if self.file.exists() or not self.file.parent.is_dir():
             raise ConfigError(f"{self.file}: expected a new file in an existing folder")
 
@@ -38,3 +61,15 @@ class RandomScenario(RandomRoom):
                 values = value if isinstance(value, tuple) else (value,)
                 words += [f"--{field.name.replace('_', '-')}", *map(str, values)]
         return [*words, str(self.file)]
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """List, show, copy or draw scenarios."""
+
+    action: (
+        Annotated[ListScenarios, tyro.conf.subcommand("list")]
+        | Annotated[ShowScenario, tyro.conf.subcommand("show")]
+        | Annotated[CopyScenario, tyro.conf.subcommand("copy")]
+        | Annotated[RandomScenario, tyro.conf.subcommand("random")]
+    )

@@ -1,0 +1,45 @@
+"""Why and how a mission ends."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Reason = Literal[
+    "success",
+    "fell",
+    "box_tipped",
+    "no_path",
+    "stuck",
+    "missed_station",
+    "left_reference",
+    "max_push_cycles",
+    "tolerance_missed",
+]
+
+
+class MissionEndedError(Exception):
+    """The mission is over, for this reason."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(detail)
+        self.reason: Reason = reason
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissionResult:
+    """How a mission ended."""
+
+    success: bool
+    """The box is within the tolerances of its goal and the robot stands."""
+    reason: Reason
+    """`success`, or what ended it without: the robot `fell` or is `stuck`, the `box_tipped` over, the planner knew
+    `no_path`, the approach `missed_station`, the box `left_reference`, `max_push_cycles` were not enough, or pushing
+    ended with the `tolerance_missed`."""
+    detail: str
+    """One sentence for people."""
+    handover_distance_m: float | None
+    """Trunk to box where walking along the map ended; None if it did not come to that."""
+    n_push_cycles: int
+    n_better_paths: int
+    """How often a better path was taken while walking."""
+    n_replans: int
+    """How often an obstacle appeared in the way, so that another one was planned, or tried to be."""

@@ -1,0 +1,116 @@
+"""A session on the network. The only module that imports zenoh.
+
+Every link is explicit: no scouting, no gossip, no shared memory (it leaks when a process is killed). A peer that is not
+there yet, or comes back, is connected to within half a second, so the order of starting does not matter.
+"""
+
+import json
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+import zenoh
+
+from legpush.bus.channels import Quality
+from legpush.bus.endpoints import Endpoints, listing
+from legpush.bus.liveliness import LEASE_S
+from legpush.bus.transport import OnBytes, OnToken, Sender, Undeclare
+from legpush.errors import EndpointError
+
+RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
+
+
+class ZenohSession:
+    """A `legpush.bus.transport.Session` over Zenoh."""
+
+    def __init__(self, endpoints: Endpoints, who: str) -> None:
+        """Open it; `who` is named in errors.
+
+        Raises:
+            EndpointError: One of the endpoints cannot be listened on.
+        """
+        try:
+            self._session: Any = zenoh.open(_config(endpoints))
+        except zenoh.ZError as error:
+            raise EndpointError(
+                f"Expected to listen on {listing(endpoints.listen)} as {who}, but that is not possible; "
+                f"is another process running there, and does the directory exist? ({error})"
+            ) from error
+
+    def close(self) -> None:
+        """Close all links."""
+        self._session.close()
+
+    def publisher(self, key: str, quality: Quality) -> Sender:
+        """Sends bytes under `key`; those of the lockstep are never dropped on a living link."""
+        lockstep = quality == "lockstep"
+        publisher = self._session.declare_publisher(
+            key,
+            congestion_control=zenoh.CongestionControl.BLOCK if lockstep else zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.DATA if lockstep else zenoh.Priority.DATA_LOW,
+            reliability=zenoh.Reliability.RELIABLE,
+            express=lockstep,
+            allowed_destination=zenoh.Locality.REMOTE,
+        )
+        return Sender(publisher.put, publisher.undeclare)
+
+    def put(self, key: str, payload: bytes) -> None:
+        """Publish bytes once."""
+        self._session.put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
+
+    def subscribe(self, key: str, on_bytes: OnBytes) -> Undeclare:
+        """Call `on_bytes` with key and payload of everything that other processes publish under `key`."""
+
+        def take_sample(sample: zenoh.Sample) -> None:
+            on_bytes(str(sample.key_expr), sample.payload.to_bytes())
+
+        subscriber = self._session.declare_subscriber(key, _callback(take_sample), allowed_origin=zenoh.Locality.REMOTE)
+        return partial(_undeclare, subscriber)
+
+    def show_token(self, key: str) -> Undeclare:
+        """Show a liveliness token for as long as this process lives."""
+        return partial(_undeclare, self._session.liveliness().declare_token(key))
+
+    def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:
+        """Call `on_token` with a key and whether it lives, for each token now and whenever one comes or goes."""
+
+        def take_sample(sample: zenoh.Sample) -> None:
+            on_token(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
+
+        watcher = self._session.liveliness().declare_subscriber(key, _callback(take_sample), history=True)
+        return partial(_undeclare, watcher)
+
+
+def _undeclare(declared: Any) -> None:
+    declared.undeclare()
+
+
+def _config(endpoints: Endpoints) -> zenoh.Config:
+    config = zenoh.Config()
+    settings: dict[str, Any] = {
+        "mode": "peer",
+        "listen/endpoints": list(endpoints.listen),
+        "listen/timeout_ms": 0,
+        "listen/exit_on_failure": True,
+        "connect/endpoints": list(endpoints.connect),
+        "connect/timeout_ms": -1,
+        "connect/exit_on_failure": False,
+        "connect/retry": RETRY,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "open/return_conditions/connect_scouted": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": round(1e3 * LEASE_S),
+    }
+    for path, value in settings.items():
+        config.insert_json5(path, json.dumps(value))
+    return config
+
+
+def _callback(function: Callable[[zenoh.Sample], None]) -> Any:
+    """A callback that runs on a Python thread of its own.
+
+    On the network's thread it would block the link whenever other code holds the interpreter, as OMPL does while it
+    solves; after a lease of that, the link is lost.
+    """
+    return zenoh.handlers.Callback(function, indirect=True)

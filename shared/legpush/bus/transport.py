@@ -1,0 +1,42 @@
+"""What the bus needs of a network: a session that sends bytes, receives bytes, and shows who is alive."""
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from legpush.bus.channels import Quality
+
+OnBytes = Callable[[str, bytes], None]
+"""Key and payload; called on a thread of the session."""
+OnToken = Callable[[str, bool], None]
+"""Key of a liveliness token, and whether it lives; called on a thread of the session."""
+Undeclare = Callable[[], None]
+"""Takes a declaration back."""
+
+
+class Sender(NamedTuple):
+    """Sends bytes under one key."""
+
+    send: Callable[[bytes], None]
+    undeclare: Undeclare
+
+
+class Session(Protocol):
+    """Open links to other processes."""
+
+    def close(self) -> None:
+        """Close all links."""
+
+    def publisher(self, key: str, quality: Quality) -> Sender:
+        """Sends bytes under `key`."""
+
+    def put(self, key: str, payload: bytes) -> None:
+        """Publish bytes once."""
+
+    def subscribe(self, key: str, on_bytes: OnBytes) -> Undeclare:
+        """Call `on_bytes` for everything that other processes publish under `key`, which may hold wildcards."""
+
+    def show_token(self, key: str) -> Undeclare:
+        """Show a liveliness token for as long as this process lives."""
+
+    def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:
+        """Call `on_token` for each token that lives now, and whenever one comes or goes."""

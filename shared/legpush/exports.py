@@ -1,0 +1,17 @@
+"""The formats that a recording can be exported to, and the cameras that films are seen from."""
+
+from typing import Final, Literal
+
+Format = Literal["foxglove", "csv", "parquet", "mp4", "gif"]
+View = Literal["follow", "top", "room", "side", "front", "rear", "box", "orbit"]
+ENDINGS: Final[dict[Format, str]] = {
+    "foxglove": ".mcap",
+    "csv": ".csv",
+    "parquet": ".parquet",
+    "mp4": ".mp4",
+    "gif": ".gif",
+}
+FILMS: Final[tuple[Format, ...]] = ("mp4", "gif")
+LARGEST_FRAME: Final = (3840, 2160)
+FASTEST_GIF_FPS: Final = 50.0
+"""What viewers show; the pauses between frames are whole hundredths of a second."""

@@ -1,0 +1,43 @@
+"""Types of fields that messages, files and command lines share, and the check of a value on a command line."""
+
+from typing import Annotated, Any, Final
+
+import msgspec
+from msgspec import Meta
+
+from legpush.errors import ConfigError
+
+SEEDS: Final = 2**32
+"""Number of seeds; the highest is one less."""
+
+Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
+"""Part of a key on the bus, and of file names."""
+Seed = Annotated[int, Meta(ge=0, lt=SEEDS)]
+"""Seed of a random generator."""
+
+_EXPECTED: Final = {
+    Name: "Expected 1 to 64 letters, digits, - or _",
+    Seed: f"Expected a seed from 0 to {SEEDS - 1}",
+}
+
+
+def require(kind: Any, value: object, flag: str) -> None:
+    """Check the value of a flag against `Name` or `Seed`.
+
+    Raises:
+        ConfigError: The value does not fit; names the flag.
+    """
+    try:
+        msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        raise ConfigError(f"{_EXPECTED[kind]} for {flag}, got {value!r}") from error
+
+
+def require_seeds(first: int, n: int, flag: str) -> None:
+    """Check that `n` seeds from `first` on exist.
+
+    Raises:
+        ConfigError: One of them is out of range.
+    """
+    if not 0 <= first <= SEEDS - n:
+        raise ConfigError(f"Expected seeds from 0 to {SEEDS - 1}, got {n} from {flag} {first} on")

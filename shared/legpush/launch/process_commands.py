@@ -1,0 +1,76 @@
+"""The command lines of the three processes of a mission."""
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from legpush.bus.endpoints import in_directory
+from legpush.launch.film import film_arguments
+from legpush.messages.common import Role
+from legpush.options.run import RunOptions, split_command
+from legpush.processes.environment import RECORDED
+from legpush.runs.folder import SCENARIO_FILE, run_name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where a run happens."""
+
+    folder: Path
+    """What it leaves behind; absolute."""
+    sockets: Path
+    """A directory of mode 0700 for the sockets of its processes."""
+
+    @property
+    def run(self) -> str:
+        """Name of the run on the bus."""
+        return run_name(self.folder)
+
+
+def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
+    """The command line of a process of this package, without what `bus_flags` adds."""
+    if role == "planner" and options.planner_command is not None:
+        return split_command(options.planner_command)
+    # -P: what lies in the working directory is no part of the program.
+    arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
+    if role == "agent":
+        arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
+        arguments += ["--out", str(place.folder), "--policy", options.policy]
+        if options.push_map is not None:
+            arguments += ["--push-map", str(options.push_map.absolute())]
+        if options.record is not None and options.planner_command is not None:
+            arguments += ["--witness-planner"]
+    return tuple(arguments)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Programs:
+    """The command lines that a mission is made of."""
+
+    process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
+    film: Callable[[Path], tuple[str, ...]] = film_arguments
+    again: Callable[[Path], str] | None = None
+    """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
+    kind: str = "run"
+    """The subcommand of `legpush` that runs it."""
+
+
+def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
+    """How a process finds its peers, and how badly they hear each other."""
+    endpoints = in_directory(place.sockets, role)
+    flags = ["--run", place.run, "--listen", *endpoints.listen]
+    if endpoints.connect:
+        flags += ["--connect", *endpoints.connect]
+    foreign = role == "planner" and options.planner_command is not None
+    if options.inject_faults > 0.0 and not foreign:
+        flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]
+    if options.record is not None and not foreign:
+        flags += RECORDED
+    return tuple(flags)
+
+
+def flags_again(role: Role, options: RunOptions) -> tuple[str, ...]:
+    """What `bus_flags` lack where a process is started again: somebody may be recording by then."""
+    foreign = role == "planner" and options.planner_command is not None
+    return () if foreign or options.record is not None else RECORDED

@@ -1,0 +1,84 @@
+"""A world in this process: a simulator and a planner that are called as functions, without a bus."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+from legpush.errors import ConfigError
+from legpush.history.steps import PlanRecord, StepRecord
+from legpush.lockstep.simulator import Stepper
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
+from legpush.plans.planner import Interrupted, MakePlans
+
+
+def never() -> bool:
+    """Tell a search that it may go on."""
+    return False
+
+
+class LocalWorld:
+    """A `World` without other processes; its trajectories equal those over the bus, bit for bit."""
+
+    def __init__(
+        self,
+        simulator: Stepper,
+        make_plans: MakePlans | None = None,
+        *,
+        on_record: Callable[[StepRecord | PlanRecord], None] | None = None,
+        interrupted: Interrupted = never,
+    ) -> None:
+        """`make_plans` is the planner; a world that is only stepped needs none.
+
+        `on_record` gets every step and every plan, in order. `interrupted` is asked during a search whether to stop.
+        """
+        self._simulator = simulator
+        self._make_plans = make_plans
+        self._record = on_record
+        self._interrupted = interrupted
+        self._query: PlanQuery | None = None
+        self._search: Iterator[Plan] = iter(())
+        self._plans: list[Plan] = []
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+        """Carry out one motion.
+
+        Raises:
+            MotionError: The motion cannot be carried out; the state is as it was.
+        """
+        outcome = self._simulator.perform(motion, with_trace=with_trace)
+        if self._record is not None:
+            self._record(StepRecord(motion, outcome))
+        return outcome
+
+    def plan(self, query: PlanQuery) -> Plan:
+        """Return the planner's first answer to a query.
+
+        Raises:
+            ConfigError: This world has no planner.
+        """
+        if self._make_plans is None:
+            raise ConfigError("Expected a world with a planner, got one that can only be stepped")
+        self._query, self._plans = query, []
+        self._search = self._make_plans(query, self._interrupted)
+        return self.revision(0)
+
+    def revision(self, revision: int) -> Plan:
+        """Return the plan with this number for the last query, 0 the first; the last plan if there are no more.
+
+        Raises:
+            ConfigError: Nothing was asked before.
+        """
+        while len(self._plans) <= revision and (plan := next(self._search, None)) is not None:
+            self._plans.append(plan)
+        if self._query is None or not self._plans:
+            raise ConfigError("Expected a query before a revision of its plan")
+        plan = self._plans[min(revision, len(self._plans) - 1)]
+        if self._record is not None:
+            self._record(PlanRecord(self._query, plan))
+        return plan
+
+    def cancel_plan(self) -> None:
+        """End the search for better plans."""
+        self._search = iter(())
+
+    def tell_reward(self, terms: Mapping[str, float]) -> None:
+        """Do nothing: nobody watches this world."""

@@ -1,0 +1,19 @@
+"""Options of `legpush render`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, get_args
+
+import tyro
+
+from legpush.exports import View
+
+
+@dataclass(frozen=True)
+class Render:
+    """Film a run again, from what it recorded: writes mission.mp4 into its folder."""
+
+    run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]
+    """The folder of the run."""
+    camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
+    """Where it is seen from; `legpush export --help` says what each shows."""

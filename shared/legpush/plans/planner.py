@@ -1,0 +1,14 @@
+"""A planner as a function: the seam at which another planner is plugged in."""
+
+from collections.abc import Callable, Iterator
+
+from legpush.messages.planning import Plan, PlanQuery
+
+Interrupted = Callable[[], bool]
+"""Asked now and then by whoever plans: whether to stop, by `PlanningInterruptedError`."""
+MakePlans = Callable[[PlanQuery, Interrupted], Iterator[Plan]]
+"""The revisions of a plan, one for a query without `anytime`."""
+
+
+class PlanningInterruptedError(Exception):
+    """The answer is not wanted any more, or not now."""

@@ -1,0 +1,27 @@
+"""Replaces this process by one of the programs of a process package."""
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Literal, NoReturn
+
+Program = Literal[
+    "agent_proc.programs.train",
+    "agent_proc.programs.evaluate",
+    "agent_proc.programs.calibrate",
+    "agent_proc.programs.draw_room",
+    "agent_proc.programs.show_map",
+    "planner_proc.conformance",
+    "sim_proc.export",
+    "sim_proc.view",
+]
+"""A module that Python runs as a program."""
+
+
+def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
+    """Become the program for it; `argv` are its options."""
+    from legpush.processes.environment import child_environment
+
+    # -P: what lies in the working directory is no part of the program.
+    command = [sys.executable, "-P", "-m", program, *argv]
+    os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted
