@@ -20,7 +20,7 @@ from urllib.parse import urlsplit
 
 import tyro
 
-from legpush.launch.summary import read_report
+from legpush.runs.report import read_report
 from tests.chromium import Browser, Page, browser, until
 
 CLI = "import sys; from legpush.cli import main; sys.exit(main())"

@@ -20,7 +20,6 @@ from agent_proc.policies.folder import (
     NETWORKS_FILE,
     NORMALIZER_FILE,
     Normalizer,
-    PolicyError,
     PolicyFolder,
     policy_path,
     read_policy,
@@ -29,6 +28,7 @@ from agent_proc.policies.networks import policy_arguments
 from agent_proc.task.action import action_space
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.policy_view import is_done, observation_space, policy_observation, policy_push
+from legpush.errors import PolicyError
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.scenario import Scenario
 

@@ -4,10 +4,10 @@ import importlib
 import os
 import sys
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
-from agent_proc.policies.folder import PolicyError
 from agent_proc.policies.policy import Policy
+from legpush.errors import PolicyError
 
 SCRIPTED: Final = "scripted"
 SB3_SUFFIX: Final = ".zip"
@@ -53,8 +53,15 @@ def _from_entry_point(name: str) -> Policy:
         make = getattr(importlib.import_module(module), factory)
     except (ImportError, AttributeError, ValueError) as error:
         raise PolicyError(f"Expected module:factory that can be imported, got {name!r} ({error})") from error
-    policy = make()
+    return as_policy(make(), name)
+
+
+def as_policy(policy: object, name: str = "policy") -> Policy:
+    """Check that an object of the user's can decide.
+
+    Raises:
+        PolicyError: It has no method `decide`.
+    """
     if not callable(getattr(policy, "decide", None)):
         raise PolicyError(f"{name}: expected a policy with a method `decide`, got {type(policy).__name__}")
-    checked: Policy = policy
-    return checked
+    return cast(Policy, policy)

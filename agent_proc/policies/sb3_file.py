@@ -15,12 +15,13 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
-from agent_proc.policies.folder import Normalizer, PolicyError
+from agent_proc.policies.folder import Normalizer
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.policies.networks import use_one_thread
 from agent_proc.task.action import action_space
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.policy_view import observation_space
+from legpush.errors import PolicyError
 
 ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
     "stable_baselines3.common.policies": PPO,

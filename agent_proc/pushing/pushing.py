@@ -7,7 +7,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.endings import MissionEndedError, Reason
+from agent_proc.endings import MissionEndedError
 from agent_proc.frames.poses import BoxError, distance_m, moved_m
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
@@ -25,6 +25,7 @@ from legpush.geometry import Pose2
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Push, WorldState
+from legpush.runs.report import Reason
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.reference import Reference, least_radius_m
 from legpush.scene.robot import FRONT_LEGS

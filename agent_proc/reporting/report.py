@@ -4,66 +4,17 @@ from math import degrees, sqrt
 from typing import Final
 
 import numpy as np
-from msgspec import Struct
 
 from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import planar_pose
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
 from legpush.arrays import Floats
 from legpush.messages.stepping import Push, Walk
+from legpush.runs.report import Appeared, Report
 from legpush.scene.robot import CONTROL_PERIOD_S
 
 LOOK_AHEAD_M: Final = 0.5
 """So far ahead on its path the box may be after one more push cycle."""
-
-
-class Appeared(Struct, frozen=True, kw_only=True):
-    """An obstacle that appeared."""
-
-    obstacle: int
-    """Its place in `room.obstacles`, from 0."""
-    time_s: float
-    """Simulated time since the reset."""
-
-
-class Report(Struct, frozen=True, kw_only=True):
-    """The fields of `report.json`; what could not be measured is None."""
-
-    success: bool
-    reason: str
-    """`success`, or what ended the mission without."""
-    detail: str
-    """One sentence for people."""
-    box_position_error_m: float
-    box_angle_error_deg: float
-    walk_tracking_rms_m: float | None
-    """Of the distance from the trunk, on the floor, to the path that it followed, over all ticks of gait cycles."""
-    box_path_rms_m: float | None
-    """Of the distance from the box's centre to the path that it was pushed along, planned or reference, after each
-    push cycle."""
-    handover_distance_m: float | None
-    """From trunk to box where walking handed over to pushing."""
-    trunk_max_abs_pitch_deg: float | None
-    trunk_max_abs_roll_deg: float | None
-    min_support_margin_m: float | None
-    """Least distance of the CoM's ground projection from the border of the support polygon; negative outside."""
-    n_better_paths: int
-    """How often the robot took a better path while it walked."""
-    n_replans: int
-    """How often an obstacle appeared in the way of robot or box."""
-    appeared: tuple[Appeared, ...]
-    n_push_cycles: int
-    n_footsteps: int
-    sim_time_s: float
-    wall_time_s: float
-    """From the beginning of the journal to its last entry."""
-    real_time_factor: float
-    """Simulated time by wall time."""
-    state_crc: str
-    """Of the last state, eight hexadecimal digits: equal missions have equal ones."""
-    seed: int
-    versions: dict[str, str | None]
-    """Of the host that wrote the report; None for what is not installed there."""
 
 
 def make_report(

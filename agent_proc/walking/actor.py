@@ -6,7 +6,7 @@ from itertools import groupby
 from math import degrees, radians
 from typing import Final
 
-from agent_proc.endings import MissionEndedError, Reason
+from agent_proc.endings import MissionEndedError
 from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, distance_m, moved_m, planar_pose
 from agent_proc.frames.station import at_station, can_turn, last_stretch, way_back
 from agent_proc.walking.better_paths import BetterPaths, cost_m
@@ -17,6 +17,7 @@ from legpush.geometry import Pose2
 from legpush.lockstep.world import World
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Follow, Motion, Walk, WorldState
+from legpush.runs.report import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.scenario import Face, Rectangle, Scenario
 

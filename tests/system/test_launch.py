@@ -15,9 +15,9 @@ from rich.console import Console
 
 from legpush.launch.process_commands import Place, Programs
 from legpush.launch.run import launch_mission
-from legpush.launch.summary import ReportError
 from legpush.messages.common import Role
 from legpush.options.run import RunOptions
+from legpush.runs.report import ReportError
 from legpush.scenarios.file import load_scenario
 
 PROCESS = r"""

@@ -21,7 +21,7 @@ from legpush.launch.display import make_display
 from legpush.launch.film import film
 from legpush.launch.mission_recorder import MissionRecorder
 from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
-from legpush.launch.summary import print_summary, read_report
+from legpush.launch.summary import print_summary
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
 from legpush.messages.common import ROLES, Role
 from legpush.options.run import RunOptions
@@ -32,8 +32,7 @@ from legpush.processes.recorder_process import next_file
 from legpush.recording.facts import CONTINUED
 from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
-from legpush.scenarios.file import load_scenario, override
-from legpush.scene.scenario import Scenario
+from legpush.runs.report import read_report
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """What each process cannot start without; the rest of its extra comes along."""
@@ -46,7 +45,7 @@ def launch_mission(
 
     `programs` takes the place of the processes of this package, `about` is metadata for its recording.
     """
-    scenario = resolve_scenario(options)
+    scenario = options.resolved_scenario()
     if programs is None:
         require_libraries()
         programs = Programs()
@@ -64,19 +63,6 @@ def launch_mission(
                 console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
             print_summary(console, folder, read_report(folder))
     return verdict.exit_code
-
-
-def resolve_scenario(options: RunOptions) -> Scenario:
-    """The scenario with what the options replace in it."""
-    changes = {
-        "planning.planner": options.planner,
-        "planning.steering": options.steering,
-        "planning.min_turning_radius_m": options.turning_radius_m,
-        "box.mass_kg": options.box_mass_kg,
-        "box.friction": options.box_friction,
-    }
-    scenario = load_scenario(options.scenario)
-    return override(scenario, {field: value for field, value in changes.items() if value is not None})
 
 
 def require_libraries() -> None:

@@ -12,7 +12,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
-from legpush.scene.scenario import PlannerName, Steering
+from legpush.scene.scenario import PlannerName, Scenario, Steering
 
 DEFAULT_POLICY: Final = "variable"
 """The shipped one that chooses leg, curve and depth."""
@@ -67,6 +67,22 @@ class RunOptions:
             split_command(self.planner_command)
         if self.deadline_s is not None and not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
             raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")
+
+    def resolved_scenario(self) -> Scenario:
+        """Load the scenario, with what these options replace in it.
+
+        Raises:
+            ScenarioError: The scenario, or a value that replaces one in it, cannot be used.
+        """
+        from legpush.scenarios.file import resolve_scenario
+
+        return resolve_scenario(
+            self.scenario,
+            planner=self.planner,
+            steering=self.steering,
+            turning_radius_m=self.turning_radius_m,
+            changes={"box.mass_kg": self.box_mass_kg, "box.friction": self.box_friction},
+        )
 
 
 def split_command(command: str) -> tuple[str, ...]:

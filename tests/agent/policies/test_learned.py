@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from agent_proc.learning.training import LAST
-from agent_proc.policies.folder import PolicyError, shipped_policies
+from agent_proc.policies.folder import shipped_policies
 from agent_proc.policies.learned import load_learned
 from agent_proc.policies.registry import make_policy
+from legpush.errors import PolicyError
 from legpush.geometry import Pose2
 from tests.agent.fake_world import make_state, scenario_at_station
 from tests.agent.learning.small_training import make_training, small_profile

@@ -13,10 +13,10 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
 from agent_proc.learning.env import PushEnv
-from agent_proc.policies.folder import PolicyError
 from agent_proc.policies.registry import make_policy
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.policy_view import policy_observation, policy_push
+from legpush.errors import PolicyError
 from tests.agent.fake_world import FakeWorld, make_state, scenario_at_station
 
 SCENARIO = scenario_at_station()

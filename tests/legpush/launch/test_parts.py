@@ -16,13 +16,13 @@ from legpush.errors import ConfigError, ScenarioError
 from legpush.fields import Name
 from legpush.launch.display import LiveDisplay, PlainDisplay, make_display
 from legpush.launch.process_commands import Place, bus_flags, process_arguments
-from legpush.launch.run import resolve_scenario
-from legpush.launch.summary import ROWS, ReportError, print_summary, read_report
+from legpush.launch.summary import ROWS, print_summary
 from legpush.options.run import RunOptions
 from legpush.processes.child import describe_exit
 from legpush.processes.environment import child_environment
 from legpush.processes.recorder_process import next_file
 from legpush.runs.folder import default_folder, run_folder
+from legpush.runs.report import ReportError, read_report
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 
@@ -255,14 +255,14 @@ def test_options_out_of_range_are_refused(options: dict[str, float], words: str)
 
 def test_options_replace_what_the_scenario_says() -> None:
     options = RunOptions(scenario="push", planner="rrt_star", box_mass_kg=0.9, box_friction=0.3)
-    scenario = resolve_scenario(options)
+    scenario = options.resolved_scenario()
     assert (scenario.planning.planner, scenario.box.mass_kg, scenario.box.friction) == ("rrt_star", 0.9, 0.3)
-    assert resolve_scenario(RunOptions(scenario="push")) == load_scenario("push")
+    assert RunOptions(scenario="push").resolved_scenario() == load_scenario("push")
 
 
 def test_a_replaced_value_is_checked_as_in_a_file() -> None:
     with pytest.raises(ScenarioError, match=r"command line: at `box\.mass_kg`: expected a number >= 0\.001, got -1\.0"):
-        resolve_scenario(RunOptions(scenario="push", box_mass_kg=-1.0))
+        RunOptions(scenario="push", box_mass_kg=-1.0).resolved_scenario()
 
 
 @pytest.mark.parametrize("folder", ["run-1", "my run.5 (ü)", "x" * 100])
