@@ -1,4 +1,4 @@
-"""Policies by name: scripted, shipped, in a folder, in a model file, or made by a function of the user's."""
+"""Finds a policy by name: scripted, shipped, a policy folder, a model file, or a user's factory."""
 
 import importlib
 import os
@@ -8,6 +8,7 @@ from typing import Final
 
 from agent_proc.policies.folder import PolicyError
 from agent_proc.policies.policy import Policy
+from agent_proc.policies.world_policy import as_policy
 
 SCRIPTED: Final = "scripted"
 SB3_SUFFIX: Final = ".zip"
@@ -18,7 +19,9 @@ def make_policy(name: str, normalizer: Path | None = None) -> Policy:
     """The policy called `name`: `scripted`, a shipped one, a policy folder, a model file, or `module:factory`.
 
     `normalizer` belongs to a model file (`.zip`) only. The learning libraries are imported only for a trained policy.
-    `PolicyError` where there is no such policy.
+
+    Raises:
+        PolicyError: There is no such policy, or it cannot be used.
     """
     is_file = name.endswith(SB3_SUFFIX)
     if normalizer is not None and not is_file:
@@ -45,7 +48,10 @@ def make_policy(name: str, normalizer: Path | None = None) -> Policy:
 
 
 def _from_entry_point(name: str) -> Policy:
-    """What the function returns; its module is looked for in the working directory, too."""
+    """The policy that a function returns; its module is looked for in the working directory, too.
+
+    Its `decide` takes a world and a scenario, or a `PushView`.
+    """
     module, _, factory = name.partition(":")
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
@@ -53,8 +59,10 @@ def _from_entry_point(name: str) -> Policy:
         make = getattr(importlib.import_module(module), factory)
     except (ImportError, AttributeError, ValueError) as error:
         raise PolicyError(f"Expected module:factory that can be imported, got {name!r} ({error})") from error
-    policy = make()
-    if not callable(getattr(policy, "decide", None)):
-        raise PolicyError(f"{name}: expected a policy with a method `decide`, got {type(policy).__name__}")
-    checked: Policy = policy
-    return checked
+    made = make()
+    policy = as_policy(made)
+    if policy is None:
+        raise PolicyError(
+            f"{name}: expected a policy with a method `decide(world, scenario)`, got {type(made).__name__}"
+        )
+    return policy
