@@ -20,10 +20,10 @@ import tyro
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
-from legpush.runs.report import read_report
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.stepping import Alter, Motion, Reset
 from legpush.recording.mcap_file.reader import read_recording
+from legpush.runs.report import read_report
 from legpush.scenarios.file import load_scenario
 
 RUN = "benchmark"

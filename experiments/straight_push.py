@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from agent_proc.frames.poses import box_error
+from agent_proc.frames.push_view import push_view
 from agent_proc.policies.registry import make_policy
 from experiments.evaluations import RESULTS
 from legpush.arrays import Floats
@@ -87,7 +88,7 @@ def track(scenario: Scenario, seed: int, policy_name: str) -> Track:
     outline = rectangle_corners(length_m, width_m)
     outcome = simulator.perform(Reset(scenario=scenario, seed=seed), with_trace=False)
     corners, tilts, errors = [], [], [box_error(outcome.world, scenario)]
-    while (push := policy.decide(outcome.world, scenario)) is not None:
+    while (push := policy.decide(push_view(outcome.world, scenario))) is not None:
         outcome = simulator.perform(push, with_trace=True)
         if outcome.trace is None or outcome.world.fallen:
             raise RuntimeError(f"seed {seed}: the robot fell")

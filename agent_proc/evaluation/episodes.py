@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from agent_proc.frames.poses import box_error
+from agent_proc.frames.push_view import push_view
 from agent_proc.policies.policy import Policy
 from agent_proc.statistics import Estimate, mean_interval, wilson
 from legpush.errors import StopRequestedError
@@ -68,7 +69,7 @@ def run_episode(
         if outcome.world.fallen:
             ending = "fell"
             break
-        push = policy.decide(outcome.world, scenario)
+        push = policy.decide(push_view(outcome.world, scenario))
         if push is None:
             ending = "done"
             break

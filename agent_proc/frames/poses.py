@@ -50,5 +50,9 @@ def moved_m(a: Pose2, b: Pose2) -> float:
 
 def box_error(world: WorldState, scenario: Scenario) -> BoxError:
     """Of the box's centre and yaw against the goal pose of the scenario."""
-    box, goal = planar_pose(world.box), scenario.goal.pose.pose()
+    return pose_error(planar_pose(world.box), scenario.goal.pose.pose())
+
+
+def pose_error(box: Pose2, goal: Pose2) -> BoxError:
+    """Of a box at one pose that should be at another one."""
     return BoxError(position_m=distance_m(box, goal), angle_rad=abs(wrap_angle(box.yaw_rad - goal.yaw_rad)))

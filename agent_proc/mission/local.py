@@ -5,7 +5,7 @@ from pathlib import Path
 from time import perf_counter
 
 from agent_proc.mission.mission import run_mission
-from agent_proc.policies.registry import as_policy, make_policy
+from agent_proc.policies.registry import make_policy, user_policy
 from agent_proc.push_model.map import load_push_map
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import make_report
@@ -34,7 +34,7 @@ def run_local(
         ConfigError: The push map cannot be used with the scenario's box.
     """
     began_s = perf_counter()
-    decides = make_policy(policy) if isinstance(policy, str) else as_policy(policy)
+    decides = make_policy(policy) if isinstance(policy, str) else user_policy(policy)
     measured = None if push_map is None else load_push_map(push_map, scenario.box)
     result = run_mission(world, scenario, seed, decides, measured, tell=tell)
     return make_report(read_record(records), result, perf_counter() - began_s, installed_versions())

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from agent_proc.endings import MissionEndedError
 from agent_proc.frames.poses import BoxError, distance_m, moved_m
+from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
@@ -24,7 +25,7 @@ from agent_proc.walking.obstacles import in_words
 from legpush.geometry import Pose2
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
 from legpush.runs.report import Reason
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.reference import Reference, least_radius_m
@@ -65,7 +66,7 @@ class Pushing:
         """Whether the box need not be calibrated any more."""
         self.n_cycles = 0
         """Pushes up to now."""
-        self._first: WorldState | None = None
+        self._first: PushView | None = None
         """Before the first push."""
         self._n_cleared = 0
         """So many of the obstacles that have appeared are known not to be in the way of the present path."""
@@ -124,13 +125,12 @@ class Pushing:
         if not self._actor.at_station(face):
             self._actor.approach(face)
         self.n_cycles += 1
-        before, world = pushed_pose(self._actor.box(), face), self._actor.state
-        self._first = self._first or world
+        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.state, self._actor.scenario)
+        self._first = self._first or view
         self._actor.step(push)
+        after = push_view(self._actor.state, self._actor.scenario)
         # What the same push earns in training; policies do not see it here.
-        self._actor.world.tell_reward(
-            tuned_reward(self._first, world, self._actor.state, self._actor.scenario, arrived=False)
-        )
+        self._actor.world.tell_reward(tuned_reward(self._first, view, after, arrived=False))
         if learn:
             self._estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))
 

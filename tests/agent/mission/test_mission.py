@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import box_error, planar_pose
+from agent_proc.frames.push_view import PushView
 from agent_proc.frames.station import stand_off, station
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
@@ -35,7 +36,7 @@ def always_push(leg_depth_m: float = 0.0) -> object:
     """A policy that is never done."""
 
     class Always:
-        def decide(self, _world: WorldState, _scenario: Scenario) -> Push | None:
+        def decide(self, _view: PushView) -> Push | None:
             return Push(w1=0.5, w2=0.5, leg="FL", depth_m=leg_depth_m)
 
     return Always()
