@@ -30,7 +30,6 @@ from agent_proc.task.action import action_space, to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import is_done
 from agent_proc.task.observation import observation_space, observe
-from agent_proc.task.policy_view import is_done, observation_space
 from legpush.errors import PolicyError
 from legpush.messages.stepping import Push
 

@@ -21,7 +21,6 @@ from agent_proc.policies.networks import use_one_thread
 from agent_proc.task.action import action_space
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.observation import observation_space
-from agent_proc.task.policy_view import observation_space
 from legpush.errors import PolicyError
 
 ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {

@@ -8,7 +8,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.frames.poses import BoxError, distance_m, moved_m
+from agent_proc.frames.poses import BoxError, distance_m
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
@@ -28,6 +28,7 @@ from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Push
 from legpush.runs.report import Reason
 from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.paths import path_length_m
 from legpush.scene.reference import Reference, least_radius_m
 from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import Face, Goal
@@ -271,7 +272,7 @@ class Pushing:
                 return self._stop("max_push_cycles", f"box error {error} after {self.n_cycles} push cycles", to_end)
             self._push(decision.push, learn=closed)
             boxes.append(self._actor.box())
-            if len(boxes) > STILL_CYCLES and moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
+            if len(boxes) > STILL_CYCLES and path_length_m((boxes[0], boxes[-1])) < LEAST_PUSH_M:
                 return self._stop(
                     "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}", to_end
                 )

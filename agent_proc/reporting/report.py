@@ -8,9 +8,9 @@ import numpy as np
 from agent_proc.endings import MissionResult
 from agent_proc.frames.poses import planar_pose
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
-from legpush.arrays import Floats
 from legpush.messages.stepping import Push, Walk
 from legpush.runs.report import Appeared, Report
+from legpush.scene.paths import arc_lengths_m, distances_m
 from legpush.scene.robot import CONTROL_PERIOD_S
 
 LOOK_AHEAD_M: Final = 0.5
@@ -73,22 +73,10 @@ def box_path_rms_m(steps: list[MissionStep]) -> float | None:
             continue
         if step.box_path_m is not path_m:
             path_m, progress = step.box_path_m, 0
-            at_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path_m, axis=0).T))])
+            at_m = arc_lengths_m(path_m)
         end = int(np.searchsorted(at_m, at_m[progress] + LOOK_AHEAD_M, side="right"))
         point = planar_pose(step.world.box).xy()
         ahead = path_m[progress : max(end, progress + 2)]
         squares.append(float(distances_m(point[None], ahead)[0]) ** 2)
         progress += int(np.hypot(*(ahead - point).T).argmin())
     return sqrt(sum(squares) / len(squares)) if squares else None
-
-
-def distances_m(points_m: Floats, polyline_m: Floats) -> Floats:
-    """From each point, (n, 2), to the nearest point of a polyline, (m, 2) with m > 0; (n,)."""
-    begin = polyline_m[:-1] if len(polyline_m) > 1 else polyline_m
-    edge = polyline_m[1:] - begin if len(polyline_m) > 1 else np.zeros_like(begin)
-    squared_length = (edge**2).sum(axis=1)
-    offset = points_m[:, None] - begin
-    share = (offset * edge).sum(axis=2) / np.where(squared_length > 0.0, squared_length, 1.0)
-    nearest = offset - np.clip(share, 0.0, 1.0)[:, :, None] * edge
-    distances: Floats = np.hypot(nearest[:, :, 0], nearest[:, :, 1]).min(axis=1)
-    return distances

@@ -17,7 +17,7 @@ from agent_proc.pushing.queries import query_for_box
 from agent_proc.reporting.mission_record import MissionRecord, read_record
 from agent_proc.reporting.picture import save_picture
 from agent_proc.reporting.picture_parts import appeared, followed
-from agent_proc.reporting.report import box_path_rms_m, distances_m, make_report, tracking_rms_m
+from agent_proc.reporting.report import box_path_rms_m, make_report, tracking_rms_m
 from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
@@ -176,20 +176,6 @@ def test_the_ticks_of_a_mission_end_where_its_state_does() -> None:
     np.testing.assert_allclose(ticks.trunk_m[-1], last.trunk.position_m[:2])
     np.testing.assert_allclose(ticks.tips_m[-1], last.tips_m)
     assert record.pushing()[0].world.box.position_m[:2] == (6.02, 3.03)
-
-
-@pytest.mark.parametrize(
-    ("point", "expected_m"),
-    [((0.5, 0.3), 0.3), ((-3.0, 4.0), 5.0), ((1.5, 0.5), 0.5), ((1.0, 2.0), 1.0), ((0.9, 0.9), 0.1)],
-)
-def test_the_distance_to_a_path_is_that_to_its_nearest_point(point: tuple[float, float], expected_m: float) -> None:
-    path = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
-
-    assert distances_m(np.array([point]), path)[0] == pytest.approx(expected_m)
-
-
-def test_the_distance_to_a_path_of_one_point_is_that_to_the_point() -> None:
-    assert distances_m(np.array([[3.0, 4.0]]), np.zeros((1, 2)))[0] == pytest.approx(5.0)
 
 
 def test_a_journal_that_does_not_begin_with_a_reset_is_refused() -> None:
