@@ -11,7 +11,7 @@ import resource
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -42,16 +42,16 @@ class Config:
 
 def main(config: Config) -> None:
     """Measure, print, and write the numbers."""
-    pairs = []
+    pairs: list[tuple[Measured, Measured]] = []
     for seed in range(config.n_pairs):
         one, three = in_one_process(config.scenario, seed), in_three(config.scenario, seed)
-        if one["state_crc"] != three["state_crc"]:
-            raise RuntimeError(f"Seed {seed}: {one['state_crc']} in one process, {three['state_crc']} in three")
-        pairs.append({"seed": seed, "one": one, "three": three})
-        print(f"seed {seed}: CPU {one['cpu_s']:.1f} s and {three['cpu_s']:.1f} s, CRC {one['state_crc']}")
+        if one.state_crc != three.state_crc:
+            raise RuntimeError(f"Seed {seed}: {one.state_crc} in one process, {three.state_crc} in three")
+        pairs.append((one, three))
+        print(f"seed {seed}: CPU {one.cpu_s:.1f} s and {three.cpu_s:.1f} s, CRC {one.state_crc}", flush=True)
     ratios = {
-        "cpu": [pair["one"]["cpu_s"] / pair["three"]["cpu_s"] for pair in pairs],
-        "steps_per_second": [pair["three"]["wall_time_s"] / pair["one"]["wall_time_s"] for pair in pairs],
+        "cpu": [one.cpu_s / three.cpu_s for one, three in pairs],
+        "steps_per_second": [three.wall_time_s / one.wall_time_s for one, three in pairs],
     }
     for name, values in ratios.items():
         estimate = mean_interval(values)
@@ -64,29 +64,42 @@ def main(config: Config) -> None:
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
         "ratios": ratios,
-        "pairs": pairs,
+        "pairs": [
+            {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
+        ],
     }
     config.out.write_text(json.dumps(result, indent=1) + "\n")
 
 
-def in_one_process(scenario: str, seed: int) -> dict[str, float | str]:
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """One run of a program."""
+
+    cpu_s: float
+    """Of the program and its children."""
+    wall_time_s: float
+    """Of the mission alone."""
+    state_crc: str
+
+
+def in_one_process(scenario: str, seed: int) -> Measured:
     """One whole program with the mission in it."""
     before = _cpu_of_children_s()
     argv = [sys.executable, "-c", IN_ONE, scenario, str(seed)]
     done = subprocess.run(argv, check=True, capture_output=True, text=True)
-    return {"cpu_s": _cpu_of_children_s() - before, **json.loads(done.stdout)}
+    return Measured(cpu_s=_cpu_of_children_s() - before, **json.loads(done.stdout))
 
 
-def in_three(scenario: str, seed: int) -> dict[str, float | str]:
+def in_three(scenario: str, seed: int) -> Measured:
     """`legpush run` with its three processes."""
     with tempfile.TemporaryDirectory(prefix="legpush-one-process-") as folder:
         before = _cpu_of_children_s()
-        argv = [sys.executable, "-m", "legpush.cli", "run", "--scenario", scenario, "--seed", str(seed)]
+        argv = ["legpush", "run", "--scenario", scenario, "--seed", str(seed)]
         argv += ["--no-video", "--no-picture", "--out", folder]
-        subprocess.run(argv, check=True, capture_output=True)
+        subprocess.run([Path(sys.executable).with_name(argv[0]), *argv[1:]], check=True, capture_output=True)
         cpu_s = _cpu_of_children_s() - before
         report = json.loads((Path(folder) / "report.json").read_bytes())
-    return {"cpu_s": cpu_s, "wall_time_s": report["wall_time_s"], "state_crc": report["state_crc"]}
+    return Measured(cpu_s=cpu_s, wall_time_s=report["wall_time_s"], state_crc=report["state_crc"])
 
 
 def _cpu_of_children_s() -> float:

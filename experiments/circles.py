@@ -19,10 +19,10 @@ import tyro
 from rich.progress import track
 from scipy.optimize import curve_fit, least_squares
 
-from agent_proc.frames.poses import planar_pose
 from experiments.circles_plot import draw
 from experiments.evaluations import RESULTS, write_table
 from legpush.arrays import Floats
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.robot import CONTROL_PERIOD_S, FrontLeg
 from legpush.scene.scenario import STATION_M, Box, Goal, PoseDeg, Randomization, Room, Scenario

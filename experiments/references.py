@@ -19,10 +19,10 @@ from matplotlib.figure import Figure
 from msgspec.structs import replace
 from rich.progress import Progress
 
-from agent_proc.frames.poses import planar_pose
 from agent_proc.statistics import mean_interval
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.mission_runs import run_scenario
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push
 from legpush.scenarios.file import load_scenario
 from legpush.scene.reference import reference_curve

@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.frames.poses import planar_pose
 from agent_proc.push_model.calibration import calibrate, cells, open_floor
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import make_push_map, measured_faces
@@ -23,6 +22,7 @@ from agent_proc.pushing.pushing import CALIBRATION_LEGS
 from experiments.evaluations import RESULTS, write_table
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.common import USUAL_DEPTH_M
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.robot import FRONT_LEGS

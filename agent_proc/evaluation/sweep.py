@@ -8,11 +8,11 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from agent_proc.frames.station import at_station, station
 from legpush.errors import ConfigError
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.file import change_fields
 from legpush.scene.scenario import PoseDeg, Scenario
+from legpush.scene.station import at_station, station
 
 Value = float | str | tuple[float, ...]
 

@@ -8,9 +8,10 @@ from typing import Final
 from msgspec.structs import replace
 
 from agent_proc.frames.corners import goal_corners_m, tracked_corners_m
-from agent_proc.frames.poses import BoxError, planar_pose, pose_error
+from agent_proc.frames.poses import BoxError, pose_error
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import BoxState, WorldState
 from legpush.scene.faces import TURN_RAD
 from legpush.scene.scenario import Box, Face, Goal, Scenario

@@ -11,16 +11,16 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
-from agent_proc.frames.station import station
 from agent_proc.push_model.map import Sample
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.geometry import Pose2
 from legpush.lockstep.world import SteppingWorld
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Randomization, Room, Scenario
+from legpush.scene.station import station
 
 SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
 """0 is a push with FL, 1 with FR: both legs as often, after themselves and after the other one."""

@@ -13,7 +13,6 @@ from typing import Final, Literal
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
 from agent_proc.frames.push_view import PushView, pushed_state
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
@@ -21,6 +20,7 @@ from agent_proc.push_model.model import MIRROR
 from agent_proc.pushing.stage import Deviation, Stage
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import BoxState, Push, WorldState
 from legpush.scene.faces import pushed_box
 from legpush.scene.robot import FRONT_LEGS

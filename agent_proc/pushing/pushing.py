@@ -8,7 +8,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.frames.poses import BoxError, distance_m
+from agent_proc.frames.poses import BoxError
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
@@ -22,7 +22,7 @@ from agent_proc.pushing.stage import stages as path_stages
 from agent_proc.task.reward_tuned import tuned_reward
 from agent_proc.walking.actor import STILL_CYCLES, Actor
 from agent_proc.walking.obstacles import in_words
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Push

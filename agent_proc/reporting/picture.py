@@ -17,7 +17,6 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
 from agent_proc.endings import MissionResult
-from agent_proc.frames.poses import planar_pose
 from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import (
     MAX_POINTS,
@@ -32,6 +31,7 @@ from agent_proc.reporting.picture_parts import (
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Motion, Push, Walk
 from legpush.scene.footprints import Footprint, box_footprint, obstacle_footprint
 from legpush.scene.occupancy import room_by_now

@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.frames.poses import distance_m, planar_pose
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
 from agent_proc.walking.obstacles import is_in_walk
 from legpush.arrays import Floats
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Appearance, Follow, WorldState
 from legpush.scene.footprints import Footprint, box_footprint
 

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from agent_proc.endings import MissionResult
-from agent_proc.frames.poses import planar_pose
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Walk
 from legpush.runs.report import Appeared, Report
 from legpush.scene.paths import arc_lengths_m, distances_m

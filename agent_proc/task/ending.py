@@ -2,12 +2,12 @@
 
 from typing import Final, Literal
 
-from agent_proc.frames.poses import planar_pose
 from agent_proc.frames.push_view import PushView
-from agent_proc.frames.station import at_station
 from agent_proc.task.action import no_push_helps
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.reward_tuned import errors_in_tolerances
+from legpush.messages.poses import planar_pose
+from legpush.scene.station import at_station
 
 ASTRAY: Final = 5.0
 """With the reward `tuned`, an episode ends when the errors of position and angle, each in tolerances, add up to this

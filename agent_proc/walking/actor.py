@@ -7,20 +7,21 @@ from math import degrees, radians
 from typing import Final
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, distance_m, planar_pose
-from agent_proc.frames.station import at_station, can_turn, last_stretch, way_back
+from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad
 from agent_proc.walking.better_paths import BetterPaths
 from agent_proc.walking.obstacles import in_words, is_in_walk, known_scenario
-from agent_proc.walking.queries import query_to_measured_box
 from legpush.errors import PeerError
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.lockstep.world import World
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Walk, WorldState
+from legpush.plans.trunk_queries import query_to_measured_box
 from legpush.runs.report import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Face, Rectangle, Scenario
+from legpush.scene.station import at_station, can_turn, last_stretch, way_back
 
 STILL_CYCLES: Final = 5
 """The robot is stuck when this many cycles in a row change too little."""

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.walking.queries import query_to_nominal_box
 from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.plans.trunk_queries import query_to_nominal_box
 from legpush.scenarios.file import load_scenario
 from legpush.scene.clearance import clearance
 from legpush.scene.occupancy import OccupancyGrid

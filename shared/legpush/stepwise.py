@@ -8,9 +8,11 @@ from legpush.fields import Seed, require
 from legpush.geometry import Pose2
 from legpush.lockstep.world import World
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
-from legpush.messages.stepping import Alter, Follow, Leg, Motion, Outcome, Push, Reset, Walk, WorldState
+from legpush.messages.poses import planar_pose
+from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_pose
 from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Face, Scenario
 from legpush.scene.station import last_stretch
 
@@ -35,12 +37,12 @@ class StepwiseWorld:
     @property
     def trunk(self) -> Pose2:
         """Pose of the trunk, projected to the floor."""
-        return self.state.trunk.pose()
+        return planar_pose(self.state.trunk)
 
     @property
     def box(self) -> Pose2:
         """Pose of the box, projected to the floor."""
-        return self.state.box.pose()
+        return planar_pose(self.state.box)
 
     def reset(self, seed: int | None = None) -> Outcome:
         """Begin an episode; `seed` draws the offsets of robot and box, the world's own if None."""
@@ -82,7 +84,7 @@ class StepwiseWorld:
         return self.step(Walk())
 
     def push(
-        self, w1: float = 0.5, w2: float = 0.5, *, leg: Leg = "FL", depth_m: float = 0.05, face: Face = "rear"
+        self, w1: float = 0.5, w2: float = 0.5, *, leg: FrontLeg = "FL", depth_m: float = 0.05, face: Face = "rear"
     ) -> Outcome:
         """Push the box once with a front foot, and step up to it again.
 

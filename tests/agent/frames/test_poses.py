@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, distance_m, moved_m, planar_pose, pose_error
-from legpush.geometry import Pose2
+from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, moved_m, pose_error
+from legpush.geometry import Pose2, distance_m
+from legpush.messages.poses import planar_pose
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Goal, PoseDeg
 from tests.agent.fake_world import make_scenario, make_state

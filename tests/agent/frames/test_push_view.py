@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from agent_proc.frames import push_view as module
-from agent_proc.frames.poses import box_error, box_tilt_rad, planar_pose
+from agent_proc.frames.poses import box_error, box_tilt_rad
 from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView, push_view, pushed_state
 from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.poses import planar_pose
 from legpush.scene.faces import FACES, pushed_pose
 from legpush.scene.scenario import Face, Goal, PoseDeg
 from tests.agent.fake_world import make_scenario, make_state

@@ -5,11 +5,11 @@ from math import degrees
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
 from agent_proc.frames.push_view import PushView, push_view, pushed_state
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.policies.world_policy import WorldPolicyAdapter, as_policy
 from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Scenario

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import box_error, planar_pose
+from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
@@ -18,6 +18,7 @@ from agent_proc.pushing.stage import Stage
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
 from legpush.geometry import Pose2
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box
 from legpush.scene.reference import Arcs, Left, Reference, Right, Sine, Straight, reference_curve

@@ -9,7 +9,6 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionResult
-from agent_proc.frames.poses import planar_pose
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
@@ -22,6 +21,7 @@ from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import Plan, PlanQuery, Tree
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Outcome, Push, Reset, Trace, Walk
 from legpush.scene.reference import Arcs, Straight
 from legpush.scene.scenario import Rectangle

@@ -5,10 +5,10 @@ from math import radians
 import pytest
 
 from agent_proc.frames.push_view import PushView, push_view
-from agent_proc.frames.station import AT_STATION_M, station
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import ASTRAY, episode_ending, is_done
 from legpush.geometry import Pose2
+from legpush.scene.station import AT_STATION_M, station
 from tests.agent.fake_world import make_state, scenario_at_station
 
 SCENARIO = scenario_at_station()

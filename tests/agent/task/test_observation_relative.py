@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView, push_view
-from agent_proc.frames.station import station
 from agent_proc.task.observation_relative import NEAR_RAD, RELATIVE
 from agent_proc.task.observation_table import as_markdown, bounds, element_names, read_table
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Goal, PoseDeg, Scenario
+from legpush.scene.station import station
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

@@ -2,7 +2,6 @@
 
 from typing import Final
 
-from agent_proc.frames.station import nominal_obstacle, stand_off
 from legpush.geometry import Pose2
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.clearance import clearance_at
@@ -11,6 +10,7 @@ from legpush.scene.footprints import Footprint, box_footprint
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Face, Scenario
+from legpush.scene.station import nominal_obstacle, stand_off
 
 SLACK_M: Final = 1e-3
 """Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
@@ -27,6 +27,11 @@ def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2, face: Face
 def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2, face: Face) -> TrunkPathQuery:
     """After the hand-over: to the stand-off behind a face of the box at the pose that it has."""
     goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(box_pose, face))
+    return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
+
+
+def query_to_pose(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box_pose: Pose2) -> TrunkPathQuery:
+    """Ask for a path of the trunk to a pose, around the box at the pose that it has."""
     return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
 
 

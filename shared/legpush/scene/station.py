@@ -3,8 +3,7 @@
 from math import ceil, hypot, radians, sin
 from typing import Final
 
-from agent_proc.frames.poses import distance_m
-from legpush.geometry import Pose2, wrap_angle
+from legpush.geometry import Pose2, distance_m, wrap_angle
 from legpush.scene.footprints import (
     Footprint,
     behind_box,
