@@ -18,6 +18,7 @@ from agent_proc.task.observation import TABLES, observation_space, observe
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import tuned_reward
 from legpush.errors import ConfigError, PeerError
+from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.scenario import PoseDeg, Scenario
@@ -45,6 +46,13 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it so
 
     def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
+        """Push in `world`, which no other environment may step.
+
+        Raises:
+            ConfigError: Another environment steps the same simulator in this process.
+        """
+        if isinstance(world, LocalWorld):
+            world.claim(self)
         self.task = task
         self.action_space = action_space(task)
         self.table = TABLES[task.observation]
