@@ -38,7 +38,11 @@ class RecordedPast:
     """Answers from a recording, up to a branch point."""
 
     def __init__(self, recording: Recording, at: BranchPoint, alter: Alter | None = None) -> None:
-        """`alter` changes the box at the branch point. `RecordingError` where there is no such point, or something before it is damaged."""
+        """Read the past of the branch point; `alter` changes the box there.
+
+        Raises:
+            RecordingError: The recording has no such point, or something before it is damaged.
+        """
         episodes = read_episodes(recording)
         if at.episode >= len(episodes):
             raise RecordingError(f"Expected an episode {_range(0, len(episodes) - 1)} for --at, got {at.episode}")
