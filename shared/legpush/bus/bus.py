@@ -48,7 +48,7 @@ class Bus:
         recorded: bool = False,
         open_session: Callable[[Endpoints, str], Session] = ZenohSession,
     ) -> None:
-        """With `recorded`, a recorder that comes later gets everything from now on; `open_session` opens the network."""
+        """With `recorded`, a later recorder gets everything from now on; `open_session` opens the network."""
         self.run = run
         self.role = role
         self.name = name

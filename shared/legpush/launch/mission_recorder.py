@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from legpush.bus.endpoints import Endpoints
+from legpush.files import write_whole
 from legpush.launch.display import Display
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
@@ -53,6 +54,5 @@ class MissionRecorder:
         if report.exists():
             recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
             recording["notes"] = [self._failure] if self._failure is not None else notes
-            half = report.with_suffix(".part")
-            half.write_text(json.dumps({**json.loads(report.read_bytes()), "recording": recording}, indent=2) + "\n")
-            half.replace(report)
+            with_recording = {**json.loads(report.read_bytes()), "recording": recording}
+            write_whole(report, (json.dumps(with_recording, indent=2) + "\n").encode())

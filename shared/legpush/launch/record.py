@@ -2,9 +2,7 @@
 
 import logging
 import sys
-from importlib.metadata import version
 from time import time
-from typing import Final
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
@@ -15,10 +13,9 @@ from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.runs.choose_run import choose_run
 from legpush.service import one_line, start_log, stop_on_signals
+from legpush.versions import recorder_versions
 
 log = logging.getLogger(__name__)
-
-PACKAGES: Final = ("legpush", "eclipse-zenoh", "mcap", "msgpack", "msgspec")
 
 
 def run_recorder(options: RecordOptions) -> int:
@@ -34,7 +31,7 @@ def run_recorder(options: RecordOptions) -> int:
         "protocol": str(PROTOCOL_VERSION),
         "began_unix_s": f"{time():.3f}",
         "topics": " ".join(options.topics),
-        **{f"version_{name}": version(name) for name in PACKAGES},
+        **{f"version_{name}": version for name, version in recorder_versions().items()},
     }
     mb = 1_000_000
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
