@@ -2,7 +2,7 @@
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 from legpush.messages.common import PROTOCOL_VERSION
 
@@ -14,24 +14,21 @@ class Package(NamedTuple):
     """Name of the distribution, by which recordings call it."""
     name: str
     """Name in reports and journals."""
-    noted_in: frozenset[str]
-    """`report` (of a mission, and its journal), `recording`, or both."""
+    noted_in: tuple[Literal["report", "recording"], ...]
+    """A report is one of a mission, of an evaluation or of a training; journals note the same."""
 
-
-REPORT: Final = frozenset({"report"})
-RECORDING: Final = frozenset({"recording"})
 
 PACKAGES: Final = (
-    Package("legpush", "legpush", REPORT | RECORDING),
-    Package("eclipse-zenoh", "zenoh", REPORT | RECORDING),
-    Package("mcap", "mcap", RECORDING),
-    Package("mujoco", "mujoco", REPORT),
-    Package("ompl", "ompl", REPORT),
-    Package("numpy", "numpy", REPORT),
-    Package("scipy", "scipy", REPORT),
-    Package("msgpack", "msgpack", REPORT | RECORDING),
-    Package("msgspec", "msgspec", REPORT | RECORDING),
-    Package("matplotlib", "matplotlib", REPORT),
+    Package("legpush", "legpush", ("report", "recording")),
+    Package("eclipse-zenoh", "zenoh", ("report", "recording")),
+    Package("mcap", "mcap", ("recording",)),
+    Package("mujoco", "mujoco", ("report",)),
+    Package("ompl", "ompl", ("report",)),
+    Package("numpy", "numpy", ("report",)),
+    Package("scipy", "scipy", ("report",)),
+    Package("msgpack", "msgpack", ("report", "recording")),
+    Package("msgspec", "msgspec", ("report", "recording")),
+    Package("matplotlib", "matplotlib", ("report",)),
 )
 """A recorder needs few of them; what a mission computes depends on the rest."""
 
@@ -41,13 +38,13 @@ def installed_versions() -> dict[str, str | None]:
     return {
         "protocol": str(PROTOCOL_VERSION),
         "python": platform.python_version(),
-        **{package.name: _version(package.distribution) for package in PACKAGES if REPORT <= package.noted_in},
+        **{package.name: _version(package.distribution) for package in PACKAGES if "report" in package.noted_in},
     }
 
 
 def recorder_versions() -> dict[str, str]:
     """What a recorder runs with, by distribution, for the metadata of recordings."""
-    return {each.distribution: version(each.distribution) for each in PACKAGES if RECORDING <= each.noted_in}
+    return {each.distribution: version(each.distribution) for each in PACKAGES if "recording" in each.noted_in}
 
 
 def _version(distribution: str) -> str | None:

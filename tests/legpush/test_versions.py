@@ -25,5 +25,5 @@ def test_recordings_name_what_a_recorder_runs_with_by_distribution() -> None:
 
 
 def test_a_package_that_is_not_installed_has_no_version(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(versions, "PACKAGES", (Package("no-such-package", "none", versions.REPORT),))
+    monkeypatch.setattr(versions, "PACKAGES", (Package("no-such-package", "none", ("report",)),))
     assert installed_versions()["none"] is None
