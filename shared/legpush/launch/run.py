@@ -19,7 +19,7 @@ from legpush.bus.endpoints import in_directory
 from legpush.errors import INTERRUPTED, ConfigError
 from legpush.launch.display import make_display
 from legpush.launch.film import film
-from legpush.launch.mission_recorder import MissionRecorder
+from legpush.launch.mission_recorder import MissionRecorder, next_file
 from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
 from legpush.launch.summary import print_summary, read_report
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
@@ -28,7 +28,6 @@ from legpush.options.run import RunOptions
 from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
-from legpush.processes.recorder_process import next_file
 from legpush.recording.facts import CONTINUED
 from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
 from legpush.runs.live_runs import LiveRun, shown, socket_directory

@@ -42,8 +42,8 @@ class Done(NamedTuple):
     outcome: Outcome
 
 
-class ActionDesk:
-    """Decides on actions, without I/O; the state is the last step done."""
+class StepGuard:
+    """Sees that each step is carried out exactly once; works without I/O, and remembers the last step done."""
 
     def __init__(self, stepper: Stepper) -> None:
         self._stepper = stepper
@@ -83,7 +83,7 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
     """Announce this simulator and answer its actions until `stop`; an error of the physics is raised."""
     actions = bus.subscribe(channels.actions(bus.run, bus.name))
     answers = bus.publisher(channels.answers(bus.run, bus.name))
-    desk = ActionDesk(stepper)
+    guard = StepGuard(stepper)
     with StatusBeacon(bus) as status:
         bus.announce()
         waiting: list[Action] = []
@@ -95,7 +95,7 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
                 waiting = [first]
             action = waiting.pop(0)
             status.say("stepping", detail=_kind(action.motion))
-            answer = desk.answer(action)
+            answer = guard.answer(action)
             if isinstance(answer, Denial):
                 bus.tally.add(answer.cause, f"{action.header.role} {action.header.name}: {answer.reason}", logging.INFO)
             answers.send(_address(action, answer))

@@ -15,13 +15,13 @@ from rich.console import Console
 from legpush.errors import ConfigError, ScenarioError
 from legpush.fields import Name
 from legpush.launch.display import LiveDisplay, PlainDisplay, make_display
+from legpush.launch.mission_recorder import next_file
 from legpush.launch.process_commands import Place, bus_flags, process_arguments
 from legpush.launch.run import resolve_scenario
 from legpush.launch.summary import ROWS, ReportError, print_summary, read_report
 from legpush.options.run import RunOptions
 from legpush.processes.child import describe_exit
 from legpush.processes.environment import child_environment
-from legpush.processes.recorder_process import next_file
 from legpush.runs.folder import default_folder, run_folder
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario

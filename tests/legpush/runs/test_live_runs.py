@@ -168,9 +168,9 @@ def test_links_pipes_and_directories_in_place_of_the_file_are_skipped(launch: Ca
 
 def test_without_a_live_run_processes_started_by_hand_are_watched(monkeypatch: pytest.MonkeyPatch) -> None:
     assert find_run() is None
-    watched = choose_run()
-    assert (watched.run, watched.endpoints.connect) == ("local", local("recorder").connect)
-    assert (watched.launched, watched.folder) == (None, None)
+    chosen = choose_run()
+    assert (chosen.run, chosen.endpoints.connect) == ("local", local("recorder").connect)
+    assert (chosen.launched, chosen.folder) == (None, None)
     assert choose_run("mine").run == "mine"
     monkeypatch.setenv("LEGPUSH_RUN", "everywhere")
     assert choose_run().run == "everywhere"
@@ -179,11 +179,11 @@ def test_without_a_live_run_processes_started_by_hand_are_watched(monkeypatch: p
 
 def test_the_one_live_run_is_watched(launch: Callable[..., Path]) -> None:
     launch()
-    watched = find_run()
-    assert watched == choose_run()
-    assert watched is not None
-    assert (watched.run, watched.endpoints.connect, watched.folder) == ("r1", AT, Path("/runs/r1"))
-    assert str(watched) == "r1 (train, in /runs/r1)"
+    chosen = find_run()
+    assert chosen == choose_run()
+    assert chosen is not None
+    assert (chosen.run, chosen.endpoints.connect, chosen.folder) == ("r1", AT, Path("/runs/r1"))
+    assert str(chosen) == "r1 (train, in /runs/r1)"
 
 
 def test_several_live_runs_are_an_error_that_lists_them(launch: Callable[..., Path]) -> None:
@@ -224,9 +224,9 @@ def test_the_name_in_the_environment_means_what_the_flag_does(
 
 def test_endpoints_that_are_given_are_watched_whatever_runs(launch: Callable[..., Path]) -> None:
     launch("r1")
-    watched = find_run(None, ("tcp/127.0.0.1:5",))
-    assert watched is not None
-    assert (watched.run, watched.endpoints.connect, watched.launched) == ("local", ("tcp/127.0.0.1:5",), None)
+    chosen = find_run(None, ("tcp/127.0.0.1:5",))
+    assert chosen is not None
+    assert (chosen.run, chosen.endpoints.connect, chosen.launched) == ("local", ("tcp/127.0.0.1:5",), None)
     assert choose_run("r1", ("tcp/127.0.0.1:5",)).endpoints.connect == ("tcp/127.0.0.1:5",)
 
 

@@ -16,8 +16,7 @@ from mcap.writer import CompressionType, Writer
 from msgspec import Struct
 
 from legpush.errors import RecordingError
-from legpush.messages import codec, planning, stepping
-from legpush.messages import telemetry as tap
+from legpush.messages import codec, planning, stepping, telemetry
 from legpush.messages.schemas import json_schema
 from legpush.messages.telemetry import Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digest, Digests, Key, Mark, mark_of
@@ -199,8 +198,8 @@ _KINDS: Final[dict[str, tuple[type[Struct], ...]]] = {
     "result": (planning.PlanResult,),
     "action": (stepping.Action,),
     "observation": (stepping.Observation, stepping.Refusal),
-    "reward": (tap.Reward,),
-    "status": (tap.Status,),
+    "reward": (telemetry.Reward,),
+    "status": (telemetry.Status,),
     "digests": (Digests,),
 }
 """Last segment of a topic to what it carries."""
