@@ -120,7 +120,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
         if config.witness_planner:
-            bus.taps.witness("planner")
+            bus.taps.witness_role("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         progress = MissionProgress(beacon)
@@ -142,7 +142,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             as_it_is if branch is None else lambda whole: branch.scenario(whole, episode.n_steps),
             progress.tell,
         )
-        beacon.say("reporting", None, result.detail)
+        beacon.publish_status("reporting", None, result.detail)
         if not episode.live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
         leave_report(folder, journal, result)

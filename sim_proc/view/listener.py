@@ -61,7 +61,7 @@ class Listener:
                 timelines.scenario = scenario_in(fact.data)
         for copy in self._ledger.fresh(batch):
             timelines.take_message(topic_of(copy.key), batch.origin, copy)
-        self._ledger.take(batch, batch.copies, set())
+        self._ledger.note_batch(batch, batch.copies, set())
 
     def live(self) -> list[Origin]:
         """Who is there, or played by a replay that is."""

@@ -31,7 +31,7 @@ class MissionRecorder:
         argv = recorder_arguments(self._file, self._run, self._endpoints, about)
         self._process = crew.start(Command(role="recorder", argv=argv, log=log, environment=environment))
 
-    def ended(self, process: Process) -> None:
+    def note_end(self, process: Process) -> None:
         """The recorder ended although the mission goes on: tell the user at once."""
         words = process.last_words(1)
         said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
@@ -41,13 +41,13 @@ class MissionRecorder:
         )
         self._display.notice(self._failure)
 
-    def report(self, folder: Path) -> None:
+    def complete_report(self, folder: Path) -> None:
         """After the mission: say what is missing, and add `recording` to its report."""
         if self._process is None:
             return
         code = self._process.exit_code
         if self._failure is None and code not in (0, INCOMPLETE):
-            self.ended(self._process)
+            self.note_end(self._process)
         notes = what_is_missing(self._process)
         if self._failure is None and code == INCOMPLETE:
             self._display.notice("\n    ".join(("the recording is not complete:", *notes)))

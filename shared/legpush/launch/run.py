@@ -123,12 +123,12 @@ def _run_in(
             is_alive=lambda role: any(peer.role == role for peer in bus.liveliness.live()),
             hear=statuses.drain,
             limits=Limits(mission_s=options.deadline_s),
-            on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
+            on_bystander=lambda process: recorder.note_end(process) if recorder is not None else None,
         )
         with shown(LiveRun.now(place.run, programs.kind, place.folder, for_recorders.connect), sockets):
             verdict = supervisor.run(commands)
         if recorder is not None:
-            recorder.report(place.folder)
+            recorder.complete_report(place.folder)
         if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
             command = Command(
                 role="video",

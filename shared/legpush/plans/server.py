@@ -23,16 +23,16 @@ LISTEN_S: Final = 0.02
 
 def serve_plans(bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:
     """Announce this planner and answer requests until `stop`; an error of the planner's own is raised."""
-    with StatusBeacon(bus) as status:
+    with StatusBeacon(bus) as beacon:
         server = _Server(bus, make_plans, stop)
         bus.announce()
         while not stop.is_set():
             server.listen()
             if case := server.queue.next_case():
-                status.say("planning", detail=case)
+                beacon.publish_status("planning", detail=case)
                 server.work()
             else:
-                status.say("idle")
+                beacon.publish_status("idle")
                 server.wait()
 
 

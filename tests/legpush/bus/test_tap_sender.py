@@ -30,10 +30,10 @@ def sequences(batch: Copies | None) -> list[int]:
 def test_nothing_is_noted_before_somebody_records_but_how_much_there_was() -> None:
     buffer = TapBuffer(SIM)
     for sequence in range(3):
-        buffer.note("k", sequence, b"before")
+        buffer.note_message("k", sequence, b"before")
     buffer.start()
-    buffer.meet({"r"})
-    buffer.note("k", 3, b"after")
+    buffer.set_recorders({"r"})
+    buffer.note_message("k", 3, b"after")
     batch = cut(buffer)
     assert batch is not None
     assert [(copy.sequence, copy.payload) for copy in batch.copies] == [(3, b"after")]
@@ -43,39 +43,39 @@ def test_nothing_is_noted_before_somebody_records_but_how_much_there_was() -> No
 def test_a_batch_stays_at_hand_until_every_recorder_has_taken_it() -> None:
     buffer = TapBuffer(SIM)
     buffer.start()
-    buffer.meet({"r", "s"})
-    buffer.note("k", 0, b"a")
+    buffer.set_recorders({"r", "s"})
+    buffer.note_message("k", 0, b"a")
     first = cut(buffer)
-    buffer.note("k", 1, b"b")
-    assert not buffer.take("r", 0)
+    buffer.note_message("k", 1, b"b")
+    assert not buffer.acknowledge_batch("r", 0)
     assert cut(buffer) == first
-    assert buffer.take("s", 0)
+    assert buffer.acknowledge_batch("s", 0)
     assert sequences(cut(buffer)) == [1]
-    assert not buffer.take("s", 0), "an answer to an older batch"
+    assert not buffer.acknowledge_batch("s", 0), "an answer to an older batch"
 
 
 def test_a_recorder_that_is_gone_is_not_waited_for() -> None:
     buffer = TapBuffer(SIM)
     buffer.start()
-    buffer.meet({"r", "s"})
-    buffer.note("k", 0, b"a")
+    buffer.set_recorders({"r", "s"})
+    buffer.note_message("k", 0, b"a")
     cut(buffer)
-    buffer.meet({"r"})
-    assert buffer.take("r", 0)
+    buffer.set_recorders({"r"})
+    assert buffer.acknowledge_batch("r", 0)
 
 
 def test_what_is_beyond_the_limit_is_lost_and_counted() -> None:
     buffer = TapBuffer(SIM, limit_bytes=10)
     buffer.start()
-    buffer.meet({"r"})
+    buffer.set_recorders({"r"})
     for sequence in range(4):
-        buffer.note("k", sequence, b"12345")
+        buffer.note_message("k", sequence, b"12345")
     batch = cut(buffer)
     assert sequences(batch) == [0, 1]
     assert batch is not None
     assert batch.published[0].n == 4
-    buffer.note("k", 4, b"12345")
-    buffer.take("r", 0)
+    buffer.note_message("k", 4, b"12345")
+    buffer.acknowledge_batch("r", 0)
     assert sequences(cut(buffer)) == [4]
 
 
@@ -83,11 +83,11 @@ def test_a_batch_has_a_size_or_one_copy_that_is_larger() -> None:
     buffer = TapBuffer(SIM)
     buffer.start()
     for sequence, size in enumerate([BATCH_BYTES // 2, BATCH_BYTES // 2, 1, 2 * BATCH_BYTES]):
-        buffer.note("k", sequence, bytes(size))
+        buffer.note_message("k", sequence, bytes(size))
     got = []
     for number in range(3):
         got.append(sequences(cut(buffer)))
-        buffer.take("r", number)
+        buffer.acknowledge_batch("r", number)
     assert got == [[0, 1], [2], [3]]
 
 
@@ -95,13 +95,13 @@ def test_every_new_recorder_gets_the_files() -> None:
     buffer = TapBuffer(SIM)
     buffer.attach(FACT)
     buffer.start()
-    buffer.meet({"r"})
+    buffer.set_recorders({"r"})
     batch = cut(buffer)
     assert batch is not None
     assert batch.facts == (FACT,)
-    buffer.take("r", 0)
+    buffer.acknowledge_batch("r", 0)
     assert cut(buffer) is None
-    buffer.meet({"r", "s"})
+    buffer.set_recorders({"r", "s"})
     batch = cut(buffer)
     assert batch is not None
     assert batch.facts == (FACT,)
@@ -110,14 +110,14 @@ def test_every_new_recorder_gets_the_files() -> None:
 def test_the_final_batch_is_the_one_that_leaves_nothing_behind() -> None:
     buffer = TapBuffer(SIM)
     buffer.start()
-    buffer.note("k", 0, bytes(BATCH_BYTES))
-    buffer.note("k", 1, b"b")
+    buffer.note_message("k", 0, bytes(BATCH_BYTES))
+    buffer.note_message("k", 1, b"b")
     finals = []
     for number in range(2):
         batch = cut(buffer, final=True)
         assert batch is not None
         finals.append(batch.final)
-        buffer.take("r", number)
+        buffer.acknowledge_batch("r", number)
     assert finals == [False, True]
     assert buffer.is_empty()
 
@@ -128,15 +128,15 @@ def test_first_messages_that_are_lost_are_missing_and_those_before_the_recorder_
 ) -> None:
     buffer, ledger = TapBuffer(SIM, limit_bytes=10), Ledger()
     for sequence in range(n_before):
-        buffer.note("k", sequence, b"before")
+        buffer.note_message("k", sequence, b"before")
     buffer.start()
-    buffer.meet({"r"})
+    buffer.set_recorders({"r"})
     for sequence in range(n_before, n_before + n_lost):
-        buffer.note("k", sequence, b"larger than the limit")
-    buffer.note("k", n_before + n_lost, b"a")
+        buffer.note_message("k", sequence, b"larger than the limit")
+    buffer.note_message("k", n_before + n_lost, b"a")
     batch = cut(buffer, final=True)
     assert batch is not None
-    ledger.take(batch, batch.copies, {"k"})
+    ledger.note_batch(batch, batch.copies, {"k"})
     found = ledger.completeness()
     assert (found.n_recorded, found.n_missing, found.complete) == (1, n_lost, n_lost == 0)
     assert any("before the recording began" in note for note in found.notes) == (n_before > 0)
@@ -145,27 +145,27 @@ def test_first_messages_that_are_lost_are_missing_and_those_before_the_recorder_
 def test_a_key_of_which_everything_is_lost_is_missing_too() -> None:
     buffer, ledger = TapBuffer(SIM, limit_bytes=10), Ledger()
     buffer.start()
-    buffer.meet({"r"})
-    buffer.note("k", 0, b"larger than the limit")
+    buffer.set_recorders({"r"})
+    buffer.note_message("k", 0, b"larger than the limit")
     batch = cut(buffer, final=True)
     assert batch is not None
-    ledger.take(batch, batch.copies, {"k"})
+    ledger.note_batch(batch, batch.copies, {"k"})
     assert ledger.completeness().notes == ("k of sim main (sim-1): 1 of 1 messages are missing",)
 
 
 def test_a_recorder_that_joins_another_one_is_not_expected_to_have_what_that_one_got() -> None:
     buffer, late = TapBuffer(SIM), Ledger()
     buffer.start()
-    buffer.meet({"r"})
+    buffer.set_recorders({"r"})
     for sequence in range(3):
-        buffer.note("k", sequence, b"a")
+        buffer.note_message("k", sequence, b"a")
     cut(buffer)
-    buffer.take("r", 0)
-    buffer.meet({"r", "s"})
-    buffer.note("k", 3, b"a")
+    buffer.acknowledge_batch("r", 0)
+    buffer.set_recorders({"r", "s"})
+    buffer.note_message("k", 3, b"a")
     batch = cut(buffer, final=True)
     assert batch is not None
-    late.take(batch, batch.copies, {"k"})
+    late.note_batch(batch, batch.copies, {"k"})
     assert late.completeness().complete
     assert late.completeness().notes == ("k of sim main (sim-1): 3 messages before the recording began",)
 
@@ -182,15 +182,15 @@ class Wire:
         batch = build(header(SIM, len(self.sent)))
         self.sent.append(batch)
         if self.answers:
-            threading.Thread(target=self.tap.take, args=("r", batch.batch)).start()
+            threading.Thread(target=self.tap.acknowledge_batch, args=("r", batch.batch)).start()
         return batch
 
 
 def test_a_tap_says_farewell_after_everything_else() -> None:
     wire = Wire()
-    wire.tap.meet({"r"})
+    wire.tap.set_recorders({"r"})
     for sequence in range(100):
-        wire.tap.buffer.note("k", sequence, b"a")
+        wire.tap.buffer.note_message("k", sequence, b"a")
     wire.tap.close()
     assert [copy.sequence for batch in wire.sent for copy in batch.copies] == list(range(100))
     assert [batch.final for batch in wire.sent] == [*[False] * (len(wire.sent) - 1), True]
@@ -199,8 +199,8 @@ def test_a_tap_says_farewell_after_everything_else() -> None:
 def test_what_is_not_taken_is_sent_again() -> None:
     wire = Wire()
     wire.answers = False
-    wire.tap.meet({"r"})
-    wire.tap.buffer.note("k", 0, b"a")
+    wire.tap.set_recorders({"r"})
+    wire.tap.buffer.note_message("k", 0, b"a")
     assert eventually(lambda: len(wire.sent) >= 2)
     assert wire.sent[0] == wire.sent[1].__class__(
         **{name: getattr(wire.sent[1], name) for name in wire.sent[1].__struct_fields__ if name != "header"},
@@ -213,7 +213,7 @@ def test_what_is_not_taken_is_sent_again() -> None:
 
 def test_a_process_that_nobody_records_has_no_thread_for_it() -> None:
     wire = Wire()
-    wire.tap.buffer.note("k", 0, b"a")
+    wire.tap.buffer.note_message("k", 0, b"a")
     wire.tap.close()
     assert wire.sent == []
     assert not any(thread.name == "tap" for thread in threading.enumerate())
@@ -222,15 +222,15 @@ def test_a_process_that_nobody_records_has_no_thread_for_it() -> None:
 def test_a_recorder_that_never_answers_does_not_keep_others_from_theirs() -> None:
     buffer = TapBuffer(SIM)
     buffer.start()
-    buffer.meet({"fast", "silent"})
-    buffer.note("k", 0, b"a")
+    buffer.set_recorders({"fast", "silent"})
+    buffer.note_message("k", 0, b"a")
     first = buffer.batch()
     assert first is not None
-    assert not buffer.waive(), "nobody has it"
-    assert not buffer.take("fast", 0)
-    buffer.note("k", 1, b"b")
+    assert not buffer.skip_late_recorders(), "nobody has it"
+    assert not buffer.acknowledge_batch("fast", 0)
+    buffer.note_message("k", 1, b"b")
     assert buffer.batch() is first
-    assert buffer.waive()
+    assert buffer.skip_late_recorders()
     second = buffer.batch()
     assert second is not None
     assert second is not first
@@ -241,47 +241,47 @@ def waived(*recorders: str) -> TapBuffer:
     buffer = TapBuffer(SIM)
     buffer.attach(FACT)
     buffer.start()
-    buffer.meet({"fast", *recorders})
-    buffer.note("k", 0, b"a")
+    buffer.set_recorders({"fast", *recorders})
+    buffer.note_message("k", 0, b"a")
     cut(buffer)
-    buffer.take("fast", 0)
-    assert buffer.waive()
+    buffer.acknowledge_batch("fast", 0)
+    assert buffer.skip_late_recorders()
     return buffer
 
 
 def test_a_recorder_that_went_without_a_batch_is_not_waited_for_until_it_has_caught_up() -> None:
     buffer = waived("slow")
-    buffer.note("k", 1, b"b")
+    buffer.note_message("k", 1, b"b")
     cut(buffer)
-    assert not buffer.take("slow", 0), "an old one"
-    assert buffer.take("fast", 1)
-    buffer.note("k", 2, b"c")
+    assert not buffer.acknowledge_batch("slow", 0), "an old one"
+    assert buffer.acknowledge_batch("fast", 1)
+    buffer.note_message("k", 2, b"c")
     cut(buffer)
-    assert buffer.take("fast", 2)
-    assert not buffer.take("slow", 2), "everybody has it already"
-    buffer.note("k", 3, b"d")
+    assert buffer.acknowledge_batch("fast", 2)
+    assert not buffer.acknowledge_batch("slow", 2), "everybody has it already"
+    buffer.note_message("k", 3, b"d")
     batch = cut(buffer)
     assert batch is not None
     assert batch.facts == (FACT,), "it may have gone without them"
-    assert not buffer.take("fast", 3), "the other one is waited for again"
-    assert buffer.take("slow", 3)
+    assert not buffer.acknowledge_batch("fast", 3), "the other one is waited for again"
+    assert buffer.acknowledge_batch("slow", 3)
 
 
 def test_a_recorder_that_is_left_alone_is_waited_for_even_if_it_went_without() -> None:
     buffer = waived("slow")
-    buffer.meet({"slow"})
-    buffer.note("k", 1, b"b")
+    buffer.set_recorders({"slow"})
+    buffer.note_message("k", 1, b"b")
     assert cut(buffer) is not None
-    assert not buffer.waive()
-    assert buffer.take("slow", 1)
+    assert not buffer.skip_late_recorders()
+    assert buffer.acknowledge_batch("slow", 1)
 
 
 def test_a_frozen_recorder_costs_the_others_one_wait_not_one_per_batch(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tap, "RESEND_S", 0.02)
     wire = Wire()
-    wire.tap.meet({"r", "frozen"})
+    wire.tap.set_recorders({"r", "frozen"})
     for sequence in range(10):
-        wire.tap.buffer.note("k", sequence, bytes(BATCH_BYTES))
+        wire.tap.buffer.note_message("k", sequence, bytes(BATCH_BYTES))
     assert eventually(lambda: len({batch.batch for batch in wire.sent}) == 10)
     wire.tap.close()
     n_sent = [sum(batch.batch == number for batch in wire.sent) for number in range(10)]
@@ -291,9 +291,9 @@ def test_a_frozen_recorder_costs_the_others_one_wait_not_one_per_batch(monkeypat
 def test_a_frozen_recorder_is_given_up_at_once_where_notes_would_be_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tap, "RESEND_S", 0.02)
     wire = Wire(limit_bytes=4 * BATCH_BYTES)
-    wire.tap.meet({"r", "frozen"})
+    wire.tap.set_recorders({"r", "frozen"})
     for sequence in range(4):
-        wire.tap.buffer.note("k", sequence, bytes(BATCH_BYTES))
+        wire.tap.buffer.note_message("k", sequence, bytes(BATCH_BYTES))
     assert eventually(lambda: len({batch.batch for batch in wire.sent}) == 4)
     wire.tap.close()
     assert [sum(batch.batch == number for batch in wire.sent) for number in range(4)] == [1, 1, 1, 1]

@@ -95,7 +95,7 @@ def write(
     for number, begin in enumerate(range(0, max(len(actions), 1), n_per_batch)):
         end = begin + n_per_batch
         for origin, copies in ((AGENT, actions), (SIM, answers)):
-            recorder.take(batch(origin, number, copies[begin:end], final=end >= len(copies), facts=facts))
+            recorder.write_batch(batch(origin, number, copies[begin:end], final=end >= len(copies), facts=facts))
         file.flush()
     file.finish(statement(recorder.ledger.completeness()))
     return file.parts

@@ -152,13 +152,13 @@ def test_what_was_flushed_survives_a_disk_that_is_full(tmp_path: Path, monkeypat
     actions, _ = traffic(mission())
     file = RecordingFile(tmp_path / "a.mcap", ABOUT)
     recorder = Recorder(file, Wanted())
-    recorder.take(batch(AGENT, 0, actions[:10]))
+    recorder.write_batch(batch(AGENT, 0, actions[:10]))
     file.flush()
 
     def full(descriptor: int, data: bytes) -> int:
         raise OSError(28, "No space left on device")
 
-    recorder.take(batch(AGENT, 1, actions[10:]))
+    recorder.write_batch(batch(AGENT, 1, actions[10:]))
     monkeypatch.setattr(os, "write", full)
     with pytest.raises(RecordingError, match=r"a.mcap: the recording cannot go on \(No space left on device\)"):
         file.flush()
@@ -175,8 +175,8 @@ def test_a_recording_of_nobody_is_not_complete() -> None:
 def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:
     ledger = Ledger()
     copies = [copy(ACTIONS, sequence, b"a") for sequence in (2, 3, 5)]
-    ledger.seen(SIM)
-    ledger.take(batch(AGENT, 0, copies), copies, {ACTIONS})
+    ledger.note_process(SIM)
+    ledger.note_batch(batch(AGENT, 0, copies), copies, {ACTIONS})
     found = ledger.completeness()
     assert (found.complete, found.n_recorded, found.n_missing) == (False, 3, 1)
     assert found.notes == (
@@ -190,7 +190,7 @@ def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:
 def test_what_came_before_the_recorder_is_not_expected_of_it() -> None:
     ledger = Ledger()
     copies = [copy(ACTIONS, 7, b"a")]
-    ledger.take(batch(AGENT, 0, copies), copies, {ACTIONS})
+    ledger.note_batch(batch(AGENT, 0, copies), copies, {ACTIONS})
     found = ledger.completeness(live={"agent-1"})
     assert found.complete
     assert found.notes == (f"{ACTIONS} of agent main (agent-1): 7 messages before the recording began",)
@@ -201,8 +201,8 @@ def test_a_batch_counts_once_and_a_filter_asks_for_less(tmp_path: Path) -> None:
     file = RecordingFile(tmp_path / "a.mcap", ABOUT)
     recorder = Recorder(file, Wanted(topics=("sim/*/action",)))
     for _ in range(2):
-        recorder.take(batch(AGENT, 0, actions, final=True))
-        recorder.take(batch(SIM, 0, answers, final=True))
+        recorder.write_batch(batch(AGENT, 0, actions, final=True))
+        recorder.write_batch(batch(SIM, 0, answers, final=True))
     completeness = recorder.ledger.completeness()
     file.finish({})
     assert completeness.complete
@@ -238,8 +238,8 @@ def test_what_a_planner_and_a_witness_of_it_hand_over_is_recorded_once(tmp_path:
     recorder = Recorder(file, Wanted())
     said = [copy("legpush/v5/test/plan/main/result", sequence, b"a") for sequence in range(5)]
     heard = batch(planner, 0, said[:3])
-    recorder.take(replace(heard, header=replace(heard.header, role="agent", incarnation="agent-1")))
-    recorder.take(batch(planner, 0, said, final=True))
+    recorder.write_batch(replace(heard, header=replace(heard.header, role="agent", incarnation="agent-1")))
+    recorder.write_batch(batch(planner, 0, said, final=True))
     found = recorder.ledger.completeness()
     assert (found.complete, found.n_recorded, found.n_missing) == (True, 5, 0)
     file.abandon()

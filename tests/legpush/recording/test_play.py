@@ -86,7 +86,7 @@ def planned(path: Path, n: int = 2) -> Recording:
     told = [copy(keys.plan_result(RUN, "main"), i, codec.encode(each)) for i, each in enumerate(results)]
     batches: list[Copies] = [batch(AGENT, 0, asked, final=True), batch(PLANNER, 0, told, final=True)]
     for each in batches:
-        recorder.take(each)
+        recorder.write_batch(each)
     file.finish({})
     return read_recording([path])
 

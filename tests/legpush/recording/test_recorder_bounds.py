@@ -48,7 +48,7 @@ def test_the_ledger_forgets_which_old_messages_of_a_planner_it_has() -> None:
     ledger, n = Ledger(), 5 * MAX_HEARD
     for begin in range(0, n, 1000):
         said = batch(PLANNER, begin // 1000, [copy("k", begin + k, b"a") for k in range(1000)])
-        ledger.take(said, ledger.fresh(said), {"k"})
+        ledger.note_batch(said, ledger.fresh(said), {"k"})
     (source,) = ledger._sources.values()
     assert len(source.heard["k"]._sequences) <= 2 * MAX_HEARD
     again = batch(PLANNER, n // 1000, [copy("k", sequence, b"a") for sequence in (0, 5, n - 1, n)])
