@@ -17,12 +17,10 @@ import msgspec
 from msgspec import inspect
 
 from legpush import geometry
-from legpush.messages import common, planning, stepping
-from legpush.messages import telemetry as tap
+from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
-from legpush.scene import footprints as room_shapes
-from legpush.scene import occupancy, reference, scenario
+from legpush.scene import footprints, occupancy, reference, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
@@ -59,14 +57,21 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         stepping.Trace,
     ),
     "copies": (
-        tap.Copies,
-        tap.Origin,
-        tap.Copy,
-        tap.Published,
-        tap.Fact,
-        tap.Taken,
+        telemetry.Copies,
+        telemetry.Origin,
+        telemetry.Copy,
+        telemetry.Published,
+        telemetry.Fact,
+        telemetry.Taken,
     ),
-    "common": (common.Header, tap.Status, tap.Reward, tap.RewardTerm, geometry.Pose2, room_shapes.Footprint),
+    "common": (
+        common.Header,
+        telemetry.Status,
+        telemetry.Reward,
+        telemetry.RewardTerm,
+        geometry.Pose2,
+        footprints.Footprint,
+    ),
     "scenario": (
         scenario.Scenario,
         scenario.Room,

@@ -28,6 +28,7 @@ from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
 from legpush.fields import Name, Seed, require
+from legpush.files import write_whole
 from legpush.history.journal import Journal, Opened
 from legpush.history.steps import read_episode
 from legpush.lockstep.client import SimLink
@@ -119,7 +120,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
         if config.witness_planner:
-            bus.taps.witness("planner")
+            bus.taps.witness_role("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         progress = MissionProgress(beacon)
@@ -141,7 +142,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             as_it_is if branch is None else lambda whole: branch.scenario(whole, episode.n_steps),
             progress.tell,
         )
-        beacon.say("reporting", None, result.detail)
+        beacon.publish_status("reporting", None, result.detail)
         if not episode.live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
         leave_report(folder, journal, result)
@@ -169,6 +170,4 @@ def leave_report(folder: Path, journal: Journal, result: MissionResult) -> None:
     wall_time_s = max(journal.path.stat().st_mtime - journal.opened.began_unix_s, CLOCK_S)
     report = make_report(record, result, wall_time_s, installed_versions())
     save_picture(record, result, folder / PICTURE_FILE)
-    half = folder / f"{REPORT_FILE}.part"
-    half.write_text(json.dumps(msgspec.to_builtins(report), indent=2) + "\n", encoding="utf-8")
-    half.replace(folder / REPORT_FILE)
+    write_whole(folder / REPORT_FILE, (json.dumps(msgspec.to_builtins(report), indent=2) + "\n").encode())

@@ -5,8 +5,7 @@ from typing import Any, Final
 import msgspec
 from msgspec import Struct
 
-from legpush.messages import planning, stepping
-from legpush.messages import telemetry as tap
+from legpush.messages import planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 
 MESSAGES: Final[tuple[type[Struct], ...]] = (
@@ -16,10 +15,10 @@ MESSAGES: Final[tuple[type[Struct], ...]] = (
     stepping.Action,
     stepping.Observation,
     stepping.Refusal,
-    tap.Status,
-    tap.Copies,
-    tap.Taken,
-    tap.Reward,
+    telemetry.Status,
+    telemetry.Copies,
+    telemetry.Taken,
+    telemetry.Reward,
 )
 """What travels by itself."""
 
