@@ -25,7 +25,6 @@ from legpush.messages.planning import Plan, PlanQuery, Tree
 from legpush.messages.stepping import Follow, Outcome, Push, Reset, Trace, Walk
 from legpush.scene.reference import Arcs, Straight
 from legpush.scene.scenario import Rectangle
-from legpush.versions import installed_versions
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan
 
 SCENARIO = make_scenario()
@@ -205,19 +204,6 @@ def test_a_step_without_its_trace_is_refused() -> None:
 
     with pytest.raises(JournalError, match="got step 0 without one"):
         read_record([bare])
-
-
-def test_versions_are_named_and_null_where_nothing_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("agent_proc.reporting.report.PACKAGES", {"numpy": "numpy", "nothing": "no-such-distribution"})
-
-    versions = installed_versions()
-
-    assert versions == {
-        "protocol": "6",
-        "python": versions["python"],
-        "numpy": np.__version__,
-        "nothing": None,
-    }
 
 
 def branching_plan(query: PlanQuery) -> Plan:
