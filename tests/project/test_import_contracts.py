@@ -79,7 +79,7 @@ def lint(packages: Path, contracts: Iterable[str]) -> dict[str, str]:
     files = {packages / f"{rogue_module(name).replace('.', '/')}.py": ROGUES[name][1] for name in contracts}
     for file, line in files.items():
         file.write_text(line + "\n")
-    command = [Path(sys.executable).with_name("lint-imports"), "--no-cache"]
+    command = [str(Path(sys.executable).with_name("lint-imports")), "--no-cache"]
     done = subprocess.run(command, cwd=packages, check=False, capture_output=True, text=True)
     for file in files:
         file.unlink()
