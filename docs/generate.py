@@ -1,7 +1,7 @@
 """`python docs/generate.py`: writes the generated parts of the documentation.
 
-These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types, and the tables of
-`architecture.md`, from docstrings and import contracts. Everything between the lines `<!-- generated: NAME -->` and
+These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types, and the tables
+of `architecture.md`, from docstrings and import contracts. Everything between the lines `<!-- generated: NAME -->` and
 `<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a generated part is stale.
 """
 
@@ -67,7 +67,14 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         telemetry.Fact,
         telemetry.Taken,
     ),
-    "common": (common.Header, telemetry.Status, telemetry.Reward, telemetry.RewardTerm, geometry.Pose2, footprints.Footprint),
+    "common": (
+        common.Header,
+        telemetry.Status,
+        telemetry.Reward,
+        telemetry.RewardTerm,
+        geometry.Pose2,
+        footprints.Footprint,
+    ),
     "scenario": (
         scenario.Scenario,
         scenario.Room,

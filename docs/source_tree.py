@@ -81,9 +81,7 @@ def _rules(package: str) -> Iterator[str]:
 
 def shared_rules() -> str:
     """The contracts between whole packages."""
-    lines = [
-        f"- {contract['name']}: {_listed(contract['modules'], 'and')}." for contract in _contracts("independence")
-    ]
+    lines = [f"- {contract['name']}: {_listed(contract['modules'], 'and')}." for contract in _contracts("independence")]
     lines += [
         _rule(contract, "")
         for contract in _contracts("forbidden")
