@@ -1,4 +1,4 @@
-"""JSON Schemas of the messages, for documents and recordings."""
+"""Makes the JSON Schemas of the messages, for documentation and recordings."""
 
 from typing import Any, Final
 
@@ -20,11 +20,11 @@ MESSAGES: Final[tuple[type[Struct], ...]] = (
     telemetry.Taken,
     telemetry.Reward,
 )
-"""What travels by itself."""
+"""The records that travel as messages of their own."""
 
 
 def json_schema(*kinds: type[Struct]) -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a message that is one of these kinds; binary fields are base64 there."""
+    """Return the JSON Schema (2020-12) of a message that is one of these kinds; binary fields are base64 there."""
     (schema,), definitions = msgspec.json.schema_components(
         [kinds[0] if len(kinds) == 1 else _union(kinds)], ref_template="#/$defs/{name}"
     )
