@@ -19,7 +19,7 @@ import tyro
 from rich.progress import track
 from scipy.optimize import curve_fit, least_squares
 
-from experiments.circles_plot import draw
+from experiments.plots.circles import draw
 from experiments.evaluations import RESULTS, write_table
 from legpush.arrays import Floats
 from legpush.messages.poses import planar_pose

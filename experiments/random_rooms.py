@@ -21,7 +21,7 @@ from rich.progress import Progress
 
 from agent_proc.statistics import mean_interval, wilson
 from experiments.evaluations import RESULTS, read_table, write_table
-from experiments.random_rooms_plot import draw
+from experiments.plots.random_rooms import draw
 from experiments.room_missions import drawn_room, run_mission
 from legpush.scene.scenario import MissionSettings
 

@@ -20,7 +20,7 @@ Said = tuple[str, float | None, str, str]
 
 
 class StatusBeacon:
-    """Publishes the last status that it was given: at once, and every `PERIOD_S` as a heartbeat on a thread of its own."""
+    """Publishes the last status it was given, at once and then every `PERIOD_S` as a heartbeat, on its own thread."""
 
     def __init__(self, bus: Bus, phase: str = "idle") -> None:
         self._publisher = bus.publisher(channels.statuses(bus.run, bus.role, bus.name))

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from experiments.evaluations import RESULTS, read_table
 from legpush.arrays import Floats
 
-PUBLISHED: Final = Path(__file__).parent / "published"
+PUBLISHED: Final = Path(__file__).parents[1] / "published"
 SHOWN: Final = (0.03, 0.05, 0.08)
 FRICTION: Final = 0.5
 USUAL_DEPTH_M: Final = 0.05
