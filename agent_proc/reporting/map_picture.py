@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
 
 from agent_proc.reporting.map_view import MapView
-from agent_proc.reporting.picture import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
+from agent_proc.reporting.style import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
 from legpush.arrays import Flags
 from legpush.geometry import Pose2
 from legpush.scenarios.grid import merged_rectangles
