@@ -83,6 +83,8 @@ class AgentConfig(ServiceConfig):
     """From there on in place of the box's friction; the mission is not told."""
     witness_planner: bool = False
     """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
+    picture: bool = True
+    """Draw mission.png at the end."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -145,7 +147,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         beacon.publish_status("reporting", None, result.detail)
         if not episode.live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
-        leave_report(folder, journal, result)
+        leave_report(folder, journal, result, picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
@@ -162,12 +164,13 @@ def writable_folder(folder: Path) -> Path:
     return folder
 
 
-def leave_report(folder: Path, journal: Journal, result: MissionResult) -> None:
-    """Write `report.json` and `mission.png`, the report last and at once: where it is, the mission is over."""
-    from agent_proc.reporting.picture import save_picture
-
+def leave_report(folder: Path, journal: Journal, result: MissionResult, *, picture: bool = True) -> None:
+    """Write `mission.png` if `picture`, and then `report.json`, at once: where it is, the mission is over."""
     record = read_record(read_episode(journal.path))
     wall_time_s = max(journal.path.stat().st_mtime - journal.opened.began_unix_s, CLOCK_S)
     report = make_report(record, result, wall_time_s, installed_versions())
-    save_picture(record, result, folder / PICTURE_FILE)
+    if picture:
+        from agent_proc.reporting.picture import save_picture
+
+        save_picture(record, result, folder / PICTURE_FILE)
     write_whole(folder / REPORT_FILE, (json.dumps(msgspec.to_builtins(report), indent=2) + "\n").encode())

@@ -134,6 +134,8 @@ def _again(options: RunOptions, folder: Path) -> str:
         words += ["--planner-command", options.planner_command]
     if options.push_map is not None:
         words += ["--push-map", str(options.push_map)]
+    if not options.picture:
+        words += ["--no-picture"]
     if not options.video:
         words += ["--no-video"]
     if options.inject_faults > 0.0:

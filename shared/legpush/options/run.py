@@ -48,6 +48,8 @@ class RunOptions:
     """Replaces the scenario's box friction."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Record everything that the processes publish into this new MCAP file; see `legpush replay`."""
+    picture: bool = True
+    """Draw mission.png at the end."""
     video: bool = True
     """Render mission.mp4 at the end."""
     deadline_s: Annotated[float | None, tyro.conf.arg(name="deadline", metavar="S")] = None
