@@ -1,6 +1,7 @@
 """Files that earlier versions made are read as before; `README.md` says how they were made."""
 
 import lzma
+import platform
 import subprocess
 import sys
 from importlib.metadata import version
@@ -88,8 +89,8 @@ def test_a_fresh_simulator_answers_what_was_recorded(recording: Recording, folde
     noted = recording.attachment("versions.json")
     assert noted is not None
     recorded = msgspec.json.decode(noted.data, type=dict[str, str])["mujoco"]
-    if recorded != version("mujoco"):
-        pytest.skip(f"recorded with MuJoCo {recorded}, installed is {version('mujoco')}: other bits are no surprise")
+    if (recorded, "x86_64") != (version("mujoco"), platform.machine()):
+        pytest.skip(f"recorded with MuJoCo {recorded} on x86_64: other bits are no surprise here")
     code = "import sys; from legpush.cli import main; sys.exit(main())"
     done = subprocess.run(
         [sys.executable, "-P", "-c", code, "replay", str(folder / "two_pushes.mcap"), "--verify"],
