@@ -65,7 +65,11 @@ class ReportError(LegpushError):
 
 
 def read_report(folder: Path) -> dict[str, Any]:
-    """The report that the agent left; `ReportError` if there is none."""
+    """Read the report that the agent left.
+
+    Raises:
+        ReportError: There is none, or it cannot be read.
+    """
     path = folder / REPORT_FILE
     try:
         report = json.loads(path.read_bytes())
