@@ -111,7 +111,7 @@ def test_a_simulator_that_dies_each_time_in_the_same_step_is_given_up(tmp_path: 
         starter = Thread(target=start_again_and_again)
         starter.start()
         try:
-            with pytest.raises(PeerError, match=r"sim/main was started anew 3 times .* step"):
+            with pytest.raises(PeerError, match=r"sim/main was restarted 3 times .* step"):
                 asking.do(MISSION)
         finally:
             over.set()

@@ -31,7 +31,11 @@ class MapOptions:
     """Where the first row of a .csv or .npy file lies: at the highest y, or at y = 0."""
 
     def __post_init__(self) -> None:
-        """Refuse flags that do not belong to the kind of file (`ConfigError`)."""
+        """Refuse flags that do not belong to the kind of file.
+
+        Raises:
+            ConfigError: Names the file and the flag.
+        """
         suffix = suffix_of(self.file)
         if suffix in IMAGE_SUFFIXES:
             valid = " or ".join(MAP_SERVER_SUFFIXES)

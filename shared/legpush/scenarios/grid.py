@@ -76,7 +76,11 @@ def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
 
 
 def read_grid(grid: GridSource, folder: Traversable) -> OccupancyMap:
-    """The map in the file; `ScenarioError` names the file and what is wrong in it."""
+    """Read the map in a file.
+
+    Raises:
+        ScenarioError: Names the file and what is wrong in it.
+    """
     if isinstance(grid, CellSource):
         return read_cells(folder / grid.grid_file, grid.cell_m, grid.first_row)
     from legpush.scenarios.map_server import read_map_server

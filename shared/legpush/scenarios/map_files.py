@@ -52,7 +52,11 @@ def suffix_of(name: str) -> str:
 
 
 def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> OccupancyMap:
-    """The map in a CSV or NumPy file; `ScenarioError` names the file, row and column that is wrong."""
+    """Read the map in a CSV or NumPy file.
+
+    Raises:
+        ScenarioError: Names the file, row and column that is wrong.
+    """
     try:
         content = source.read_bytes()
     except OSError as error:
