@@ -9,10 +9,10 @@ from agent_proc.policies.policy import Policy
 from agent_proc.push_model.map import PushMap
 from agent_proc.pushing.pushing import Pushing
 from agent_proc.walking.actor import Actor, Revise, Tell, as_it_is, nobody
-from agent_proc.walking.queries import query_to_nominal_box
 from legpush.lockstep.world import World
 from legpush.messages.planning import PlanQuery
 from legpush.messages.stepping import Reset
+from legpush.plans.trunk_queries import query_to_nominal_box
 from legpush.scene.scenario import Face, Scenario
 
 

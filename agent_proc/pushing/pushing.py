@@ -7,8 +7,9 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.endings import MissionEndedError, Reason
-from agent_proc.frames.poses import BoxError, distance_m, moved_m
+from agent_proc.endings import MissionEndedError
+from agent_proc.frames.poses import BoxError
+from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
@@ -21,11 +22,13 @@ from agent_proc.pushing.stage import stages as path_stages
 from agent_proc.task.reward_tuned import tuned_reward
 from agent_proc.walking.actor import STILL_CYCLES, Actor
 from agent_proc.walking.obstacles import in_words
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
+from legpush.runs.report import Reason
 from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.paths import path_length_m
 from legpush.scene.reference import Reference, least_radius_m
 from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import Face, Goal
@@ -64,7 +67,7 @@ class Pushing:
         """Whether the box need not be calibrated any more."""
         self.n_cycles = 0
         """Pushes up to now."""
-        self._first: WorldState | None = None
+        self._first: PushView | None = None
         """Before the first push."""
         self._n_cleared = 0
         """So many of the obstacles that have appeared are known not to be in the way of the present path."""
@@ -123,13 +126,12 @@ class Pushing:
         if not self._actor.at_station(face):
             self._actor.approach(face)
         self.n_cycles += 1
-        before, world = pushed_pose(self._actor.box(), face), self._actor.state
-        self._first = self._first or world
+        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.state, self._actor.scenario)
+        self._first = self._first or view
         self._actor.step(push)
+        after = push_view(self._actor.state, self._actor.scenario)
         # What the same push earns in training; policies do not see it here.
-        self._actor.world.tell_reward(
-            tuned_reward(self._first, world, self._actor.state, self._actor.scenario, arrived=False)
-        )
+        self._actor.world.tell_reward(tuned_reward(self._first, view, after, arrived=False))
         if learn:
             self._estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))
 
@@ -270,7 +272,7 @@ class Pushing:
                 return self._stop("max_push_cycles", f"box error {error} after {self.n_cycles} push cycles", to_end)
             self._push(decision.push, learn=closed)
             boxes.append(self._actor.box())
-            if len(boxes) > STILL_CYCLES and moved_m(boxes[0], boxes[-1]) < LEAST_PUSH_M:
+            if len(boxes) > STILL_CYCLES and path_length_m((boxes[0], boxes[-1])) < LEAST_PUSH_M:
                 return self._stop(
                     "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}", to_end
                 )

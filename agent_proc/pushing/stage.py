@@ -12,6 +12,7 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan
 from legpush.scene.faces import pushed_pose
+from legpush.scene.paths import arc_lengths_m, nearest_on_segments
 from legpush.scene.scenario import Face
 
 STRAIGHT_RAD_PER_M: Final = radians(5.0)
@@ -53,10 +54,9 @@ class Stage:
         self.end = pushed_pose(poses[-1] if end is None else end, face)
         self._xy = np.array([pose.xy() for pose in kept])
         self._yaw = np.unwrap([pose.yaw_rad for pose in kept])
-        steps = np.hypot(*np.diff(self._xy, axis=0).T)
-        self._at_m: Floats = np.concatenate([[0.0], np.cumsum(steps)])
+        self._at_m = arc_lengths_m(self._xy)
         self.length_m = float(self._at_m[-1])
-        curved = np.abs(np.diff(self._yaw)) > STRAIGHT_RAD_PER_M * steps
+        curved = np.abs(np.diff(self._yaw)) > STRAIGHT_RAD_PER_M * np.hypot(*np.diff(self._xy, axis=0).T)
         self._straight_until_m = np.empty(len(kept))
         end_m = self.length_m
         self._straight_until_m[-1] = end_m
@@ -86,11 +86,8 @@ class Stage:
         points, at = self._xy[low:high], self._at_m[low:high]
         heading = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
         axles = poses[:, :2] - self._axle_m * heading
-        steps = np.diff(points, axis=0)
         lengths = np.diff(at)
-        offset = axles[:, None] - points[None, :-1]
-        share = np.clip((offset * steps).sum(axis=-1) / lengths**2, 0.0, 1.0)
-        apart = np.hypot(*np.moveaxis(offset - share[..., None] * steps, -1, 0))
+        share, apart = nearest_on_segments(axles, points, lengths**2)
         nearest = apart.argmin(axis=1)
         rows = np.arange(len(poses))
         along = at[nearest] + share[rows, nearest] * lengths[nearest]

@@ -6,19 +6,22 @@ from itertools import groupby
 from math import degrees, radians
 from typing import Final
 
-from agent_proc.endings import MissionEndedError, Reason
-from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, distance_m, moved_m, planar_pose
-from agent_proc.frames.station import at_station, can_turn, last_stretch, way_back
-from agent_proc.walking.better_paths import BetterPaths, cost_m
+from agent_proc.endings import MissionEndedError
+from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad
+from agent_proc.walking.better_paths import BetterPaths
 from agent_proc.walking.obstacles import in_words, is_in_walk, known_scenario
-from agent_proc.walking.queries import query_to_measured_box
 from legpush.errors import PeerError
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.lockstep.world import World
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Walk, WorldState
+from legpush.plans.trunk_queries import query_to_measured_box
+from legpush.runs.report import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
+from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Face, Rectangle, Scenario
+from legpush.scene.station import at_station, can_turn, last_stretch, way_back
 
 STILL_CYCLES: Final = 5
 """The robot is stuck when this many cycles in a row change too little."""
@@ -102,7 +105,7 @@ class Actor:
                 continue
             past.append((self.trunk(), path.travelled_m))
             (then, then_m), (now, now_m) = past[0], past[-1]
-            if len(past) > STILL_CYCLES and min(moved_m(then, now), now_m - then_m) < LEAST_WALK_M:
+            if len(past) > STILL_CYCLES and min(path_length_m((then, now)), now_m - then_m) < LEAST_WALK_M:
                 raise MissionEndedError(
                     "stuck", f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it"
                 )
@@ -116,7 +119,7 @@ class Actor:
         """
         if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
             return ()
-        left_m = cost_m(waypoints) - travelled_m - cost_m(last_stretch)
+        left_m = path_length_m(waypoints) - travelled_m - path_length_m(last_stretch)
         plan = self.world.revision(revision)
         self._require_followable(self._better.query, plan, f"revision {revision} of the way")
         joined = self._better.joined(plan, self.trunk(), left_m)

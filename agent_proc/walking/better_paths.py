@@ -1,16 +1,15 @@
 """Better paths while the robot walks: a new one is joined between gait cycles, where that saves enough."""
 
-from itertools import pairwise
 from math import ceil
 from typing import Final
 
 import numpy as np
 
-from agent_proc.frames.poses import distance_m, moved_m
-from agent_proc.walking.queries import SLACK_M
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.plans.trunk_queries import SLACK_M
 from legpush.scene.clearance import Occupied
+from legpush.scene.paths import arc_lengths_m, path_length_m
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 
 LEAST_GAIN_M: Final = 0.1
@@ -46,8 +45,8 @@ class BetterPaths:
         present_m = self._occupied.nearest(here.xy()[np.newaxis]).distance_m - SLACK_M
         required_m = max(min(self.query.clearance_m, present_m), FOOT_RECTANGLE_RADIUS_M)
         ways = (self._way(plan.waypoints, k, here, required_m) for k in _places(plan.waypoints, here))
-        way = min((way for way in ways if way), key=cost_m, default=())
-        return way if way and cost_m(way) < left_m - LEAST_GAIN_M else ()
+        way = min((way for way in ways if way), key=path_length_m, default=())
+        return way if way and path_length_m(way) < left_m - LEAST_GAIN_M else ()
 
     def _way(self, waypoints: tuple[Pose2, ...], k: int, here: Pose2, required_m: float) -> tuple[Pose2, ...]:
         """From here straight to the k-th waypoint and on, or nothing where that is not free."""
@@ -65,15 +64,10 @@ class BetterPaths:
         return (here, *straight, *waypoints[k:])
 
 
-def cost_m(way: tuple[Pose2, ...]) -> float:
-    """Length of a path, turns counted by the arcs of the feet."""
-    return sum(moved_m(a, b) for a, b in pairwise(way))
-
-
 def _places(waypoints: tuple[Pose2, ...], here: Pose2) -> list[int]:
     """Waypoints from the one nearest to here on, `JOIN_EVERY_M` apart."""
     points = np.array([waypoint.xy() for waypoint in waypoints])
     nearest = int(np.hypot(*(points - here.xy()).T).argmin())
-    ahead_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points[nearest:], axis=0).T))])
+    ahead_m = arc_lengths_m(points[nearest:])
     wanted_m = np.arange(0.0, min(JOIN_WITHIN_M, float(ahead_m[-1])) + 1e-9, JOIN_EVERY_M)
     return sorted({nearest + int(k) for k in np.searchsorted(ahead_m, wanted_m).clip(0, len(ahead_m) - 1)})

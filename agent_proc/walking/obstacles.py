@@ -4,18 +4,17 @@ A way is kept where it is free of what is new, with the clearance that it was pl
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import moved_m
 from legpush.arrays import Floats
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, WorldState
 from legpush.scene.occupancy import clearance_m, room_by_now
+from legpush.scene.paths import travelled_m
 from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.scene.scenario import Rectangle, Scenario
 
@@ -42,20 +41,19 @@ def in_words(appeared: Sequence[Appearance]) -> str:
     return ", ".join(f"room.obstacles[{each.obstacle}] at {each.tick * CONTROL_PERIOD_S:.1f} s" for each in appeared)
 
 
-def is_in_walk(obstacle: Rectangle, scenario: Scenario, waypoints: Sequence[Pose2], travelled_m: float = 0.0) -> bool:
+def is_in_walk(obstacle: Rectangle, scenario: Scenario, waypoints: Sequence[Pose2], from_m: float = 0.0) -> bool:
     """Whether an obstacle is nearer than the planner's clearance to what is left of a path of the trunk."""
-    ahead = _ahead_m(waypoints, travelled_m)
+    ahead = _ahead_m(waypoints, from_m)
     low = np.array([obstacle.x_min_m, obstacle.y_min_m]) - ahead
     high = ahead - np.array([obstacle.x_max_m, obstacle.y_max_m])
     apart = np.hypot(*np.maximum(np.maximum(low, high), 0.0).T)
     return bool(apart.min() < clearance_m(scenario.planning))
 
 
-def _ahead_m(waypoints: Sequence[Pose2], travelled_m: float) -> Floats:
-    """Places on a path from a travelled length on, (n, 2); a turn counts as in `PathProgress`."""
-    at_m = np.concatenate([[0.0], np.cumsum([moved_m(a, b) for a, b in pairwise(waypoints)])])
-    begin_m, end_m = min(travelled_m, at_m[-1]), at_m[-1]
-    where = np.append(np.arange(begin_m, end_m, LOOK_STEP_M), end_m)
+def _ahead_m(waypoints: Sequence[Pose2], from_m: float) -> Floats:
+    """Places on a path from a travelled length on, (n, 2)."""
+    at_m = travelled_m(waypoints)
+    where = np.append(np.arange(min(from_m, at_m[-1]), at_m[-1], LOOK_STEP_M), at_m[-1])
     return np.stack(
         [np.interp(where, at_m, [p.x_m for p in waypoints]), np.interp(where, at_m, [p.y_m for p in waypoints])],
         axis=-1,

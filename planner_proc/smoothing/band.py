@@ -8,6 +8,7 @@ from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dpbtrs
 
 from legpush.arrays import Floats
+from legpush.scene.paths import arc_lengths_m
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
 
@@ -51,7 +52,7 @@ class ElasticBand:
         A stiffer band rounds its corners over so much more of its length. A knot stays within a share of
         `max_deviation_m` of where it was laid.
         """
-        vertices_at_m = polylines.arc_lengths(path_m)
+        vertices_at_m = arc_lengths_m(path_m)
         length_m = float(vertices_at_m[-1])
         n_knots = int(np.clip(ceil(length_m / _KNOT_SPACING_M) + 1, _MIN_KNOTS, _MAX_KNOTS))
         self.knots_at_m = np.linspace(0.0, length_m, n_knots)

@@ -3,17 +3,12 @@
 import numpy as np
 
 from legpush.arrays import Floats
-
-
-def arc_lengths(points: Floats) -> Floats:
-    """Length of the polyline up to each vertex, (n,), from 0."""
-    steps = np.diff(points, axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
+from legpush.scene.paths import arc_lengths_m
 
 
 def length(points: Floats) -> float:
     """Length of the whole polyline."""
-    return float(arc_lengths(points)[-1])
+    return float(arc_lengths_m(points)[-1])
 
 
 def at(points: Floats, vertices_at: Floats, where: Floats) -> Floats:
@@ -23,7 +18,7 @@ def at(points: Floats, vertices_at: Floats, where: Floats) -> Floats:
 
 def subdivide(points: Floats, spacing: float) -> Floats:
     """The same polyline with further vertices, so that no two in a row are more than `spacing` apart."""
-    vertices_at = arc_lengths(points)
+    vertices_at = arc_lengths_m(points)
     n_parts = np.maximum(1, np.ceil(np.diff(vertices_at) / spacing)).astype(int)
     legs = zip(vertices_at[:-1], vertices_at[1:], n_parts, strict=True)
     where = [np.linspace(begin, end, n, endpoint=False) for begin, end, n in legs]
@@ -43,16 +38,6 @@ def turns(points: Floats) -> Floats:
     steps = np.diff(points, axis=0)
     changes: Floats = (np.diff(np.arctan2(steps[:, 1], steps[:, 0])) + np.pi) % (2.0 * np.pi) - np.pi
     return changes
-
-
-def distances(points: Floats, others: Floats) -> Floats:
-    """From other points, (k, 2), to the nearest point of the polyline, (k,)."""
-    begin, along = points[:-1], np.diff(points, axis=0)
-    squared = np.maximum((along**2).sum(axis=1), 1e-300)
-    share = np.clip(((others[:, None] - begin) * along).sum(axis=-1) / squared, 0.0, 1.0)
-    apart = others[:, None] - begin - share[..., None] * along
-    nearest: Floats = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
-    return nearest
 
 
 def turning_radii(points: Floats) -> Floats:

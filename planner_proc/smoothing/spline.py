@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from legpush.arrays import Flags, Floats
+from legpush.scene.paths import arc_lengths_m
 from legpush.scene.scenario import Smoothing
 from planner_proc.smoothing import polylines
 from planner_proc.smoothing.band import ElasticBand
@@ -49,7 +50,7 @@ def smooth(polyline_m: Floats, tube: Tube, options: Smoothing, min_turning_radiu
     Each stretch begins where the one before it ends; there the path turns on the spot. With a turning radius it is one
     stretch, or none where nothing that turns so wide is in the tube.
     """
-    corners_at_m = polylines.arc_lengths(polyline_m)
+    corners_at_m = arc_lengths_m(polyline_m)
     length_m = float(corners_at_m[-1])
     n_most = options.max_waypoints
     spacing_m = max(SPACING_M, length_m / n_most)
@@ -81,9 +82,9 @@ def smooth(polyline_m: Floats, tube: Tube, options: Smoothing, min_turning_radiu
 def _splines(polyline_m: Floats, at_m: Floats, tube: Tube, options: Smoothing, limits: "_Limits") -> Iterator[Floats]:
     """Candidates, better and better, as points, (n, 2), at places along the polyline, (n,)."""
     if options.method == "spline" and len(polyline_m) > 2:
-        yield CubicSpline(polylines.arc_lengths(polyline_m), polyline_m, bc_type="natural")(at_m)
+        yield CubicSpline(arc_lengths_m(polyline_m), polyline_m, bc_type="natural")(at_m)
     elif options.method == "spline":
-        yield polylines.at(polyline_m, polylines.arc_lengths(polyline_m), at_m)
+        yield polylines.at(polyline_m, arc_lengths_m(polyline_m), at_m)
     elif options.method == "band":
 
         def lay(stiffness: float) -> ElasticBand:
@@ -139,7 +140,7 @@ def _resample(curve: _Curve, n_most: int) -> _Curve:
 
     Both ends of a plan are waypoints of their own, and a corner is one of each stretch at it.
     """
-    travelled_m = polylines.arc_lengths(curve.points_m)
+    travelled_m = arc_lengths_m(curve.points_m)
     kept = np.flatnonzero(curve.is_corner[1:-1]) + 1
     bounds_m = travelled_m[np.concatenate([[0], kept, [-1]])]
     spacing_m = max(SPACING_M, float(bounds_m[-1]) / max(1, n_most - 3 - 2 * len(bounds_m)))

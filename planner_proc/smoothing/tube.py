@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Flags, Floats
+from legpush.scene.paths import distances_m
 from planner_proc.clearance.field import ClearanceField
-from planner_proc.smoothing import polylines
 
 _MOST_HALVINGS: Final = 24
 _ROUNDING_M: Final = 1e-9
@@ -47,9 +47,9 @@ class Tube:
         for _ in range(_MOST_HALVINGS):
             middle_m = 0.5 * (low_m + high_m)
             half_m = 0.5 * np.hypot(*(high_m - low_m).T)
-            distances_m = polylines.distances(self._path_m, middle_m)
-            near[segment[distances_m > self._max_deviation_m]] = False
-            unsure = near[segment] & (distances_m + half_m > self._max_deviation_m + _ROUNDING_M)
+            apart_m = distances_m(middle_m, self._path_m)
+            near[segment[apart_m > self._max_deviation_m]] = False
+            unsure = near[segment] & (apart_m + half_m > self._max_deviation_m + _ROUNDING_M)
             if not unsure.any():
                 return near
             low_m, middle_m, high_m, segment = low_m[unsure], middle_m[unsure], high_m[unsure], segment[unsure]

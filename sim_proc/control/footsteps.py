@@ -8,7 +8,8 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M, LEGS, Leg, foot_rectangle_b
+from legpush.scene.paths import travelled_m
+from legpush.scene.robot import LEGS, Leg, foot_rectangle_b
 
 GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
 """Lateral sequence crawl: the weight changes sides twice a cycle."""
@@ -26,9 +27,7 @@ class PosePath:
         """Join the waypoints by straight lines and uniform turns, the short way round."""
         xy = np.array([[p.x_m, p.y_m] for p in waypoints])
         yaw = np.unwrap([p.yaw_rad for p in waypoints])
-        moved = np.linalg.norm(np.diff(xy, axis=0), axis=1)
-        turned = np.abs(np.diff(yaw)) * FOOT_RECTANGLE_RADIUS_M
-        self._travelled = np.concatenate([[0.0], np.cumsum(moved + turned)])
+        self._travelled = travelled_m(waypoints)
         self._xy_yaw = np.column_stack([xy, yaw])
         self.length_m = float(self._travelled[-1])
 

@@ -10,7 +10,6 @@ from zlib import crc32
 
 import numpy as np
 
-from agent_proc.frames.station import station
 from agent_proc.push_model.model import MIRROR, nearest_model
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
@@ -36,6 +35,7 @@ from legpush.plans.planner import Interrupted
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.robot import CONTROL_PERIOD_S, foot_rectangle_b
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
+from legpush.scene.station import station
 from tests.agent.fake_motion import FollowedPath, between, trace_of
 
 STRIDE_M = 0.4

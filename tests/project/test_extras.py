@@ -17,6 +17,7 @@ OWN = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
 """Packages that are installed."""
 PARTS = [
     ("shared/legpush", ()),
+    ("shared/legpush/gym", ("agent",)),
     ("planner_proc", ("planner",)),
     ("sim_proc", ("sim",)),
     ("sim_proc/export", ("view",)),
@@ -47,7 +48,7 @@ class Absent:
 package, others, *absent = sys.argv[1:]
 sys.meta_path.insert(0, Absent())
 top = importlib.import_module(package)
-names = [module.name for module in pkgutil.walk_packages(top.__path__, package + ".")]
+names = [package, *(module.name for module in pkgutil.walk_packages(top.__path__, package + "."))]
 names = [name for name in names if not any(f"{name}.".startswith(f"{other}.") for other in others.split())]
 for name in names:
     importlib.import_module(name)

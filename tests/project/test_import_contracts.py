@@ -31,7 +31,10 @@ ROGUES = {
         "agent_proc.evaluation",
         "import stable_baselines3",
     ),
-    "Only the learning task, policies and learning import Gymnasium": ("agent_proc.evaluation", "import gymnasium"),
+    "Only the learning task, policies, learning and legpush.gym import Gymnasium": (
+        "agent_proc.evaluation",
+        "import gymnasium",
+    ),
     "Only reporting and the plot of an evaluation import matplotlib": (
         "agent_proc.evaluation",
         "from matplotlib import pyplot",

@@ -185,7 +185,7 @@ def test_what_an_agent_hears_stands_in_for_a_planner_that_hands_over_nothing(tmp
     with recorder(tmp_path, file) as process:
         with planner(tmp_path) as silent, bus(tmp_path, "agent") as opened:
             silent.taps.own.close()
-            opened.taps.witness("planner")
+            opened.taps.witness_role("planner")
             asking = Agent(opened, IMPATIENT)
             assert eventually(lambda: len(opened.liveliness.live("recorder")) == 1, 20.0)
             for seed in range(5):

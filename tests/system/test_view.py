@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.recording.mcap_file.reader import read_recording
 from sim_proc.simulator import Simulator
@@ -64,9 +64,9 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def timeline(recording: Path) -> Timeline:
-    timelines = Timelines()
+    timelines = RunHistory()
     for message in read_recording([recording]).messages:
-        timelines.take(message.topic, message.origin, message.copy)
+        timelines.take_message(message.topic, message.origin, message.copy)
     (only,) = timelines.episodes.values()
     return only
 

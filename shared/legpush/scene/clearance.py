@@ -8,6 +8,7 @@ import numpy as np
 from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
 from legpush.scene.occupancy import OccupancyGrid
+from legpush.scene.paths import distances_m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,10 +68,7 @@ def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) ->
     Of two convex shapes apart, the nearest points include a corner of one of them.
     """
     corners = centres[:, None] + half_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    way = b - a
-    length2 = float(way @ way)
-    share = np.clip((corners - a) @ way / length2, 0.0, 1.0) if length2 > 0.0 else np.zeros(corners.shape[:2])
-    apart = np.hypot(*np.moveaxis(corners - a - share[..., None] * way, -1, 0)).min(axis=1)
+    apart: Floats = distances_m(corners.reshape(-1, 2), np.array([a, b])).reshape(-1, 4).min(axis=1)
     for end in (a, b):
         beyond = np.maximum(np.abs(centres - end) - half_m, 0.0)
         apart = np.minimum(apart, np.hypot(*beyond.T))

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.reporting.mission_record import read_record
 from legpush.errors import JournalError
 from legpush.history.steps import StepRecord
+from legpush.messages.poses import planar_pose
 from tests.agent.fake_world import FakeWorld
 from tests.agent.reporting.missions import SCENARIO, journal_by_hand
 

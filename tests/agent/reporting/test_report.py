@@ -2,7 +2,6 @@
 
 from math import pi, sqrt
 
-import numpy as np
 import pytest
 from msgspec.structs import replace
 
@@ -12,7 +11,7 @@ from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.queries import query_for_box
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import box_path_rms_m, distances_m, make_report, tracking_rms_m
+from agent_proc.reporting.report import box_path_rms_m, make_report, tracking_rms_m
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import Plan
@@ -111,20 +110,6 @@ def test_each_gait_cycle_is_measured_against_the_path_that_was_followed_then() -
     walks = [step for step in record.steps if isinstance(step.motion, Walk)]
     assert tracking_rms_m(walks) == pytest.approx(sqrt((0.03**2 + 0.04**2 + 0.5**2) / 3))
     assert tracking_rms_m([]) is None
-
-
-@pytest.mark.parametrize(
-    ("point", "expected_m"),
-    [((0.5, 0.3), 0.3), ((-3.0, 4.0), 5.0), ((1.5, 0.5), 0.5), ((1.0, 2.0), 1.0), ((0.9, 0.9), 0.1)],
-)
-def test_the_distance_to_a_path_is_that_to_its_nearest_point(point: tuple[float, float], expected_m: float) -> None:
-    path = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
-
-    assert distances_m(np.array([point]), path)[0] == pytest.approx(expected_m)
-
-
-def test_the_distance_to_a_path_of_one_point_is_that_to_the_point() -> None:
-    assert distances_m(np.array([[3.0, 4.0]]), np.zeros((1, 2)))[0] == pytest.approx(5.0)
 
 
 def test_the_report_says_what_appeared_when_and_how_often_that_was_in_the_way() -> None:

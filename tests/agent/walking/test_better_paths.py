@@ -10,11 +10,12 @@ from msgspec.structs import replace
 from agent_proc.endings import MissionResult
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
-from agent_proc.walking.better_paths import BetterPaths, cost_m
+from agent_proc.walking.better_paths import BetterPaths
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Follow
+from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Anytime, PlanSettings, Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.planner import maps
@@ -30,7 +31,7 @@ def path(*corners: tuple[float, float]) -> Plan:
         heading = float(np.arctan2(b[1] - a[1], b[0] - a[0]))
         points = np.linspace(a, b, 2 + int(hypot(b[0] - a[0], b[1] - a[1]) / 0.05))
         waypoints += [Pose2(x_m=x, y_m=y, yaw_rad=heading) for x, y in points.tolist()]
-    return Plan(status="exact", reason="", waypoints=tuple(waypoints), length_m=cost_m(tuple(waypoints)))
+    return Plan(status="exact", reason="", waypoints=tuple(waypoints), length_m=path_length_m(tuple(waypoints)))
 
 
 def detour(query: PlanQuery) -> Plan:
@@ -90,7 +91,7 @@ def test_the_join_goes_straight_to_a_place_on_the_new_path_and_turns_along_it() 
     joined = better_paths().joined(path((1.0, 1.0), (7.0, 1.0)), here, 8.0)
     assert joined[0] == here
     assert joined[-1] == Pose2(x_m=7.0, y_m=1.0, yaw_rad=0.0)
-    assert cost_m(joined) < 7.4
+    assert path_length_m(joined) < 7.4
     assert max(hypot(*(b.xy() - a.xy())) for a, b in pairwise(joined)) <= 0.06
 
 

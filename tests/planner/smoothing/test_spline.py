@@ -7,6 +7,7 @@ import pytest
 
 from legpush.arrays import Floats
 from legpush.scene.occupancy import OccupancyGrid
+from legpush.scene.paths import distances_m
 from legpush.scene.scenario import Smoothing
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
@@ -120,22 +121,22 @@ def test_without_smoothing_the_path_is_the_polyline() -> None:
 
 def test_the_papers_spline_goes_through_the_corners() -> None:
     (path,) = smoothed(maps.room(), CORNER, method="spline")
-    assert polylines.distances(path, CORNER).max() < 0.01
+    assert distances_m(CORNER, path).max() < 0.01
     assert polylines.length(path) > polylines.length(CORNER[[0, -1]])
 
 
 def test_a_spline_that_collides_is_drawn_back_to_the_polyline() -> None:
     grid = maps.room((0.0, 3.5, 1.5, 6.0), (4.5, 8.0, 0.0, 4.5))
     path = np.concatenate(smoothed(grid, CORNER, method="spline"))
-    assert polylines.distances(path, CORNER).max() < 0.05
+    assert distances_m(CORNER, path).max() < 0.05
 
 
 @pytest.mark.parametrize("deviation_m", [0.01, 0.05, 0.15, 0.4])
 def test_the_path_stays_as_near_to_that_of_the_search_as_was_asked_for(deviation_m: float) -> None:
     path = np.concatenate(smoothed(maps.room(), CORNER, max_deviation_m=deviation_m))
     dense = maps.samples(path, 0.01)
-    assert polylines.distances(CORNER, dense).max() <= deviation_m + 1e-6
-    assert polylines.distances(CORNER, dense).max() > 0.2 * deviation_m
+    assert distances_m(dense, CORNER).max() <= deviation_m + 1e-6
+    assert distances_m(dense, CORNER).max() > 0.2 * deviation_m
 
 
 @pytest.mark.parametrize("radius_m", [0.3, 0.8, 1.4])
@@ -170,7 +171,7 @@ def test_arcs_at_corners_join_lines_without_a_kink() -> None:
     path = fillet(CORNER, 0.7, 0.05)
     assert path is not None
     assert polylines.turning_radii(path).min() >= 0.99 * 0.7
-    assert polylines.distances(CORNER, path).max() == pytest.approx(0.7 * (1.0 - np.sqrt(0.5)), abs=0.01)
+    assert distances_m(path, CORNER).max() == pytest.approx(0.7 * (1.0 - np.sqrt(0.5)), abs=0.01)
     assert fillet(CORNER, 2.1, 0.05) is None
     assert fillet(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]), 0.1, 0.05) is None
 
@@ -179,5 +180,5 @@ def test_distances_and_radii_of_a_circle() -> None:
     angles = np.linspace(0.0, 3.0, 50)
     circle = 2.0 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     np.testing.assert_allclose(polylines.turning_radii(circle), 2.0)
-    assert polylines.distances(circle, np.array([[0.0, 0.0], [3.0, 0.0]])) == pytest.approx([2.0, 1.0], abs=0.01)
+    assert distances_m(np.array([[0.0, 0.0], [3.0, 0.0]]), circle) == pytest.approx([2.0, 1.0], abs=0.01)
     assert np.isinf(polylines.turning_radii(np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]))).all()
