@@ -12,11 +12,11 @@ from legpush.errors import PolicyError
 
 SCRIPTED: Final = "scripted"
 SB3_SUFFIX: Final = ".zip"
-"""Of a model that Stable-Baselines3 saved."""
+"""Suffix of a model that Stable-Baselines3 saved."""
 
 
 def make_policy(name: str, normalizer: Path | None = None) -> Policy:
-    """The policy called `name`: `scripted`, a shipped one, a policy folder, a model file, or `module:factory`.
+    """Make a policy by its name: `scripted`, a shipped one, a policy folder, a model file, or `module:factory`.
 
     `normalizer` belongs to a model file (`.zip`) only. The learning libraries are imported only for a trained policy.
 
@@ -48,9 +48,9 @@ def make_policy(name: str, normalizer: Path | None = None) -> Policy:
 
 
 def _from_entry_point(name: str) -> Policy:
-    """The policy that a function returns; its module is looked for in the working directory, too.
+    """Make a policy with a user's function, whose module may also lie in the working directory.
 
-    Its `decide` takes a world and a scenario, or a `PushView`.
+    The `decide` of the policy takes a world and a scenario, or a `PushView`.
     """
     module, _, factory = name.partition(":")
     if os.getcwd() not in sys.path:
@@ -67,7 +67,7 @@ def _from_entry_point(name: str) -> Policy:
 
 
 def user_policy(policy: object, name: str = "policy") -> Policy:
-    """A policy of the user's, whose errors are told as those of a policy.
+    """Wrap a user's policy so that an exception in it becomes a `PolicyError`.
 
     Raises:
         PolicyError: It has no method `decide` that takes a view, or a world and a scenario.
