@@ -1,4 +1,4 @@
-"""Makes the environment behind the id `legpush/Push-v1` from arguments that are plain data."""
+"""Makes the environment `legpush/Push-v1` from plain data, such as names, numbers and lists."""
 
 from dataclasses import fields, replace
 from typing import Any, cast
@@ -29,8 +29,8 @@ def make_push_env(
     """Make an environment with a simulator of its own.
 
     Args:
-        task: The whole task; `scenario` and `settings` make it if None.
-        world: A simulator to step, in this process or on the bus; one of its own if None.
+        task: The whole task; if None, `scenario` and `settings` define it.
+        world: A simulator to step, in this process or on the bus; if None, the environment makes its own.
         scenario: The name of a built-in scenario, or the path of a scenario file.
         simulator: The plug-in that simulates (`legpush.simulators`).
         settings: Fields of `TaskConfig`, such as `entry="fixed"` or `max_steps=50`, and intervals of its domain, such
