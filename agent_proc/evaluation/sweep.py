@@ -40,8 +40,8 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
     that it also stands at the station of a box of another size.
 
     Raises:
-        ConfigError: A sweep cannot be parsed, or names a field twice or one that does not exist.
-        ScenarioError: A value cannot be used.
+        ConfigError: A sweep cannot be parsed, or a field is swept twice.
+        ScenarioError: A field does not exist, or a value cannot be used.
     """
     parsed = [_parse(text) for text in texts]
     names = tuple(field for field, _ in parsed)
@@ -69,16 +69,12 @@ def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
 
 
 def _changed(scenario: Scenario, changes: dict[str, Value]) -> Scenario:
-    where = f"--sweep {_name(changes.items())}"
-    try:
-        changed = change_fields(scenario, changes)
-    except (KeyError, TypeError) as error:
-        raise ConfigError(f"Expected a field of the scenario for --sweep, got {', '.join(changes)}") from error
+    changed = change_fields(scenario, changes)
     if changed.box.size_m != scenario.box.size_m and _ready(scenario):
         place = station(changed.box, changed.box.pose.pose())
         start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
         changed = replace(changed, start=start)
-    check_scenario(changed, where)
+    check_scenario(changed, f"--sweep {_name(changes.items())}")
     return changed
 
 

@@ -16,7 +16,7 @@ SCRIPTED: Final = "scripted"
 GROUP: Final = "legpush.policies"
 """Entry points of plug-ins."""
 SB3_SUFFIX: Final = ".zip"
-"""Of a model that Stable-Baselines3 saved."""
+"""Suffix of a model that Stable-Baselines3 saved."""
 
 
 def make_policy(name: str, normalizer: Path | None = None) -> Policy:
@@ -51,9 +51,9 @@ def make_policy(name: str, normalizer: Path | None = None) -> Policy:
 
 
 def _from_address(name: str) -> Policy:
-    """The policy that a function returns; its module is looked for in the working directory, too.
+    """Make a policy with a user's function, whose module may also lie in the working directory.
 
-    Its `decide` takes a world and a scenario, or a `PushView`.
+    The `decide` of the policy takes a world and a scenario, or a `PushView`.
     """
     module, _, factory = name.partition(":")
     if os.getcwd() not in sys.path:
@@ -77,7 +77,7 @@ def _made_by(make: Callable[[], object], name: str) -> Policy:
 
 
 def user_policy(policy: object, name: str = "policy") -> Policy:
-    """A policy of the user's, whose errors are told as those of a policy.
+    """Wrap a user's policy so that an exception in it becomes a `PolicyError`.
 
     Raises:
         PolicyError: It has no method `decide` that takes a view, or a world and a scenario.
