@@ -12,7 +12,7 @@ from agent_proc.frames.poses import box_error, planar_pose
 from agent_proc.frames.station import stand_off, station
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
-from agent_proc.walking.actor import STILL_CYCLES
+from agent_proc.walking.walker import STILL_CYCLES
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
