@@ -1,19 +1,8 @@
 """Why and how a mission ends."""
 
 from dataclasses import dataclass
-from typing import Literal
 
-Reason = Literal[
-    "success",
-    "fell",
-    "box_tipped",
-    "no_path",
-    "stuck",
-    "missed_station",
-    "left_reference",
-    "max_push_cycles",
-    "tolerance_missed",
-]
+from legpush.runs.report import Reason
 
 
 class MissionEndedError(Exception):

@@ -5,10 +5,10 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.geometry import rectangle_corners, rotation_from_rpy, rpy_from_quaternion
 from legpush.messages.stepping import BoxState
-from legpush.scene.scenario import Box, Scenario
+from legpush.scene.scenario import Box, Goal
 
 FRONT = [0, 3]
-"""Where `rectangle_corners` has front left and front right."""
+"""Indices of front left and front right in `rectangle_corners`."""
 
 
 def tracked_corners_m(state: BoxState, box: Box) -> Floats:
@@ -20,7 +20,7 @@ def tracked_corners_m(state: BoxState, box: Box) -> Floats:
     return corners
 
 
-def goal_corners_m(scenario: Scenario) -> Floats:
-    """The same corners of a box at its goal, on the floor, (2, 2)."""
-    length_m, width_m, _ = scenario.box.size_m
-    return scenario.goal.pose.pose().apply(rectangle_corners(length_m, width_m)[FRONT])
+def goal_corners_m(goal: Goal, box: Box) -> Floats:
+    """The same corners of a box at its goal, on the floor, world frame, (2, 2)."""
+    length_m, width_m, _ = box.size_m
+    return goal.pose.pose().apply(rectangle_corners(length_m, width_m)[FRONT])

@@ -1,11 +1,11 @@
 """What the agent reads out of a world state: planar poses and how far the box is from its goal."""
 
 from dataclasses import dataclass
-from math import acos, degrees, hypot
+from math import acos, degrees
 
-from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
-from legpush.messages.stepping import BoxState, TrunkState, WorldState
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
+from legpush.geometry import Pose2, distance_m, wrap_angle
+from legpush.messages.poses import planar_pose
+from legpush.messages.stepping import WorldState
 from legpush.scene.scenario import Goal, Scenario
 
 
@@ -26,29 +26,17 @@ class BoxError:
         return f"{self.position_m:.3f} m, {degrees(self.angle_rad):.1f}°"
 
 
-def planar_pose(body: TrunkState | BoxState) -> Pose2:
-    """The pose of a body, projected to the floor, world frame."""
-    x_m, y_m, _ = body.position_m
-    return Pose2(x_m=x_m, y_m=y_m, yaw_rad=float(rpy_from_quaternion(body.orientation_wxyz)[2]))
-
-
 def box_tilt_rad(world: WorldState) -> float:
     """Angle between the box's upward axis and the vertical."""
     _, x, y, _ = world.box.orientation_wxyz
     return acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
 
 
-def distance_m(a: Pose2, b: Pose2) -> float:
-    """Between the positions of two poses."""
-    return hypot(a.x_m - b.x_m, a.y_m - b.y_m)
-
-
-def moved_m(a: Pose2, b: Pose2) -> float:
-    """Between two poses, turning counted by the arc of the foot rectangle's corners."""
-    return distance_m(a, b) + abs(wrap_angle(b.yaw_rad - a.yaw_rad)) * FOOT_RECTANGLE_RADIUS_M
-
-
 def box_error(world: WorldState, scenario: Scenario) -> BoxError:
-    """Of the box's centre and yaw against the goal pose of the scenario."""
-    box, goal = planar_pose(world.box), scenario.goal.pose.pose()
+    """Error of the box's centre and yaw against the goal pose of the scenario."""
+    return pose_error(planar_pose(world.box), scenario.goal.pose.pose())
+
+
+def pose_error(box: Pose2, goal: Pose2) -> BoxError:
+    """Error of a box at one pose that should be at another one."""
     return BoxError(position_m=distance_m(box, goal), angle_rad=abs(wrap_angle(box.yaw_rad - goal.yaw_rad)))

@@ -1,7 +1,8 @@
-"""The checkpoint of a training: one file, complete or not there, which is refused where a byte of it is wrong."""
+"""The checkpoint of a training: one file, whole or absent, which is refused if a byte of it is wrong."""
 
 import hashlib
 import pickle
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -10,12 +11,16 @@ from agent_proc.policies.folder import Check, CurvePoint
 from legpush.errors import LegpushError
 from legpush.files import write_whole
 
-MAGIC: Final = b"legpush training checkpoint 1\n"
+FORMAT: Final = 2
+"""Raised when classes that a checkpoint pickles move or change."""
+MAGIC: Final = b"legpush training checkpoint %d\n" % FORMAT
+HEADER: Final = re.compile(rb"legpush training checkpoint (\d{1,9})\n")
+"""Of any format."""
 N_DIGEST: Final = hashlib.sha256().digest_size
 
 
 class CheckpointError(LegpushError):
-    """A checkpoint that cannot be gone on from; names the file."""
+    """A checkpoint that cannot be resumed from; names the file."""
 
     exit_code = 2
 
@@ -34,17 +39,31 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """Write it in place of the previous one, which stays where that fails (`DiskError`)."""
+    """Write it in place of the previous one.
+
+    Raises:
+        DiskError: It cannot be written; the previous one is untouched.
+    """
     body = pickle.dumps(checkpoint)
     write_whole(path, MAGIC + hashlib.sha256(body).digest() + body)
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
-    """Read it; load only what your own training wrote, for it may hold code. `CheckpointError` where it is damaged."""
+    """Read a checkpoint; load only what your own training wrote, for it may hold code.
+
+    Raises:
+        CheckpointError: It is missing, damaged, or of another format.
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
         raise CheckpointError(f"{path}: expected the checkpoint of a training ({error.strerror})") from error
+    header = HEADER.match(data)
+    if header and int(header[1]) != FORMAT:
+        raise CheckpointError(
+            f"{path}: expected a checkpoint of format {FORMAT}, got format {int(header[1])}, which another version of "
+            "legpush wrote: resume this training with that version, or start it again in a new folder"
+        )
     head = len(MAGIC) + N_DIGEST
     if not data.startswith(MAGIC) or hashlib.sha256(data[head:]).digest() != data[len(MAGIC) : head]:
         raise CheckpointError(f"{path}: expected the whole checkpoint of a training, got {len(data)} other bytes")

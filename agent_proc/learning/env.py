@@ -1,33 +1,27 @@
 """Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from math import degrees, hypot
-from typing import Any, Final, Literal
+from typing import Any
 
 import gymnasium
 import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from agent_proc.frames.poses import box_error, planar_pose
-from agent_proc.frames.station import at_station
+from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.task.action import action_space, to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import observe
-from agent_proc.task.policy_view import TABLES, is_done, observation_space
+from agent_proc.task.ending import EpisodeEnding, episode_ending
+from agent_proc.task.observation import TABLES, observation_space, observe
 from agent_proc.task.reward_paper import paper_reward
-from agent_proc.task.reward_tuned import errors_in_tolerances, tuned_reward
+from agent_proc.task.reward_tuned import tuned_reward
 from legpush.errors import ConfigError, PeerError
+from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
-from legpush.messages.stepping import Outcome, Push, Reset, WorldState
+from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.scenario import PoseDeg, Scenario
-
-ASTRAY: Final = 5.0
-"""An episode of the `tuned` profile ends when the errors add up to this many tolerances more than at its start; one of
-any profile when the box has slid away from the robot."""
-
-EpisodeEnding = Literal["success", "fell", "missed", "astray", "max_steps"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +46,13 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it so
 
     def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
+        """Push in `world`, which no other environment may step.
+
+        Raises:
+            ConfigError: Another environment steps the same simulator in this process.
+        """
+        if isinstance(world, LocalWorld):
+            world.claim(self)
         self.task = task
         self.action_space = action_space(task)
         self.table = TABLES[task.observation]
@@ -75,34 +76,31 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         scenario = options.get("scenario", drawn_scenario)
         scenario_seed = options.get("scenario_seed", drawn_seed)
         episode = self._episode = self._begin(Reset(scenario=scenario, seed=scenario_seed))
-        return self._observe(episode), {"scenario_seed": scenario_seed, **_errors(episode.state, scenario)}
+        return observe(self.task, episode.view), {"scenario_seed": scenario_seed, **_errors(episode.view)}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """One push cycle."""
         episode = self._going_on()
-        push = to_push(action, self.task, episode.state, episode.scenario)
-        before, outcome = episode.state, self._world.step(push)
-        episode.advance(push, outcome)
-        ending = self._ending(episode)
+        before = episode.view
+        push = to_push(action, self.task, before)
+        episode.advance(push, self._world.step(push))
+        ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
         episode.over = ending is not None
         terms = self._reward(before, episode, ending)
         self._world.tell_reward(terms)
-        info: dict[str, Any] = {
-            "reward_terms": terms,
-            "is_success": ending == "success",
-            **_errors(episode.state, episode.scenario),
-        }
+        info: dict[str, Any] = {"reward_terms": terms, "is_success": ending == "success", **_errors(episode.view)}
         if ending is not None:
             info["ending"] = ending
         truncated = ending == "max_steps"
-        return self._observe(episode), sum(terms.values()), episode.over and not truncated, truncated, info
+        observation = observe(self.task, episode.view)
+        return observation, sum(terms.values()), episode.over and not truncated, truncated, info
 
     @property
-    def here(self) -> tuple[WorldState, Scenario]:
-        """The present state of the world, and the scenario of the episode."""
+    def view(self) -> PushView:
+        """The present state, as a policy would be asked about it."""
         if self._episode is None:
             raise ConfigError("Expected a reset first: there is no episode")
-        return self._episode.state, self._episode.scenario
+        return self._episode.view
 
     def snapshot(self) -> EnvSnapshot:
         """What `restore` needs to go on from here."""
@@ -117,7 +115,8 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     def restore(self, snapshot: EnvSnapshot) -> NDArray[np.float32]:
         """Go on where the snapshot was taken, by doing all of its episode again; returns the observation.
 
-        `PeerError` where that leads to another state.
+        Raises:
+            PeerError: That leads to another state.
         """
         super().reset(seed=0)
         self.np_random.bit_generator.state = dict(snapshot.generator)
@@ -129,11 +128,12 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
                 f"{episode.state_crc:08x}: the simulator computes something else"
             )
-        return self._observe(episode)
+        return observe(self.task, episode.view)
 
     def _begin(self, reset: Reset) -> "_Episode":
         outcome = self._world.step(reset)
-        return _Episode(reset=reset, first=outcome.world, state=outcome.world, state_crc=outcome.state_crc)
+        view = push_view(outcome.world, reset.scenario)
+        return _Episode(reset=reset, first=view, view=view, state_crc=outcome.state_crc)
 
     def _going_on(self) -> "_Episode":
         if self._episode is None or self._episode.over:
@@ -154,29 +154,10 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             scenario = replace(scenario, goal=replace(scenario.goal, pose=_goal_at(scenario, distance_m)))
         return scenario
 
-    def _ending(self, episode: "_Episode") -> EpisodeEnding | None:
-        state, scenario = episode.state, episode.scenario
-        if state.fallen:
-            return "fell"
-        if not at_station(planar_pose(state.trunk), scenario.box, planar_pose(state.box)):
-            return "astray"
-        if is_done(self.task, state, scenario):
-            return "success" if box_error(state, scenario).within(scenario.goal) else "missed"
-        if self.task.reward == "tuned":
-            now, first = (sum(errors_in_tolerances(world, scenario)) for world in (state, episode.first))
-            if now > first + ASTRAY:
-                return "astray"
-        return "max_steps" if len(episode.pushes) >= self.task.max_steps else None
-
-    def _reward(self, before: WorldState, episode: "_Episode", ending: EpisodeEnding | None) -> dict[str, float]:
+    def _reward(self, before: PushView, episode: "_Episode", ending: EpisodeEnding | None) -> dict[str, float]:
         if self.task.reward == "paper":
-            reward = paper_reward(episode.state, episode.scenario)
-            return {"position": reward.position, "angle": reward.angle, "fall": reward.fall}
-        arrived = ending in ("success", "missed")
-        return tuned_reward(episode.first, before, episode.state, episode.scenario, arrived=arrived)
-
-    def _observe(self, episode: "_Episode") -> NDArray[np.float32]:
-        return observe(episode.state, episode.scenario, self.table).astype(np.float32)
+            return asdict(paper_reward(episode.view))
+        return tuned_reward(episode.first, before, episode.view, arrived=ending in ("success", "missed"))
 
 
 @dataclass
@@ -184,22 +165,18 @@ class _Episode:
     """An episode on its way."""
 
     reset: Reset
-    first: WorldState
-    """Its state after the reset."""
-    state: WorldState
+    first: PushView
+    """After the reset."""
+    view: PushView
+    """Now."""
     state_crc: int
     pushes: list[Push] = field(default_factory=list)
     over: bool = False
 
-    @property
-    def scenario(self) -> Scenario:
-        """Its own, with what was drawn for it."""
-        return self.reset.scenario
-
     def advance(self, push: Push, outcome: Outcome) -> None:
-        """A push was carried out."""
+        """Take in what a push led to."""
         self.pushes.append(push)
-        self.state, self.state_crc = outcome.world, outcome.state_crc
+        self.view, self.state_crc = push_view(outcome.world, self.reset.scenario), outcome.state_crc
 
 
 def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:
@@ -209,10 +186,9 @@ def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:
     return replace(goal, x_m=box.x_m + share * (goal.x_m - box.x_m), y_m=box.y_m + share * (goal.y_m - box.y_m))
 
 
-def _errors(world: WorldState, scenario: Scenario) -> dict[str, Any]:
-    error = box_error(world, scenario)
+def _errors(view: PushView) -> dict[str, Any]:
     return {
-        "fell": world.fallen,
-        "position_error_m": error.position_m,
-        "angle_error_deg": degrees(error.angle_rad),
+        "fell": view.fallen,
+        "position_error_m": view.error.position_m,
+        "angle_error_deg": degrees(view.error.angle_rad),
     }

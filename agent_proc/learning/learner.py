@@ -22,7 +22,6 @@ from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfil
 from legpush.arrays import Floats
 from legpush.errors import ConfigError
 
-CLASSES: Final[dict[str, type[BaseAlgorithm]]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
 DEPTH: Final = 3
 """Index of the depth among the elements of a variable-entry action."""
 UNSAVED: Final = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
@@ -57,7 +56,11 @@ def undisturbed_draws() -> AbstractContextManager[None]:
 
 
 def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str | None) -> Learner:
-    """A new learner; `ConfigError` where the algorithm cannot act in the environment."""
+    """A new learner.
+
+    Raises:
+        ConfigError: The algorithm cannot act in the environment.
+    """
     monitor = VecMonitor(env)
     normalizer = VecNormalize(
         monitor,

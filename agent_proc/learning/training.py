@@ -1,4 +1,4 @@
-"""A training: learn, evaluate now and then, keep the best policy, and be able to go on as if never stopped.
+"""A training: learns, evaluates now and then, keeps the best policy, and can go on as if it had never been stopped.
 
 What a checkpoint holds is taken where a rollout begins. An interrupted rollout is done again after that, step by step
 the same, so that an interrupted training ends with the very weights of an uninterrupted one.
@@ -16,21 +16,11 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import configure_logger
 from stable_baselines3.common.vec_env import VecEnv
 
-from agent_proc.evaluation.episodes import evaluate, summarize
+from agent_proc.learning.best_policy import build_policy, check_policy, is_better
 from agent_proc.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from agent_proc.learning.learner import (
-    Learner,
-    capture,
-    make_learner,
-    observation_moments,
-    policy_zip,
-    restore,
-    set_exploration,
-    undisturbed_draws,
-)
+from agent_proc.learning.learner import Learner, capture, make_learner, restore, set_exploration, undisturbed_draws
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
-from agent_proc.policies.folder import Card, Check, CurvePoint, Normalizer, PolicyFolder, write_policy
-from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.policies.folder import Check, CurvePoint, write_policy
 from agent_proc.policies.networks import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
@@ -42,8 +32,6 @@ CHECKPOINT_FILE: Final = "checkpoint"
 BEST: Final = "best"
 LAST: Final = "last"
 TENSORBOARD: Final = "tensorboard"
-FIRST_CHECK_SEED: Final = 1_000_000
-"""The policies are compared on the seeds from here on; reports use others."""
 WINDOW: Final = 30
 """Episodes that the shown return and success rate are means of."""
 
@@ -83,7 +71,11 @@ class Training:
         return self._learner
 
     def resume(self) -> None:
-        """Go on from the checkpoint in the folder; `CheckpointError` where there is none."""
+        """Go on from the checkpoint in the folder.
+
+        Raises:
+            CheckpointError: There is none, or it cannot be resumed from.
+        """
         held = load_checkpoint(self._folder / CHECKPOINT_FILE)
         self._learner = restore(self._learner, held.learner)
         model = self._learner.model
@@ -186,58 +178,23 @@ class Training:
         for name in ("success_rate", "position_error_m", "angle_error_deg", "cycles"):
             logger.record(f"evaluation/{name}", getattr(check, name))
         logger.dump(step)
-        if self._best is None or _rank(check) > _rank(self._best):
+        if is_better(check, self._best):
             self._best = check
             self._write(BEST, check)
 
     def _check(self) -> Check:
-        """Evaluate the deterministic policy."""
-        n = self._plan.profile.evaluation_episodes
-        seeds = range(FIRST_CHECK_SEED, FIRST_CHECK_SEED + n)
-        policy = LearnedPolicy(self._policy(None), "the policy in training")
-        done = count(1)
-        self._tell(f"evaluating, episode 0 of {n}")
-        rows = evaluate(
-            self._worlds,
-            {"": self._plan.task.scenario},
-            seeds,
-            policy,
-            on_row=lambda _: self._tell(f"evaluating, episode {next(done)} of {n}"),
-            stop=self._stop,
-        )
-        summary = summarize(rows)[""]
-        return Check(
-            step=self._learner.model.num_timesteps,
-            seeds=tuple(seeds),
-            success_rate=summary.success_rate.value,
-            position_error_m=summary.position_error_m.value,
-            angle_error_deg=summary.angle_error_deg.value,
-            falls=summary.n_falls,
-            cycles=summary.n_cycles.value,
-        )
+        """Evaluate the policy as it is now."""
+        n, n_done = self._plan.profile.evaluation_episodes, count()
 
-    def _policy(self, check: Check | None) -> PolicyFolder:
-        """The policy as it is now."""
-        plan, moments = self._plan, observation_moments(self._learner.normalizer)
-        card = Card(
-            command=plan.command,
-            task=plan.task,
-            profile=plan.profile,
-            seed=plan.seed,
-            steps=self._learner.model.num_timesteps,
-            n_simulators=plan.n_simulators,
-            versions=plan.versions,
-            check=check,
-            curve=tuple(self._curve),
-        )
-        normalizer = None
-        if moments is not None:
-            mean, variance = moments
-            normalizer = Normalizer(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
-        return PolicyFolder(card=card, networks=policy_zip(self._learner.model), normalizer=normalizer)
+        def tell() -> None:
+            self._tell(f"evaluating, episode {next(n_done)} of {n}")
+
+        tell()
+        policy = build_policy(self._plan, self._learner, self._curve, None)
+        return check_policy(policy, self._worlds, on_episode=tell, stop=self._stop)
 
     def _write(self, name: str, check: Check) -> None:
-        write_policy(self._folder / name, self._policy(check))
+        write_policy(self._folder / name, build_policy(self._plan, self._learner, self._curve, check))
 
     def _tell(self, doing: str) -> None:
         recent = self._curve[-WINDOW:]
@@ -251,11 +208,6 @@ class Training:
                 doing=doing,
             )
         )
-
-
-def _rank(check: Check) -> tuple[int, float, float]:
-    """Fewer falls, then more success, then less error: 1 cm counts as much as 1 degree."""
-    return -check.falls, check.success_rate, -(100 * check.position_error_m + check.angle_error_deg)
 
 
 class _Watcher(BaseCallback):

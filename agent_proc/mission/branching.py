@@ -6,11 +6,12 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
+from agent_proc.frames.push_view import PushView
 from agent_proc.mission.facts import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
 from legpush.errors import RecordingError
-from legpush.messages.stepping import Alter, Push, WorldState
+from legpush.messages.stepping import Alter, Push
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.facts import read_facts
 from legpush.recording.mcap_file.reader import read_recording
@@ -45,9 +46,9 @@ class BranchPolicy:
         self._future = future
         self._is_past = is_past
 
-    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
+    def decide(self, view: PushView) -> Push | None:
         """The next push cycle."""
-        return (self._past if self._is_past() else self._future).decide(world, scenario)
+        return (self._past if self._is_past() else self._future).decide(view)
 
 
 def read_branch(

@@ -11,9 +11,10 @@ from agent_proc.pushing.box_route import BoxRoute
 from agent_proc.pushing.calibrating import Calibration
 from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.pushing import Pushing
-from agent_proc.walking.actor import Actor, Revise, Tell, as_it_is, nobody
+from agent_proc.walking.actor import Actor, Revise, as_it_is, nobody
 from agent_proc.walking.route_planner import RoutePlanner
 from agent_proc.walking.walker import Walker
+from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import World
 from legpush.messages.stepping import Reset
 from legpush.scene.scenario import Scenario

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
-from legpush.errors import LegpushError
+from legpush.errors import PolicyError
 from legpush.files import replace_folder
 
 FORMAT: Final = 1
@@ -22,12 +22,6 @@ NETWORKS_FILE: Final = "policy.zip"
 NORMALIZER_FILE: Final = "normalizer.json"
 CARD_FILE: Final = "card.json"
 README_FILE: Final = "README.md"
-
-
-class PolicyError(LegpushError):
-    """A policy folder that cannot be used; names the file."""
-
-    exit_code = 2
 
 
 class Normalizer(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

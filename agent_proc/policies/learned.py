@@ -16,21 +16,22 @@ from stable_baselines3.ppo import MlpPolicy as PpoPolicy
 from stable_baselines3.sac import MlpPolicy as SacPolicy
 from stable_baselines3.td3 import MlpPolicy as Td3Policy
 
+from agent_proc.frames.push_view import PushView
 from agent_proc.policies.folder import (
     NETWORKS_FILE,
     NORMALIZER_FILE,
     Normalizer,
-    PolicyError,
     PolicyFolder,
     policy_path,
     read_policy,
 )
 from agent_proc.policies.networks import policy_arguments
-from agent_proc.task.action import action_space
+from agent_proc.task.action import action_space, to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.policy_view import is_done, observation_space, policy_observation, policy_push
-from legpush.messages.stepping import Push, WorldState
-from legpush.scene.scenario import Scenario
+from agent_proc.task.ending import is_done
+from agent_proc.task.observation import observation_space, observe
+from legpush.errors import PolicyError
+from legpush.messages.stepping import Push
 
 NETWORKS: Final[dict[str, type[BasePolicy]]] = {"ppo": PpoPolicy, "sac": SacPolicy, "td3": Td3Policy}
 
@@ -39,7 +40,11 @@ class NetworkPolicy:
     """Networks of Stable-Baselines3 that learned a task, without exploring."""
 
     def __init__(self, task: TaskConfig, networks: BasePolicy, normalizer: Normalizer | None, origin: str) -> None:
-        """`PolicyError`, which begins with `origin`, where the normalizer does not fit the observation of the task."""
+        """A policy of `task`; what it says of wrong parameters begins with `origin`.
+
+        Raises:
+            PolicyError: The normalizer does not fit the observation of the task.
+        """
         n_seen = int(np.prod(observation_space(task).shape))
         if normalizer is not None and len(normalizer.mean) != n_seen:
             raise PolicyError(
@@ -52,23 +57,27 @@ class NetworkPolicy:
         # Networks of Stable-Baselines3 keep the distribution of their last action: one thread at a time.
         self._lock = threading.Lock()
 
-    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
-        """The next push, or None where an episode of training would have ended."""
-        if is_done(self._task, world, scenario):
+    def decide(self, view: PushView) -> Push | None:
+        """The next push, or None if an episode of training would have ended here."""
+        if is_done(self._task, view):
             return None
-        observation = policy_observation(self._task, world, scenario)
+        observation = observe(self._task, view)
         if self._normalizer is not None:
             observation = self._normalizer.apply(observation)
         with self._lock:
             action, _ = self._networks.predict(observation, deterministic=True)
-        return policy_push(self._task, action, world, scenario)
+        return to_push(action, self._task, view)
 
 
 class LearnedPolicy(NetworkPolicy):
     """The policy of a folder; its networks are read as plain arrays, so a folder from elsewhere runs no code."""
 
     def __init__(self, folder: PolicyFolder, name: str) -> None:
-        """`PolicyError` where networks and normalizer do not fit the task on the card; `name` is what they are of."""
+        """The policy of a folder called `name`.
+
+        Raises:
+            PolicyError: Networks or normalizer do not fit the task on the card.
+        """
         self.card = folder.card
         task = folder.card.task
         networks = _networks(folder, observation_space(task), name)
@@ -76,7 +85,11 @@ class LearnedPolicy(NetworkPolicy):
 
 
 def load_learned(name_or_path: str) -> LearnedPolicy:
-    """A shipped policy by its name, or that of a folder; `PolicyError` says which file of it cannot be used."""
+    """A shipped policy by its name, or that of a folder.
+
+    Raises:
+        PolicyError: There is none, or one of its files cannot be used; it names the file.
+    """
     path = policy_path(name_or_path)
     return LearnedPolicy(read_policy(path), str(path))
 

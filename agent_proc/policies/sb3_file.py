@@ -15,12 +15,13 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
-from agent_proc.policies.folder import Normalizer, PolicyError
+from agent_proc.policies.folder import Normalizer
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.policies.networks import use_one_thread
 from agent_proc.task.action import action_space
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.policy_view import observation_space
+from agent_proc.task.observation import observation_space
+from legpush.errors import PolicyError
 
 ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
     "stable_baselines3.common.policies": PPO,
@@ -42,8 +43,10 @@ def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
     """The policy of a model, with the observations that it was shown and the actions that it takes.
 
     Both follow from its spaces; depths are those of a `TaskConfig` by default. `normalizer` is the file of the
-    `VecNormalize` that it was trained with, None if it was trained without. `PolicyError` names the file and says what
-    was expected of it.
+    `VecNormalize` that it was trained with, None if it was trained without.
+
+    Raises:
+        PolicyError: A file is not what was expected of it; it names the file.
     """
     use_one_thread()
     networks = _networks(path)

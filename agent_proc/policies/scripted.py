@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
+from agent_proc.frames.push_view import PushView
 from agent_proc.push_model.model import MIRROR, PushModel
 from legpush.arrays import Floats
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
 from legpush.scene.robot import FRONT_LEGS, FrontLeg
-from legpush.scene.scenario import Goal, Scenario
+from legpush.scene.scenario import Goal
 
 OTHER_LEG: Final[dict[FrontLeg, FrontLeg]] = {"FL": "FR", "FR": "FL"}
 FIRST_DEPTHS_M: Final = (0.02, 0.04, 0.06, 0.08, 0.10)
@@ -56,10 +56,9 @@ class ScriptedPolicy:
         self._mirror = np.tile([MIRROR[push.leg] for push in self._pushes], n_models)
         self._first_depth, self._later_depth, self._look_ahead = np.tile([c[1:] for c in candidates], (n_models, 1)).T
 
-    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
-        """The first push of the best candidate, or None where pushing on is not worth it."""
-        goal = scenario.goal
-        box = goal.pose.pose().inverse() @ planar_pose(world.box)
+    def decide(self, view: PushView) -> Push | None:
+        """The first push of the best candidate, or None if pushing on is not worth it."""
+        goal, box = view.goal, view.box_g
         # Decided for the box left of the line, so that mirror images get mirrored answers however numbers are rounded.
         mirror = copysign(1.0, box.y_m or box.yaw_rad)
         row = np.round([[box.x_m, mirror * box.y_m, mirror * box.yaw_rad]], N_DIGITS)

@@ -11,13 +11,13 @@ from msgspec.structs import replace
 
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.queries import query_for_box
-from agent_proc.walking.queries import query_to_nominal_box
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
+from legpush.plans.trunk_queries import query_to_nominal_box
 from legpush.processes.pool import SimPool
 from legpush.scenarios.file import write_scenario
 from legpush.scenarios.random_scenario import random_scenario
@@ -35,7 +35,7 @@ CHECK_SEED: Final = 1_000_003
 
 def main() -> int:
     """Parse the command line and draw; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
+    return run_program("scenarios", lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
 
 
 def run(options: RandomScenario) -> int:

@@ -2,11 +2,11 @@
 
 from typing import Final
 
-from agent_proc.frames.poses import distance_m
 from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.queries import calibration_query
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.route_planner import RoutePlanner
+from legpush.geometry import distance_m
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.stepping import Push
 from legpush.scene.robot import FRONT_LEGS

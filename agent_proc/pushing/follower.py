@@ -1,4 +1,4 @@
-"""Pushing the box along a path: straight stretches by a policy, arcs by what the push model says, one rule for both.
+"""Follows one stage of the box's path: a policy pushes it along straight stretches, the push model along arcs.
 
 After each push the box is measured. Where the path ahead is straight, the policy decides, for a target on that line:
 the end of the stage where the line leads there, else a point `LINE_AHEAD_M` ahead on it. On an arc, and just before
@@ -7,23 +7,24 @@ one, the next `HORIZON` pushes are predicted for every choice of legs, and the f
 
 from dataclasses import dataclass
 from itertools import product
-from math import radians
+from math import degrees, radians
 from typing import Final, Literal
 
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
+from agent_proc.frames.push_view import PushView, pushed_state
 from agent_proc.policies.policy import Policy
-from agent_proc.policies.pushed_world import pushed_scenario, pushed_world
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.model import MIRROR
 from agent_proc.pushing.stage import Deviation, Stage
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.poses import planar_pose
+from legpush.messages.stepping import BoxState, Push, WorldState
+from legpush.scene.faces import pushed_box
 from legpush.scene.robot import FRONT_LEGS
-from legpush.scene.scenario import Scenario
+from legpush.scene.scenario import PoseDeg, Scenario
 
 LINE_AHEAD_M: Final = 0.6
 """How far ahead on a straight stretch the policy's target is, unless that is where the stage ends."""
@@ -32,16 +33,16 @@ LEAST_LINE_M: Final = 0.12
 LAST_LINE_M: Final = 0.5
 LAST_LEFT_M: Final = 0.05
 LAST_TURN_RAD: Final = radians(5.0)
-"""So near to the end of a stage, and to the line through it, the policy decides even where the path curves: what it
-learned to correct."""
+"""This near to the end of a stage, and to the line through it, the policy decides even where the path curves: it has
+learned to correct such errors."""
 HORIZON: Final = 4
 FIRST_DEPTHS_M: Final = (0.05, 0.08)
 LATER_DEPTH_M: Final = 0.05
 LEFT_M: Final = 0.02
 HEADING_RAD: Final = radians(4.0)
-"""What counts as much as what, squared, of the deviations from the path."""
+"""Scales of the lateral and heading deviation in the cost: 2 cm off costs as much as 4°."""
 SLOW_COST: Final = 0.05
-"""What taking twice as many pushes for the same way costs."""
+"""Cost of taking twice as many pushes to cover the same distance."""
 USUAL_STEP_M: Final = 0.037
 TUBE_M: Final = 0.10
 TUBE_RAD: Final = radians(25.0)
@@ -76,7 +77,7 @@ class Follower:
         self._at_m = 0.0
         self._open = scenario.pushing.composition == "open_loop"
         self._believed: Pose2 | None = None
-        """In an open loop: where the box should be by now, pushed frame."""
+        """In an open loop, where the box is by the push model: pose of the pushed frame."""
         self._firsts = list(product(FRONT_LEGS, FIRST_DEPTHS_M))
         sequences = list(product(self._firsts, product(FRONT_LEGS, repeat=HORIZON - 1)))
         self._mirrors = np.array([[MIRROR[first[0]], *(MIRROR[leg] for leg in legs)] for first, legs in sequences])
@@ -85,32 +86,46 @@ class Follower:
 
     def decide(self, world: WorldState) -> Decision:
         """The next push, of the path's face."""
-        seen = pushed_world(world, self._path.face)
+        box = pushed_state(world.box, self._path.face)
         if self._open and self._believed is not None:
-            seen = _moved(seen, self._believed)
-        pose = planar_pose(seen.box)
+            box = _level(self._believed, box.position_m[2])
+        pose = planar_pose(box)
         deviation = self._path.deviation(pose, self._at_m, self._at_m + SEARCH_AHEAD_M)
         self._at_m = deviation.distance_m
         if not self._open and (abs(deviation.left_m) > TUBE_M or abs(deviation.heading_rad) > TUBE_RAD):
             return Decision(push=None, ending="left_path", deviation=deviation)
-        push = self._next(seen, pose)
+        target = self._target(pose)
+        if target is not None:
+            push = self._policy.decide(self._view(world, box, target))
+        elif self._at_m > self._path.length_m - ENOUGH_M:
+            push = None
+        else:
+            push = self._on_arc(pose)
         if push is None:
             return Decision(push=None, ending="done", deviation=deviation)
         if self._open:
             self._believed = self._estimate.after(pose, push)
         return Decision(push=replace(push, face=self._path.face), ending=None, deviation=deviation)
 
-    def _next(self, seen: WorldState, pose: Pose2) -> Push | None:
+    def _target(self, pose: Pose2) -> Pose2 | None:
+        """Where the policy should push the box, pushed frame; None on an arc, where the push model decides."""
         line_ends_m = self._path.straight_until_m(self._at_m)
         if line_ends_m >= self._path.length_m or self._on_last_line(pose):
-            return self._policy.decide(seen, pushed_scenario(self._scenario, self._path.face, self._path.end))
+            return self._path.end
         if line_ends_m - self._at_m > LEAST_LINE_M:
-            here = self._path.pose(self._at_m)
-            target = here @ Pose2(x_m=LINE_AHEAD_M, y_m=0.0, yaw_rad=0.0)
-            return self._policy.decide(seen, pushed_scenario(self._scenario, self._path.face, target))
-        if self._at_m > self._path.length_m - ENOUGH_M:
-            return None
-        return self._on_arc(pose)
+            return self._path.pose(self._at_m) @ Pose2(x_m=LINE_AHEAD_M, y_m=0.0, yaw_rad=0.0)
+        return None
+
+    def _view(self, world: WorldState, box: BoxState, target: Pose2) -> PushView:
+        """The box at a pose of the pushed frame, with the target as its goal."""
+        pose = PoseDeg(x_m=target.x_m, y_m=target.y_m, yaw_deg=degrees(target.yaw_rad))
+        return PushView(
+            world=world,
+            scenario=self._scenario,
+            box=pushed_box(self._scenario.box, self._path.face),
+            box_state=box,
+            goal=replace(self._scenario.goal, pose=pose),
+        )
 
     def _on_last_line(self, pose: Pose2) -> bool:
         """Whether the end of the stage is near, and nearly ahead."""
@@ -136,9 +151,8 @@ class Follower:
         return Push(w1=w1, w2=w2, leg=leg, depth_m=depth_m)
 
 
-def _moved(world: WorldState, pose: Pose2) -> WorldState:
-    """The same world with a level box somewhere else."""
+def _level(pose: Pose2, height_m: float) -> BoxState:
+    """A level box whose centre is at this height."""
     half = pose.yaw_rad / 2
     orientation = (float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
-    position = (pose.x_m, pose.y_m, world.box.position_m[2])
-    return replace(world, box=replace(world.box, position_m=position, orientation_wxyz=orientation))
+    return BoxState(position_m=(pose.x_m, pose.y_m, height_m), orientation_wxyz=orientation)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from agent_proc.frames.station import station
 from agent_proc.pushing.stage import Stage
 from agent_proc.walking.obstacles import LOOK_STEP_M
 from legpush.scene.faces import pushed_box
 from legpush.scene.footprints import Footprint, box_footprint, distance_m, obstacle_footprint
 from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M
 from legpush.scene.scenario import Rectangle, Scenario
+from legpush.scene.station import station
 
 
 def is_in_push(obstacle: Rectangle, scenario: Scenario, path: Stage, from_m: float = 0.0) -> bool:

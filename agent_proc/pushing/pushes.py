@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping
 
+from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
 from agent_proc.task.reward_tuned import tuned_reward
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import Walker
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.scenario import Face
 
@@ -32,7 +33,7 @@ class Pushes:
         """What pushes do, by the face that is pushed."""
         self.n_cycles = 0
         """Number of pushes."""
-        self._first: WorldState | None = None
+        self._first: PushView | None = None
         """Before the first push."""
 
     def push(self, push: Push, *, learn: bool) -> None:
@@ -45,10 +46,11 @@ class Pushes:
         if not self._actor.at_station(face):
             self._walker.approach(face)
         self.n_cycles += 1
-        before, world = pushed_pose(self._actor.box(), face), self._actor.state
-        self._first = self._first or world
+        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.state, self._actor.scenario)
+        self._first = self._first or view
         self._actor.step(push)
+        after = push_view(self._actor.state, self._actor.scenario)
         # What the same push earns in training; policies do not see it here.
-        self._publish_reward(tuned_reward(self._first, world, self._actor.state, self._actor.scenario, arrived=False))
+        self._publish_reward(tuned_reward(self._first, view, after, arrived=False))
         if learn:
             self.estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))

@@ -7,7 +7,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.endings import MissionEndedError, Reason
+from agent_proc.endings import MissionEndedError
 from agent_proc.frames.poses import BoxError
 from agent_proc.policies.policy import Policy
 from agent_proc.pushing.box_route import BoxRoute
@@ -17,6 +17,7 @@ from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.stage import Stage
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import STILL_CYCLES, Walker
+from legpush.runs.report import Reason
 from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Goal
 

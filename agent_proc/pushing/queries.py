@@ -6,7 +6,6 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agent_proc.frames.station import stand_off, station
 from agent_proc.push_model.estimate import PushEstimate
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, PushSide
@@ -15,6 +14,7 @@ from legpush.scene.footprints import Footprint, box_footprint
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M
 from legpush.scene.scenario import CALIBRATION_PUSH_M, Face, Scenario
+from legpush.scene.station import stand_off, station
 
 TOLERANCE_SHARE: Final = 0.3
 """Of the goal's tolerances: what a planned path of the box may leave."""

@@ -1,75 +1,26 @@
-"""`report.json`: the numbers of a mission, from what its journal recorded and nothing else."""
+"""Computes `report.json`, the numbers of a mission, from its journal alone."""
 
 from math import degrees, sqrt
 from typing import Final
 
 import numpy as np
-from msgspec import Struct
 
 from agent_proc.endings import MissionResult
-from agent_proc.frames.poses import planar_pose
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Walk
+from legpush.runs.report import Appeared, Report
 from legpush.scene.paths import arc_lengths_m, distances_m
 from legpush.scene.robot import CONTROL_PERIOD_S
 
 LOOK_AHEAD_M: Final = 0.5
-"""So far ahead on its path the box may be after one more push cycle."""
-
-
-class Appeared(Struct, frozen=True, kw_only=True):
-    """An obstacle that appeared."""
-
-    obstacle: int
-    """Its place in `room.obstacles`, from 0."""
-    time_s: float
-    """Simulated time since the reset."""
-
-
-class Report(Struct, frozen=True, kw_only=True):
-    """The fields of `report.json`; what could not be measured is None."""
-
-    success: bool
-    reason: str
-    """`success`, or what ended the mission without."""
-    detail: str
-    """One sentence for people."""
-    box_position_error_m: float
-    box_angle_error_deg: float
-    walk_tracking_rms_m: float | None
-    """Of the distance from the trunk, on the floor, to the path that it followed, over all ticks of gait cycles."""
-    box_path_rms_m: float | None
-    """Of the distance from the box's centre to the path that it was pushed along, planned or reference, after each
-    push cycle."""
-    handover_distance_m: float | None
-    """From trunk to box where walking handed over to pushing."""
-    trunk_max_abs_pitch_deg: float | None
-    trunk_max_abs_roll_deg: float | None
-    min_support_margin_m: float | None
-    """Least distance of the CoM's ground projection from the border of the support polygon; negative outside."""
-    n_better_paths: int
-    """How often the robot took a better path while it walked."""
-    n_replans: int
-    """How often an obstacle appeared in the way of robot or box."""
-    appeared: tuple[Appeared, ...]
-    n_push_cycles: int
-    n_footsteps: int
-    sim_time_s: float
-    wall_time_s: float
-    """From the beginning of the journal to its last entry."""
-    real_time_factor: float
-    """Simulated time by wall time."""
-    state_crc: str
-    """Of the last state, eight hexadecimal digits: equal missions have equal ones."""
-    seed: int
-    versions: dict[str, str | None]
-    """Of the host that wrote the report; None for what is not installed there."""
+"""Longest distance along its path that the box may advance in one push cycle."""
 
 
 def make_report(
     record: MissionRecord, result: MissionResult, wall_time_s: float, versions: dict[str, str | None]
 ) -> Report:
-    """The report on a mission."""
+    """Make the report on a mission."""
     last = record.steps[-1]
     error = record.box_error(last)
     ticks = record.ticks()
@@ -104,16 +55,16 @@ def make_report(
 
 
 def tracking_rms_m(walks: list[MissionStep]) -> float | None:
-    """Root mean square distance of the trunk from the path it followed, over all ticks; None without any."""
+    """Root mean square distance of the trunk from its path, over all ticks; None if there are none."""
     squares = [distances_m(step.ticks.trunk_m, step.path_m) ** 2 for step in walks]
     n_ticks = sum(map(len, squares))
     return sqrt(sum(float(part.sum()) for part in squares) / n_ticks) if n_ticks else None
 
 
 def box_path_rms_m(steps: list[MissionStep]) -> float | None:
-    """Root mean square distance of the box's centre from its path, over all push cycles; None without any.
+    """Root mean square distance of the box's centre from its path, over all push cycles; None if there are none.
 
-    A path is followed from its beginning to its end: where it comes near itself, what counts is the part ahead.
+    The box advances along its path from beginning to end: where the path comes near itself, the part ahead counts.
     """
     squares: list[float] = []
     path_m, progress = np.empty((0, 2)), 0

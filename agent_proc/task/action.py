@@ -1,4 +1,4 @@
-"""From what a learner says to a push: the spaces of its actions, and what they mean."""
+"""The actions of a learner: their spaces, and the pushes that they mean."""
 
 from typing import Any, Final
 
@@ -6,13 +6,12 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from agent_proc.frames.goal_frame import box_in_goal_frame, mirror_sign
+from agent_proc.frames.push_view import PushView
 from agent_proc.push_model.model import PushModel
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
 from legpush.scene.robot import FrontLeg
-from legpush.scene.scenario import Scenario
 
 N_WEIGHTS: Final = 8
 """The published grid: w = (k + 1) / 10 for k below this."""
@@ -20,16 +19,19 @@ MODEL: Final = PushModel()
 
 
 def action_space(task: TaskConfig) -> spaces.Space[Any]:
-    """What a learner may say: `MultiDiscrete([8, 8, 2])`, or w1, w2, leg (and depth) in [-1, 1]."""
+    """The space of actions: `MultiDiscrete([8, 8, 2])`, or w1, w2, leg (and depth) in [-1, 1]."""
     if task.action_form == "discrete":
         return spaces.MultiDiscrete([N_WEIGHTS, N_WEIGHTS, 2])
     return spaces.Box(-1.0, 1.0, (3 if task.entry == "fixed" else 4,), np.float32)
 
 
-def to_push(action: NDArray[Any], task: TaskConfig, world: WorldState, scenario: Scenario) -> Push:
-    """The push that `action` means in this state; `ConfigError` where the action is not in its space.
+def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
+    """The push that `action` means here.
 
     The leg is FL below the midpoint and FR above; with mirrored observations these are the legs of the mirror image.
+
+    Raises:
+        ConfigError: The action is not in its space.
     """
     space = action_space(task)
     if not space.contains(action):
@@ -39,26 +41,25 @@ def to_push(action: NDArray[Any], task: TaskConfig, world: WorldState, scenario:
     else:
         unit = (np.asarray(action, dtype=np.float64) + 1.0) / 2.0
         w1, w2, right = unit[0], unit[1], unit[2] >= 0.5
-    if task.mirrored and mirror_sign(world, scenario) < 0.0:
+    if task.mirrored and view.mirror_sign < 0.0:
         right = not right
     leg: FrontLeg = "FR" if right else "FL"
     depth_m = task.fixed_depth_m
     if task.entry == "variable":
-        deepest_m = deepest_push_m(task, world, scenario)
-        depth_m = task.least_depth_m + float(unit[3]) * (deepest_m - task.least_depth_m)
+        depth_m = task.least_depth_m + float(unit[3]) * (deepest_push_m(task, view) - task.least_depth_m)
     return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m)
 
 
-def deepest_push_m(task: TaskConfig, world: WorldState, scenario: Scenario) -> float:
+def deepest_push_m(task: TaskConfig, view: PushView) -> float:
     """Depth that the highest action means: with `limit_depth` no more than what brings the box up to its goal."""
     if not task.limit_depth:
         return task.max_depth_m
-    remaining_m = max(0.0, -box_in_goal_frame(world, scenario).x_m)
+    remaining_m = max(0.0, -view.box_g.x_m)
     limit_m = float(MODEL.depth_for(np.array([remaining_m]))[0])
     return min(max(limit_m, task.least_depth_m), task.max_depth_m)
 
 
-def no_push_helps(task: TaskConfig, world: WorldState, scenario: Scenario) -> bool:
+def no_push_helps(task: TaskConfig, view: PushView) -> bool:
     """Whether the shallowest push would carry the box farther beyond its goal than it is short of it now."""
     travel_m = float(np.interp(task.shallowest_m, MODEL.depth_m, MODEL.forward_m))
-    return -box_in_goal_frame(world, scenario).x_m <= travel_m / 2
+    return -view.box_g.x_m <= travel_m / 2

@@ -10,7 +10,6 @@ from legpush.scene.scenario import Scenario
 
 Interval = tuple[float, float]
 """Lowest and highest value."""
-"""What a push message allows."""
 
 
 @dataclass(frozen=True, kw_only=True)

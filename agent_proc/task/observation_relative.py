@@ -1,9 +1,9 @@
-"""The profile `relative`: the box as its goal sees it, always left of the line.
+"""The profile `relative`: the box in the frame of its goal, always left of the line.
 
 Where the leading edge of the box is right of the line through the goal, every element is that of the mirror image: y
-and angles change their sign. What was learned on one side holds on the other. The robot itself is not in it: every push
-cycle ends at the station. Trunk and feet tell by millimetres with which leg it pushed last, and a policy that sees them
-comes to alternate by that, which fails where the posture is another one, such as on a slope.
+and angles change their sign. What was learned on one side holds on the other. The robot itself is not observed: every
+push cycle ends at the station. The exact pose of trunk and feet reveals which leg pushed last. A policy that sees it
+learns to alternate legs, and fails where the posture differs, for example on a slope.
 """
 
 from collections.abc import Callable
@@ -12,10 +12,9 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.frames.goal_frame import LOOK_AHEAD_M, box_in_goal_frame, mirror_sign, steering_error_rad
-from agent_proc.task.observation import BEYOND_M, Entry, Table
+from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView
+from agent_proc.task.observation_table import BEYOND_M, Entry, Table
 from legpush.arrays import Floats
-from legpush.messages.stepping import WorldState
 from legpush.scene.scenario import Scenario
 
 NEAR_M: Final = 0.05
@@ -23,26 +22,24 @@ NEAR_M: Final = 0.05
 NEAR_RAD: Final = radians(1.0)
 """The same of an angle, for `heading_near`."""
 FAR_M: Final = 1.0
-"""What is farther short of its goal looks like this far."""
+"""A box that is farther short of its goal is observed at this distance."""
 
 
-def _box(world: WorldState, scenario: Scenario) -> Floats:
-    box = box_in_goal_frame(world, scenario)
-    return np.array([max(box.x_m, -FAR_M), mirror_sign(world, scenario) * box.y_m])
+def _box(view: PushView) -> Floats:
+    return np.array([max(view.box_g.x_m, -FAR_M), view.mirror_sign * view.box_g.y_m])
 
 
-def _headings(world: WorldState, scenario: Scenario) -> Floats:
-    box = box_in_goal_frame(world, scenario)
-    return mirror_sign(world, scenario) * np.array([box.yaw_rad, steering_error_rad(box)])
+def _headings(view: PushView) -> Floats:
+    return view.mirror_sign * np.array([view.box_g.yaw_rad, view.steering_error_rad])
 
 
-def _room_limits(scenario: Scenario) -> tuple[Floats, Floats]:
+def _distance_limits(scenario: Scenario) -> tuple[Floats, Floats]:
     high = np.full(2, np.hypot(*scenario.room.size_m) + BEYOND_M)
     return -high, high
 
 
 def _near_limits(scenario: Scenario) -> tuple[Floats, Floats]:
-    low, high = _room_limits(scenario)
+    low, high = _distance_limits(scenario)
     return np.arcsinh(low / NEAR_M), np.arcsinh(high / NEAR_M)
 
 
@@ -58,13 +55,13 @@ RELATIVE: Final[Table] = (
         read=_box,
         meaning=f"centre of the box; x is minus the distance that remains, {FAR_M:g} m at most",
         frame="goal",
-        limits=_room_limits,
+        limits=_distance_limits,
     ),
     Entry(
         name="box_near",
         axes="xy",
         size=2,
-        read=lambda world, scenario: np.arcsinh(_box(world, scenario) / NEAR_M),
+        read=lambda view: np.arcsinh(_box(view) / NEAR_M),
         meaning=f"asinh of the same over {NEAR_M:g} m: the last centimetres count most",
         unit="1",
         frame="goal",
@@ -84,7 +81,7 @@ RELATIVE: Final[Table] = (
         name="heading_near",
         axes="yaw, steering",
         size=2,
-        read=lambda world, scenario: np.arcsinh(_headings(world, scenario) / NEAR_RAD),
+        read=lambda view: np.arcsinh(_headings(view) / NEAR_RAD),
         meaning=f"asinh of the same over {degrees(NEAR_RAD):g}°",
         unit="1",
         frame="goal",

@@ -4,22 +4,23 @@ from collections.abc import Callable
 from math import degrees, radians
 from typing import Final
 
-from agent_proc.endings import MissionEndedError, Reason
-from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, distance_m, planar_pose
-from agent_proc.frames.station import at_station
+from agent_proc.endings import MissionEndedError
+from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad
 from agent_proc.walking.obstacles import known_scenario
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
+from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import SteppingWorld
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Motion, WorldState
+from legpush.runs.report import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.scenario import Face, Rectangle, Scenario
+from legpush.scene.station import at_station
 
 MAX_BOX_TILT_RAD: Final = radians(15.0)
 """A box that leans farther is tipping over, or has."""
 
 Revise = Callable[[Scenario], Scenario]
-Tell = Callable[[str, float | None, str], None]
-"""Phase, share of it that is done if known, and a detail, for people."""
 
 
 def as_it_is(scenario: Scenario) -> Scenario:

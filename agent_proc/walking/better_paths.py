@@ -5,10 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.frames.poses import distance_m
-from agent_proc.walking.queries import SLACK_M
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.plans.trunk_queries import SLACK_M
 from legpush.scene.clearance import Occupied
 from legpush.scene.paths import arc_lengths_m, path_length_m
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M

@@ -3,12 +3,11 @@
 from itertools import groupby
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.frames.poses import distance_m
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.better_paths import BetterPaths
 from agent_proc.walking.obstacles import in_words
 from legpush.errors import PeerError
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.lockstep.world import World
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.scene.paths import path_length_m

@@ -4,18 +4,18 @@ from collections import deque
 from typing import Final
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.frames.station import can_turn, last_stretch, way_back
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.obstacles import is_in_walk
-from agent_proc.walking.queries import query_to_measured_box, query_to_nominal_box
 from agent_proc.walking.route_planner import RoutePlanner
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, PathProgress, Walk
+from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_box
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Face
+from legpush.scene.station import can_turn, last_stretch, way_back
 
 STILL_CYCLES: Final = 5
 """The robot is stuck if this many cycles in a row change too little."""

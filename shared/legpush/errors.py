@@ -1,6 +1,6 @@
 """The errors that legpush reports to its user: one sentence each, no traceback."""
 
-from typing import ClassVar, Final, Literal
+from typing import Any, ClassVar, Final, Literal
 
 NO_OPENGL: Final = 4
 """Exit code of programs that cannot draw because no OpenGL library can be used; they say so in a line."""
@@ -19,6 +19,29 @@ class ConfigError(LegpushError):
     """A setting that cannot be used; names the setting."""
 
     exit_code = 2
+
+
+class PluginError(LegpushError):
+    """A planner, simulator, policy or mission that cannot be found or used; names it and its package."""
+
+    exit_code = 2
+
+
+class PolicyError(LegpushError):
+    """A policy that cannot be used, or that raised an exception; names it, and the file."""
+
+    exit_code = 2
+
+
+class UnsolvableError(LegpushError):
+    """A mission for which the planner finds no path."""
+
+    exit_code = 1
+
+    def __init__(self, text: str, run: Any) -> None:
+        super().__init__(text)
+        self.run = run
+        """The `MissionRun` up to there."""
 
 
 class ScenarioError(LegpushError):

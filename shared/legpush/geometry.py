@@ -1,12 +1,19 @@
 """Planar poses and rotations: radians, metres, x forward, y left, yaw counter-clockwise."""
 
-from math import atan2, cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
 from legpush.arrays import Floats
+
+Point2 = tuple[float, float]
+"""x and y."""
+Point3 = tuple[float, float, float]
+"""x, y and z."""
+Quaternion = tuple[float, float, float, float]
+"""w, x, y and z."""
 
 
 class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -79,6 +86,6 @@ def rpy_from_quaternion(quaternion_wxyz: ArrayLike) -> Floats:
     return np.stack([roll, pitch, yaw], axis=-1)
 
 
-Point2 = tuple[float, float]
-Point3 = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
+def distance_m(a: Pose2, b: Pose2) -> float:
+    """Between the positions of two poses."""
+    return hypot(a.x_m - b.x_m, a.y_m - b.y_m)

@@ -19,21 +19,19 @@ from legpush.bus.endpoints import in_directory
 from legpush.errors import INTERRUPTED, ConfigError
 from legpush.launch.display import make_display
 from legpush.launch.film import film
-from legpush.launch.mission_recorder import MissionRecorder
+from legpush.launch.mission_recorder import MissionRecorder, next_file
 from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
-from legpush.launch.summary import print_summary, read_report
+from legpush.launch.summary import print_summary
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
 from legpush.messages.common import ROLES, Role
 from legpush.options.run import RunOptions
 from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
-from legpush.processes.recorder_process import next_file
 from legpush.recording.facts import CONTINUED
 from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
-from legpush.scenarios.file import load_scenario, override
-from legpush.scene.scenario import Scenario
+from legpush.runs.report import read_report
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """What each process cannot start without; the rest of its extra comes along."""
@@ -46,7 +44,7 @@ def launch_mission(
 
     `programs` takes the place of the processes of this package, `about` is metadata for its recording.
     """
-    scenario = resolve_scenario(options)
+    scenario = options.resolved_scenario()
     if programs is None:
         require_libraries()
         programs = Programs()
@@ -64,19 +62,6 @@ def launch_mission(
                 console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
             print_summary(console, folder, read_report(folder))
     return verdict.exit_code
-
-
-def resolve_scenario(options: RunOptions) -> Scenario:
-    """The scenario with what the options replace in it."""
-    changes = {
-        "planning.planner": options.planner,
-        "planning.steering": options.steering,
-        "planning.min_turning_radius_m": options.turning_radius_m,
-        "box.mass_kg": options.box_mass_kg,
-        "box.friction": options.box_friction,
-    }
-    scenario = load_scenario(options.scenario)
-    return override(scenario, {field: value for field, value in changes.items() if value is not None})
 
 
 def require_libraries() -> None:
@@ -124,12 +109,12 @@ def _run_in(
             is_alive=lambda role: any(peer.role == role for peer in bus.liveliness.live()),
             hear=statuses.drain,
             limits=Limits(mission_s=options.deadline_s),
-            on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
+            on_bystander=lambda process: recorder.note_end(process) if recorder is not None else None,
         )
         with shown(LiveRun.now(place.run, programs.kind, place.folder, for_recorders.connect), sockets):
             verdict = supervisor.run(commands)
         if recorder is not None:
-            recorder.report(place.folder)
+            recorder.complete_report(place.folder)
         if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
             command = Command(
                 role="video",
@@ -149,6 +134,8 @@ def _again(options: RunOptions, folder: Path) -> str:
         words += ["--planner-command", options.planner_command]
     if options.push_map is not None:
         words += ["--push-map", str(options.push_map)]
+    if not options.picture:
+        words += ["--no-picture"]
     if not options.video:
         words += ["--no-video"]
     if options.inject_faults > 0.0:

@@ -1,6 +1,5 @@
 """The end of a run, for people: how the mission went, from `report.json`, and where its files are."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
@@ -9,7 +8,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from legpush.errors import LegpushError
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
 
@@ -58,22 +56,6 @@ FILES: Final = {
     SCENARIO_FILE: "what it started from, complete",
     LOGS: "what each process said",
 }
-
-
-class ReportError(LegpushError):
-    """A mission that ended without a report that can be read; names the file."""
-
-
-def read_report(folder: Path) -> dict[str, Any]:
-    """The report that the agent left; `ReportError` if there is none."""
-    path = folder / REPORT_FILE
-    try:
-        report = json.loads(path.read_bytes())
-    except (OSError, ValueError) as error:
-        raise ReportError(f"{path}: expected the report of the mission ({error})") from error
-    if not isinstance(report, dict):
-        raise ReportError(f"{path}: expected a JSON object, got {type(report).__name__}")
-    return report
 
 
 def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """A world in this process: a simulator and a planner that are called as functions, without a bus."""
 
 from collections.abc import Callable, Iterator, Mapping
+from weakref import WeakValueDictionary
 
 from legpush.errors import ConfigError
 from legpush.history.steps import PlanRecord, StepRecord
@@ -8,6 +9,9 @@ from legpush.lockstep.simulator import Stepper
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
 from legpush.plans.planner import Interrupted, MakePlans
+
+_OWNERS: WeakValueDictionary[int, object] = WeakValueDictionary()
+"""The environment that steps a simulator, by the identity of the simulator, which lives as long as its owner."""
 
 
 def never() -> bool:
@@ -48,6 +52,24 @@ class LocalWorld:
         if self._record is not None:
             self._record(StepRecord(motion, outcome))
         return outcome
+
+    def claim(self, owner: object) -> None:
+        """Reserve the simulator for `owner`, for as long as it lives or until it is released.
+
+        Raises:
+            ConfigError: Another owner has it: two of them would step one world without noticing.
+        """
+        other = _OWNERS.setdefault(id(self._simulator), owner)
+        if other is not owner:
+            raise ConfigError(
+                f"Expected a simulator of its own for each {type(owner).__name__}, got one that another "
+                f"{type(other).__name__} steps already"
+            )
+
+    def release(self, owner: object) -> None:
+        """End the reservation of `owner`, if it has one."""
+        if _OWNERS.get(id(self._simulator)) is owner:
+            del _OWNERS[id(self._simulator)]
 
     def plan(self, query: PlanQuery) -> Plan:
         """Return the planner's first answer to a query.

@@ -14,11 +14,12 @@ import msgspec
 import tomli_w
 
 from legpush.errors import MessageError, ScenarioError
+from legpush.files import new_file
 from legpush.messages.codec import convert
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
 from legpush.scenarios.map_files import OccupancyMap
-from legpush.scene.scenario import Scenario
+from legpush.scene.scenario import PlannerName, Scenario, Steering
 from legpush.schema_errors import explain
 
 SUFFIX: Final = ".toml"
@@ -60,6 +61,29 @@ def dump_scenario(scenario: Scenario) -> str:
     return tomli_w.dumps(_without_nothing(msgspec.to_builtins(scenario)))
 
 
+def resolve_scenario(
+    scenario: str | Path | Scenario,
+    *,
+    planner: PlannerName | None = None,
+    steering: Steering | None = None,
+    turning_radius_m: float | None = None,
+    changes: Mapping[str, Any] | None = None,
+) -> Scenario:
+    """Load a scenario and replace fields of it.
+
+    Raises:
+        ScenarioError: The scenario, or a value that replaces one in it, cannot be used.
+    """
+    replaced = {
+        "planning.planner": planner,
+        "planning.steering": steering,
+        "planning.min_turning_radius_m": turning_radius_m,
+        **(changes or {}),
+    }
+    loaded = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+    return override(loaded, {field: value for field, value in replaced.items() if value is not None})
+
+
 def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     """The scenario with other values at paths such as `box.mass_kg`; `ScenarioError` where one cannot be used."""
     changed = change_fields(scenario, changes)
@@ -72,7 +96,12 @@ def change_fields(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     plain = msgspec.to_builtins(scenario)
     for path, value in changes.items():
         *tables, field = path.split(".")
-        reduce(getitem, tables, plain)[field] = value
+        try:
+            reduce(getitem, tables, plain)[field] = value
+        except (KeyError, TypeError) as error:
+            raise ScenarioError(
+                f"command line: expected the path of a field, such as box.mass_kg, got {path}"
+            ) from error
     try:
         return convert(plain, Scenario)
     except MessageError as error:
@@ -131,8 +160,8 @@ def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
 
 def _write_new(path: Path, content: bytes) -> None:
     try:
-        with path.open("xb") as file:
-            file.write(content)
+        with new_file(path) as scratch:
+            scratch.write_bytes(content)
     except OSError as error:
         raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
 

@@ -11,18 +11,18 @@ from agent_proc.evaluation.episodes import Row, evaluate, run_episode, summarize
 from agent_proc.evaluation.plot import save_plot
 from agent_proc.evaluation.sweep import make_sweep
 from agent_proc.evaluation.table import as_csv, table, write_parquet
+from agent_proc.frames.push_view import PushView
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.statistics import mean_interval, wilson
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
 from legpush.scenarios.file import override
-from legpush.scene.scenario import Scenario
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 
 
 class Always:
     """Pushes with the left leg for ever."""
 
-    def decide(self, world: WorldState, scenario: Scenario) -> Push | None:
+    def decide(self, view: PushView) -> Push | None:
         """The same push each time."""
         return Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
 

@@ -4,9 +4,9 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.evaluation.sweep import make_sweep
-from agent_proc.frames.station import station
 from legpush.errors import ConfigError, ScenarioError
 from legpush.scene.scenario import PoseDeg
+from legpush.scene.station import station
 from tests.agent.fake_world import scenario_at_station
 
 

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_env_sb3
 
 from agent_proc.gym_envs import PUSH_ID
-from agent_proc.learning.env import ASTRAY, PushEnv
+from agent_proc.learning.env import PushEnv
+from agent_proc.task.action import to_push
 from agent_proc.task.config import Domain, TaskConfig
-from agent_proc.task.observation import element_names
-from agent_proc.task.policy_view import is_done, policy_observation, policy_push
+from agent_proc.task.ending import is_done
+from agent_proc.task.observation import observe
+from agent_proc.task.observation_table import element_names
 from agent_proc.task.reward_tuned import CYCLE_COST, FALL_PENALTY
 from legpush.errors import ConfigError, PeerError
 from legpush.lockstep.local import LocalWorld
@@ -169,7 +171,7 @@ def test_the_distance_to_the_goal_is_drawn_along_the_way_that_the_scenario_has()
     drawn = []
     for seed in range(40):
         env.reset(seed=seed)
-        goal, box = env.here[1].goal.pose, nominal.box.pose
+        goal, box = env.view.goal.pose, nominal.box.pose
         assert (goal.y_m, goal.yaw_deg) == (nominal.goal.pose.y_m, nominal.goal.pose.yaw_deg)
         drawn.append(goal.x_m - box.x_m)
 
@@ -188,7 +190,7 @@ def test_steering_by_the_observation_ends_in_success() -> None:
     assert (info["ending"], info["is_success"]) == ("success", True)
     assert info["position_error_m"] < 0.03
     assert info["reward_terms"]["success"] > 0.0
-    assert is_done(env.task, *env.here)
+    assert is_done(env.task, env.view)
     with pytest.raises(ConfigError, match="reset before this step"):
         env.step(steering(observation))
 
@@ -202,7 +204,6 @@ def test_turning_the_box_away_ends_the_episode_where_the_errors_outgrow_those_of
 
     *_, terminated, truncated, info = endings[-1]
     assert (terminated, truncated, info["ending"], info["is_success"]) == (True, False, "astray", False)
-    assert ASTRAY > 0.0
 
 
 def test_a_fall_terminates_and_takes_all_progress_back() -> None:
@@ -247,10 +248,15 @@ def test_a_policy_outside_the_environment_sees_and_does_the_same() -> None:
     env = fake(box_offset=(0.0, -0.03, 0.0))
     observation, _ = env.reset(seed=0)
 
-    np.testing.assert_array_equal(policy_observation(env.task, *env.here), observation)
-    push = policy_push(env.task, ALWAYS_LEFT, *env.here)
+    np.testing.assert_array_equal(observe(env.task, env.view), observation)
+    push = to_push(ALWAYS_LEFT, env.task, env.view)
     env.step(ALWAYS_LEFT)
     assert env.snapshot().pushes == (push,)
+
+
+def test_before_the_first_reset_there_is_nothing_to_see() -> None:
+    with pytest.raises(ConfigError, match="reset first"):
+        assert fake().view
 
 
 def test_a_restored_episode_goes_on_bit_for_bit() -> None:

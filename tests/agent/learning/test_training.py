@@ -162,14 +162,10 @@ def test_a_simulator_that_is_lost_leaves_a_checkpoint_of_the_last_rollout(tmp_pa
     assert load_checkpoint(tmp_path / CHECKPOINT_FILE).step == 32
 
 
-@pytest.mark.parametrize("damage", [lambda data: data[:-1], lambda data: b"", lambda data: data[:-1] + b"?"])
-def test_a_damaged_checkpoint_is_refused(tmp_path: Path, damage: object) -> None:
-    make_training(tmp_path, small_profile(steps=32)).run()
-    path = tmp_path / CHECKPOINT_FILE
-    assert callable(damage)
-    path.write_bytes(damage(path.read_bytes()))
+def test_a_checkpoint_of_another_format_is_not_resumed_from(tmp_path: Path) -> None:
+    (tmp_path / CHECKPOINT_FILE).write_bytes(b"legpush training checkpoint 1\n")
 
-    with pytest.raises(CheckpointError, match="expected the whole checkpoint of a training"):
+    with pytest.raises(CheckpointError, match="got format 1"):
         make_training(tmp_path, small_profile()).resume()
 
 

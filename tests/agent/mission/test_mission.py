@@ -8,18 +8,20 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionResult
-from agent_proc.frames.poses import box_error, planar_pose
-from agent_proc.frames.station import stand_off, station
+from agent_proc.frames.poses import box_error
+from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.walking.walker import STILL_CYCLES
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.scene.clearance import clearance_at
 from legpush.scene.occupancy import clearance_m
 from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
+from legpush.scene.station import stand_off, station
 from tests.agent.fake_world import FakeWorld, KinematicSimulator, make_scenario, scenario_at_station, straight_plan
 
 
@@ -35,7 +37,7 @@ def always_push(leg_depth_m: float = 0.0) -> object:
     """A policy that is never done."""
 
     class Always:
-        def decide(self, _world: WorldState, _scenario: Scenario) -> Push | None:
+        def decide(self, _view: PushView) -> Push | None:
             return Push(w1=0.5, w2=0.5, leg="FL", depth_m=leg_depth_m)
 
     return Always()

@@ -7,11 +7,11 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionResult
-from agent_proc.frames.poses import box_error, distance_m
+from agent_proc.frames.poses import box_error
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from legpush.errors import PeerError
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.history.steps import StepRecord
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
 from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Walk

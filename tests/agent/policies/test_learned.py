@@ -2,20 +2,31 @@
 
 import json
 import shutil
-import sys
 from pathlib import Path
+from typing import Literal
 
 import pytest
+from stable_baselines3.common.utils import ConstantSchedule
+from stable_baselines3.ppo import MlpPolicy as PpoPolicy
 
+from agent_proc.frames.push_view import PushView, box_in_goal_frame, push_view
 from agent_proc.learning.training import LAST
-from agent_proc.policies.folder import PolicyError, shipped_policies
-from agent_proc.policies.learned import load_learned
-from agent_proc.policies.registry import make_policy
+from agent_proc.policies.folder import shipped_policies
+from agent_proc.policies.learned import NetworkPolicy, load_learned
+from agent_proc.task.action import action_space
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.observation import observation_space
+from legpush.errors import PolicyError
 from legpush.geometry import Pose2
+from legpush.scene.scenario import Goal
 from tests.agent.fake_world import make_state, scenario_at_station
 from tests.agent.learning.small_training import make_training, small_profile
 
 SCENARIO = scenario_at_station()
+
+
+def view_of(box: Pose2) -> PushView:
+    return push_view(make_state(SCENARIO.start.pose(), box), SCENARIO)
 
 
 @pytest.fixture(scope="module")
@@ -35,23 +46,50 @@ def folder(trained: Path, tmp_path: Path) -> Path:
 def test_a_policy_decides_the_same_in_the_same_state_and_stops_at_the_goal(folder: Path) -> None:
     policy, again = load_learned(str(folder)), load_learned(str(folder))
     box = SCENARIO.box.pose.pose()
-    on_the_way = make_state(SCENARIO.start.pose(), box)
-    arrived = make_state(SCENARIO.start.pose(), SCENARIO.goal.pose.pose())
+    on_the_way = view_of(box)
+    arrived = view_of(SCENARIO.goal.pose.pose())
 
-    push = policy.decide(on_the_way, SCENARIO)
+    push = policy.decide(on_the_way)
 
     assert push is not None
-    assert push == policy.decide(on_the_way, SCENARIO) == again.decide(on_the_way, SCENARIO)
-    assert policy.decide(arrived, SCENARIO) is None
+    assert push == policy.decide(on_the_way) == again.decide(on_the_way)
+    assert policy.decide(arrived) is None
+
+
+@pytest.mark.parametrize(
+    ("profile", "entry", "n_computed"),
+    [("relative", "fixed", 1), ("relative", "variable", 1), ("paper", "fixed", 0), ("paper", "variable", 1)],
+)
+def test_a_decision_computes_the_box_in_the_frame_of_its_goal_once_if_it_needs_it(
+    monkeypatch: pytest.MonkeyPatch,
+    profile: Literal["relative", "paper"],
+    entry: Literal["fixed", "variable"],
+    n_computed: int,
+) -> None:
+    task = TaskConfig(
+        entry=entry, observation=profile, reward="paper" if profile == "paper" else "tuned", scenario=SCENARIO
+    )
+    networks = PpoPolicy(observation_space(task), action_space(task), ConstantSchedule(0.0))
+    policy = NetworkPolicy(task, networks, None, "untrained")
+    n_calls = 0
+
+    def count(box_w: Pose2, goal: Goal) -> Pose2:
+        nonlocal n_calls
+        n_calls += 1
+        return box_in_goal_frame(box_w, goal)
+
+    monkeypatch.setattr("agent_proc.frames.push_view.box_in_goal_frame", count)
+
+    push = policy.decide(view_of(SCENARIO.box.pose.pose()))
+
+    assert push is not None
+    assert n_calls == n_computed
 
 
 def test_mirror_images_get_mirrored_answers(folder: Path) -> None:
     policy = load_learned(str(folder))
-    box, start = SCENARIO.box.pose.pose(), SCENARIO.start.pose()
-    pushes = [
-        policy.decide(make_state(start, Pose2(x_m=box.x_m, y_m=box.y_m + dy, yaw_rad=dy)), SCENARIO)
-        for dy in (0.05, -0.05)
-    ]
+    box = SCENARIO.box.pose.pose()
+    pushes = [policy.decide(view_of(Pose2(x_m=box.x_m, y_m=box.y_m + dy, yaw_rad=dy))) for dy in (0.05, -0.05)]
 
     left, right = pushes
     assert left is not None
@@ -101,33 +139,11 @@ def test_networks_that_do_not_fit_the_spaces_of_the_card_are_refused(folder: Pat
         load_learned(str(folder))
 
 
-def test_an_unknown_policy_is_refused_with_the_valid_names() -> None:
-    with pytest.raises(PolicyError, match=r"Expected a policy \(scripted.*\) or the folder of one, got 'nobody'"):
-        make_policy("nobody")
-
-
-def test_a_policy_of_ones_own_comes_from_an_entry_point(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "my_push_policy.py").write_text(
-        "class Stop:\n    def decide(self, world, scenario):\n        return None\n\nmake = Stop\nwrong = dict\n",
-        encoding="utf-8",
-    )
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", [*sys.path])
-
-    policy = make_policy("my_push_policy:make")
-
-    assert policy.decide(make_state(SCENARIO.start.pose(), SCENARIO.box.pose.pose()), SCENARIO) is None
-    with pytest.raises(PolicyError, match="expected a policy with a method `decide`, got dict"):
-        make_policy("my_push_policy:wrong")
-    with pytest.raises(PolicyError, match="Expected module:factory that can be imported, got 'my_push_policy:none'"):
-        make_policy("my_push_policy:none")
-
-
 @pytest.mark.parametrize("name", shipped_policies())
 def test_a_shipped_policy_works_and_is_small(name: str) -> None:
     policy = load_learned(name)
 
-    push = policy.decide(make_state(SCENARIO.start.pose(), SCENARIO.box.pose.pose()), SCENARIO)
+    push = policy.decide(view_of(SCENARIO.box.pose.pose()))
 
     assert push is not None
     assert policy.card.check is not None

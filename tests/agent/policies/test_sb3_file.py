@@ -12,15 +12,17 @@ from stable_baselines3 import A2C, DQN, PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
+from agent_proc.frames.push_view import push_view
 from agent_proc.learning.env import PushEnv
-from agent_proc.policies.folder import PolicyError
 from agent_proc.policies.registry import make_policy
+from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.policy_view import policy_observation, policy_push
+from agent_proc.task.observation import observe
+from legpush.errors import PolicyError
 from tests.agent.fake_world import FakeWorld, make_state, scenario_at_station
 
 SCENARIO = scenario_at_station()
-STATE = make_state(SCENARIO.start.pose(), SCENARIO.box.pose.pose())
+VIEW = push_view(make_state(SCENARIO.start.pose(), SCENARIO.box.pose.pose()), SCENARIO)
 TASKS = {
     "relative, variable": TaskConfig(scenario=SCENARIO),
     "paper, fixed": TaskConfig(entry="fixed", observation="paper", reward="paper", scenario=SCENARIO),
@@ -42,17 +44,17 @@ def saved(path: Path, kind: Callable[..., BaseAlgorithm], env: gymnasium.Env[Any
 def test_a_model_pushes_as_it_predicts(tmp_path: Path, kind: type[BaseAlgorithm], name: str) -> None:
     task = TASKS[name]
     model = saved(tmp_path / "model.zip", kind, PushEnv(task, FakeWorld()))
-    action, _ = model.predict(policy_observation(task, STATE, SCENARIO), deterministic=True)
+    action, _ = model.predict(observe(task, VIEW), deterministic=True)
 
-    push = make_policy(str(tmp_path / "model.zip")).decide(STATE, SCENARIO)
+    push = make_policy(str(tmp_path / "model.zip")).decide(VIEW)
 
-    assert push == policy_push(task, action, STATE, SCENARIO)
+    assert push == to_push(action, task, VIEW)
 
 
 def test_a_model_of_the_published_grid_is_known_by_its_actions(tmp_path: Path) -> None:
     saved(tmp_path / "model.zip", PPO, PushEnv(TASKS["paper, discrete"], FakeWorld()))
 
-    push = make_policy(str(tmp_path / "model.zip")).decide(STATE, SCENARIO)
+    push = make_policy(str(tmp_path / "model.zip")).decide(VIEW)
 
     assert push is not None
     assert (push.w1 * 10) % 1 == pytest.approx(0.0, abs=1e-9)
@@ -66,15 +68,15 @@ def test_a_normalizer_shows_the_model_what_it_saw_in_training(tmp_path: Path) ->
     moments.mean[:], moments.var[:] = 0.3, 4.0
     model = saved(tmp_path / "model.zip", PPO, env)
     env.save(str(tmp_path / "normalize.pkl"))
-    seen = np.clip((policy_observation(task, STATE, SCENARIO) - 0.3) / np.sqrt(4.0 + env.epsilon), -10, 10)
+    seen = np.clip((observe(task, VIEW) - 0.3) / np.sqrt(4.0 + env.epsilon), -10, 10)
     action, _ = model.predict(seen.astype(np.float32), deterministic=True)
 
-    with_it = make_policy(str(tmp_path / "model.zip"), tmp_path / "normalize.pkl").decide(STATE, SCENARIO)
-    without = make_policy(str(tmp_path / "model.zip")).decide(STATE, SCENARIO)
+    with_it = make_policy(str(tmp_path / "model.zip"), tmp_path / "normalize.pkl").decide(VIEW)
+    without = make_policy(str(tmp_path / "model.zip")).decide(VIEW)
 
     assert with_it is not None
     assert without is not None
-    expected = policy_push(task, action, STATE, SCENARIO)
+    expected = to_push(action, task, VIEW)
     assert (with_it.w1, with_it.w2, with_it.depth_m) == pytest.approx((expected.w1, expected.w2, expected.depth_m))
     assert with_it.leg == expected.leg
     assert abs(with_it.w1 - without.w1) > 1e-6

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.frames.station import at_station
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.calibration import SERIES, CalibrationError, calibrate, cells, open_floor
@@ -21,6 +20,7 @@ from legpush.messages.stepping import Push
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.reference import Arcs, Left, Straight, reference_curve
 from legpush.scene.scenario import Box, Face, Goal, PoseDeg, PushSettings, Room
+from legpush.scene.station import at_station
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
 

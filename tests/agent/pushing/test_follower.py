@@ -7,19 +7,20 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import box_error, planar_pose
+from agent_proc.frames.poses import box_error
+from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
-from agent_proc.policies.pushed_world import pushed_world
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
-from agent_proc.pushing.follower import Follower
+from agent_proc.pushing.follower import LINE_AHEAD_M, Follower
 from agent_proc.pushing.reference_stage import trailing
 from agent_proc.pushing.stage import Stage
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
-from legpush.geometry import Pose2, wrap_angle
+from legpush.geometry import Pose2
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
-from legpush.scene.faces import FACES, pushed_box, pushed_pose
+from legpush.scene.faces import FACES, TURN_RAD, pushed_box
 from legpush.scene.reference import Arcs, Left, Reference, Right, Sine, Straight, reference_curve
 from legpush.scene.scenario import Face, Goal, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
@@ -93,15 +94,69 @@ def test_a_box_that_left_its_path_is_said_so() -> None:
     assert (decision.push, decision.ending) == (None, "left_path")
 
 
+class Asked:
+    """A policy that keeps the views that it is asked about."""
+
+    def __init__(self) -> None:
+        self.views: list[PushView] = []
+
+    def decide(self, view: PushView) -> Push | None:
+        self.views.append(view)
+        return Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
+
+
+def line(face: Face, length_m: float) -> tuple[tuple[Pose2, ...], Pose2]:
+    """Box poses straight ahead along x, pushed at a face, and the pushed frame at their end."""
+    pushed = [START @ Pose2(x_m=length_m * k / 30, y_m=0.0, yaw_rad=0.0) for k in range(31)]
+    turned = Pose2(x_m=0.0, y_m=0.0, yaw_rad=-TURN_RAD[face])
+    return tuple(pose @ turned for pose in pushed), pushed[-1]
+
+
 @pytest.mark.parametrize("face", FACES)
-def test_the_view_of_a_face_has_it_at_the_rear(face: Face) -> None:
-    state = make_state(START, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.4))
+def test_a_policy_is_asked_about_the_pushed_frame_and_the_end_of_the_stage(face: Face) -> None:
+    scenario, asked = scenario_at_station(), Asked()
+    poses, end = line(face, 0.8)
+    follower = Follower(Stage(face, poses, AXLE_M), asked, scenario, PushEstimate(scenario.box))
+    world = make_state(scenario.start.pose(), poses[0])
 
-    seen = planar_pose(pushed_world(state, face).box)
+    decision = follower.decide(world)
 
-    expected = pushed_pose(planar_pose(state.box), face)
-    assert (seen.x_m, seen.y_m) == (expected.x_m, expected.y_m)
-    assert wrap_angle(seen.yaw_rad - expected.yaw_rad) == pytest.approx(0.0)
+    (view,) = asked.views
+    assert decision.push is not None
+    assert decision.push.face == face
+    assert (view.box_g.x_m, view.box_g.y_m, view.box_g.yaw_rad) == pytest.approx((-0.8, 0.0, 0.0), abs=1e-9)
+    assert view.goal.pose.pose().xy() == pytest.approx(end.xy())
+    assert view.goal.position_tolerance_m == scenario.goal.position_tolerance_m
+    assert view.box == pushed_box(scenario.box, face)
+    assert (view.world, view.scenario) == (world, scenario)
+
+
+def test_a_policy_is_asked_about_a_point_ahead_where_an_arc_follows() -> None:
+    scenario, asked = scenario_at_station(), Asked()
+    straight, _ = line("rear", 0.7)
+    arc = [straight[-1] @ BEHIND @ (START @ BEHIND).inverse() @ pose for pose in quarter(0.8, 0.5)]
+    follower = Follower(Stage("rear", (*straight, *arc), AXLE_M), asked, scenario, PushEstimate(scenario.box))
+
+    follower.decide(make_state(scenario.start.pose(), START))
+
+    (view,) = asked.views
+    assert view.box_g.x_m == pytest.approx(-LINE_AHEAD_M)
+
+
+def test_in_an_open_loop_a_policy_is_asked_about_a_level_box_where_the_push_model_has_it() -> None:
+    scenario = replace(scenario_at_station(), pushing=PushSettings(composition="open_loop"))
+    asked, estimate = Asked(), PushEstimate(scenario.box)
+    poses, _ = line("rear", 0.8)
+    follower = Follower(Stage("rear", poses, AXLE_M), asked, scenario, estimate)
+    world = make_state(scenario.start.pose(), poses[0])
+
+    first, _ = (follower.decide(world) for _ in range(2))
+
+    assert first.push is not None
+    believed = estimate.after(poses[0], first.push)
+    seen = asked.views[1].box_w
+    assert (seen.x_m, seen.y_m, seen.yaw_rad) == pytest.approx((believed.x_m, believed.y_m, believed.yaw_rad))
+    assert asked.views[1].box_state.position_m[2] == world.box.position_m[2]
 
 
 def anywhere(x_m: float, y_m: float, yaw_deg: float) -> Scenario:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
+from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.model import PushModel
 from agent_proc.task.action import action_space, deepest_push_m, no_push_helps, to_push
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
 from legpush.geometry import Pose2
-from legpush.messages.stepping import Push, WorldState
+from legpush.messages.stepping import Push
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()
@@ -21,16 +22,17 @@ VARIABLE = TaskConfig()
 GRID = TaskConfig(entry="fixed", action_form="discrete", observation="paper")
 
 
-def world_with_box(x_m: float, y_m: float = 3.0, yaw_rad: float = 0.0) -> WorldState:
-    return make_state(Pose2(x_m=x_m - 0.618, y_m=y_m, yaw_rad=yaw_rad), Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad))
+def box_at(x_m: float, y_m: float = 3.0) -> PushView:
+    box = Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0)
+    return push_view(make_state(Pose2(x_m=x_m - 0.618, y_m=y_m, yaw_rad=0.0), box), SCENARIO)
 
 
-FAR = world_with_box(6.0)
+FAR = box_at(6.0)
 
 
-def push(task: TaskConfig, action: list[float], world: WorldState = FAR) -> Push:
+def push(task: TaskConfig, action: list[float], view: PushView = FAR) -> Push:
     kind = np.int64 if task.action_form == "discrete" else np.float32
-    return to_push(np.array(action, dtype=kind), task, world, SCENARIO)
+    return to_push(np.array(action, dtype=kind), task, view)
 
 
 def test_each_form_has_the_space_that_learners_expect() -> None:
@@ -57,38 +59,36 @@ def test_an_action_outside_its_space_is_refused(action: list[float]) -> None:
 
 
 def test_the_leg_is_that_of_the_mirror_image_where_the_box_is_right_of_the_line() -> None:
-    left, right = world_with_box(6.0, 3.05), world_with_box(6.0, 2.95)
+    left, right = box_at(6.0, 3.05), box_at(6.0, 2.95)
 
     assert [push(FIXED, [0.0, 0.0, leg], left).leg for leg in (-1.0, 1.0)] == ["FL", "FR"]
     assert [push(FIXED, [0.0, 0.0, leg], right).leg for leg in (-1.0, 1.0)] == ["FR", "FL"]
 
 
 def test_the_leg_is_as_it_says_where_nothing_is_mirrored() -> None:
-    right = world_with_box(6.0, 2.95)
+    right = box_at(6.0, 2.95)
 
     assert [push(GRID, [0, 0, leg], right).leg for leg in (0, 1)] == ["FL", "FR"]
 
 
 @pytest.mark.parametrize("short_m", [0.02, 0.03, 0.05, 0.07])
 def test_the_deepest_push_brings_the_box_up_to_its_goal_and_no_farther(short_m: float) -> None:
-    world = world_with_box(7.0 - short_m)
-
-    depth_m = push(VARIABLE, [0.0, 0.0, 0.0, 1.0], world).depth_m
+    depth_m = push(VARIABLE, [0.0, 0.0, 0.0, 1.0], box_at(7.0 - short_m)).depth_m
 
     model = PushModel()
     assert np.interp(depth_m, model.depth_m, model.forward_m) == pytest.approx(short_m)
 
 
 def test_the_depth_stays_between_its_limits_wherever_the_box_is() -> None:
-    assert deepest_push_m(VARIABLE, world_with_box(5.0), SCENARIO) == VARIABLE.max_depth_m
-    assert deepest_push_m(VARIABLE, world_with_box(7.1), SCENARIO) == VARIABLE.least_depth_m
-    assert deepest_push_m(TaskConfig(limit_depth=False), world_with_box(7.1), SCENARIO) == VARIABLE.max_depth_m
+    assert deepest_push_m(VARIABLE, box_at(5.0)) == VARIABLE.max_depth_m
+    assert deepest_push_m(VARIABLE, box_at(7.1)) == VARIABLE.least_depth_m
+    assert deepest_push_m(TaskConfig(limit_depth=False), box_at(7.1)) == VARIABLE.max_depth_m
 
 
 def test_pushing_on_is_no_help_from_half_a_shallowest_push_before_the_goal() -> None:
     travel_m = 0.036  # of a push of 0.05 m
-    assert not no_push_helps(FIXED, world_with_box(7.0 - 0.51 * travel_m), SCENARIO)
-    assert no_push_helps(FIXED, world_with_box(7.0 - 0.49 * travel_m), SCENARIO)
-    assert not no_push_helps(VARIABLE, world_with_box(7.0 - 0.49 * travel_m), SCENARIO)
-    assert not no_push_helps(VARIABLE, world_with_box(7.0 - 0.0010), SCENARIO)  # 1.7 mm by a push of 5 mm
-    assert no_push_helps(VARIABLE, world_with_box(7.0 - 0.0008), SCENARIO)
+    assert not no_push_helps(FIXED, box_at(7.0 - 0.51 * travel_m))
+    assert no_push_helps(FIXED, box_at(7.0 - 0.49 * travel_m))
+    assert not no_push_helps(VARIABLE, box_at(7.0 - 0.49 * travel_m))
+    assert not no_push_helps(VARIABLE, box_at(7.0 - 0.0010))  # 1.7 mm by a push of 5 mm
+    assert no_push_helps(VARIABLE, box_at(7.0 - 0.0008))

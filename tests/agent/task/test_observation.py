@@ -1,83 +1,45 @@
-"""The observation of Eq. 18: the vector says what its table says."""
+"""What a policy of a task observes."""
+
+from dataclasses import replace
 
 import numpy as np
-from msgspec.structs import replace
+import pytest
 
-from agent_proc.task.observation import PAPER, as_markdown, bounds, observe
+from agent_proc.frames.push_view import push_view
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.observation import TABLES, observation_space, observe
+from agent_proc.task.observation_table import read_table
 from legpush.geometry import Pose2
-from legpush.scene.robot import LEGS
-from tests.agent.fake_world import make_scenario, make_state
+from legpush.scene.scenario import Room
+from tests.agent.fake_world import make_scenario, make_state, scenario_at_station
 
-SCENARIO = make_scenario()
-TRUNK = Pose2(x_m=5.0, y_m=2.0, yaw_rad=0.3)
-BOX = Pose2(x_m=6.0, y_m=3.0, yaw_rad=np.pi / 2)
-
-
-def test_the_observation_has_25_elements_in_the_order_of_the_paper() -> None:
-    names = [entry.name for entry in PAPER]
-
-    assert sum(entry.size for entry in PAPER) == 25 == len(observe(make_state(TRUNK, BOX), SCENARIO))
-    assert names == [
-        "body",
-        "box_corner_1",
-        "box_corner_2",
-        *(f"tip_{leg}" for leg in LEGS),
-        "goal_corner_1",
-        "goal_corner_2",
-    ]
+RELATIVE = TaskConfig(scenario=scenario_at_station())
+PAPER = TaskConfig(observation="paper", scenario=scenario_at_station())
+VIEW = push_view(
+    make_state(Pose2(x_m=5.3, y_m=3.0, yaw_rad=0.1), Pose2(x_m=6.0, y_m=2.9, yaw_rad=0.1)), RELATIVE.scenario
+)
 
 
-def test_each_entry_of_the_table_reads_what_its_name_says() -> None:
-    world = make_state(TRUNK, BOX)
-    observation = observe(world, SCENARIO)
-    places = np.cumsum([0, *(entry.size for entry in PAPER)])
-    values = {entry.name: observation[places[i] : places[i + 1]] for i, entry in enumerate(PAPER)}
+@pytest.mark.parametrize(("task", "n_elements"), [(RELATIVE, 8), (PAPER, 25)], ids=["relative", "paper"])
+def test_the_observation_is_in_its_space(task: TaskConfig, n_elements: int) -> None:
+    observation = observe(task, VIEW)
 
-    np.testing.assert_allclose(values["body"], world.trunk.position_m)
-    # A box of 0.4 m x 0.5 m x 0.4 m that looks along y: its front left corner is at lower x.
-    np.testing.assert_allclose(values["box_corner_1"], [6.0 - 0.25, 3.0 + 0.2, 0.4])
-    np.testing.assert_allclose(values["box_corner_2"], [6.0 + 0.25, 3.0 + 0.2, 0.4])
-    for index, leg in enumerate(LEGS):
-        np.testing.assert_allclose(values[f"tip_{leg}"], world.tips_m[index])
-    np.testing.assert_allclose(values["goal_corner_1"], [7.2, 3.25])
-    np.testing.assert_allclose(values["goal_corner_2"], [7.2, 2.75])
+    assert observation.shape == observation_space(task).shape == (n_elements,)
+    assert observation in observation_space(task)
 
 
-def test_a_tilted_box_lifts_its_corners() -> None:
-    world = make_state(TRUNK, BOX)
-    pitch = 0.1
-    tilted = replace(
-        world.box, position_m=(6.0, 3.0, 0.2), orientation_wxyz=(np.cos(pitch / 2), 0.0, -np.sin(pitch / 2), 0.0)
-    )
+@pytest.mark.parametrize("task", [RELATIVE, PAPER], ids=["relative", "paper"])
+def test_the_observation_reads_the_table_of_its_profile(task: TaskConfig) -> None:
+    expected = read_table(TABLES[task.observation], VIEW)
 
-    observation = observe(replace(world, box=tilted), SCENARIO)
-
-    np.testing.assert_allclose(observation[5], 0.2 + 0.2 * np.sin(pitch) + 0.2 * np.cos(pitch))
+    np.testing.assert_array_equal(observe(task, VIEW), expected.astype(np.float32))
 
 
-def test_the_bounds_hold_the_observation_and_follow_the_room() -> None:
-    low, high = bounds(SCENARIO)
-    observation = observe(make_state(TRUNK, BOX), SCENARIO)
-
-    assert low.shape == high.shape == observation.shape
-    assert (low < observation).all()
-    assert (observation < high).all()
-    np.testing.assert_allclose(high[:3], [13.0, 7.0, 1.4])
+def test_two_observations_of_one_view_share_no_memory() -> None:
+    assert not np.shares_memory(observe(PAPER, VIEW), observe(PAPER, VIEW))
 
 
-def test_the_observation_shares_no_memory_with_the_next_one() -> None:
-    world = make_state(TRUNK, BOX)
-    first = observe(world, SCENARIO)
-    second = observe(world, SCENARIO)
+def test_the_space_follows_the_room_of_the_task() -> None:
+    larger = replace(PAPER, scenario=make_scenario(room=Room(size_m=(30.0, 6.0))))
 
-    assert not np.shares_memory(first, second)
-    np.testing.assert_array_equal(first, second)
-
-
-def test_the_documentation_lists_every_entry_with_its_elements() -> None:
-    lines = as_markdown().splitlines()
-
-    rows = [line for line in lines if "`" in line]
-    assert len(rows) == len(PAPER)
-    assert rows[0] == "| 0 to 2 | `body` | xyz | m | world | trunk centre |"
-    assert rows[-1].startswith("| 23 to 24 | `goal_corner_2` | xy |")
+    assert observation_space(larger).high[0] == observation_space(PAPER).high[0] + 18.0

@@ -6,14 +6,13 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent_proc.frames.goal_frame import LOOK_AHEAD_M, mirror_sign
-from agent_proc.frames.station import station
-from agent_proc.task.observation import as_markdown, bounds, element_names, observe
+from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView, push_view
 from agent_proc.task.observation_relative import NEAR_RAD, RELATIVE
+from agent_proc.task.observation_table import as_markdown, bounds, element_names, read_table
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.messages.stepping import WorldState
-from legpush.scene.scenario import Goal, PoseDeg
+from legpush.scene.scenario import Goal, PoseDeg, Scenario
+from legpush.scene.station import station
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()
@@ -25,8 +24,12 @@ box_poses = st.builds(
 trunk_offsets = st.builds(Pose2, x_m=st.floats(-0.05, 0.05), y_m=st.floats(-0.05, 0.05), yaw_rad=st.floats(-0.1, 0.1))
 
 
-def state(box: Pose2, offset: Pose2) -> WorldState:
-    return make_state(station(SCENARIO.box, box) @ offset, box)
+def view_of(box: Pose2, offset: Pose2, scenario: Scenario = SCENARIO) -> PushView:
+    return push_view(make_state(station(SCENARIO.box, box) @ offset, box), scenario)
+
+
+def observe(view: PushView) -> Floats:
+    return read_table(RELATIVE, view)
 
 
 def mirrored(pose: Pose2, line_y_m: float) -> Pose2:
@@ -40,11 +43,11 @@ def named(observation: Floats) -> dict[str, Floats]:
 
 @given(box=box_poses, offset=trunk_offsets)
 def test_mirror_images_look_the_same(box: Pose2, offset: Pose2) -> None:
-    world = state(box, offset)
-    image = state(mirrored(box, 3.0), mirrored(offset, 0.0))
+    view = view_of(box, offset)
+    image = view_of(mirrored(box, 3.0), mirrored(offset, 0.0))
 
-    if mirror_sign(world, SCENARIO) != mirror_sign(image, SCENARIO):
-        np.testing.assert_allclose(observe(world, SCENARIO, RELATIVE), observe(image, SCENARIO, RELATIVE), atol=1e-9)
+    if view.mirror_sign != image.mirror_sign:
+        np.testing.assert_allclose(observe(view), observe(image), atol=1e-9)
     else:
         np.testing.assert_allclose(box.y_m + 0.2 * np.sin(box.yaw_rad), 3.0, atol=1e-8)
 
@@ -54,18 +57,16 @@ def test_the_place_of_the_goal_in_the_room_does_not_show(box: Pose2, offset: Pos
     moved_from_world = Pose2(x_m=shift, y_m=2 * shift, yaw_rad=radians(turn))
     goal = moved_from_world @ SCENARIO.goal.pose.pose()
     elsewhere = make_scenario(goal=Goal(pose=PoseDeg(x_m=goal.x_m, y_m=goal.y_m, yaw_deg=np.degrees(goal.yaw_rad))))
-    moved = state(moved_from_world @ box, offset)
+    moved = view_of(moved_from_world @ box, offset, elsewhere)
 
     if abs(box.y_m + 0.2 * np.sin(box.yaw_rad) - 3.0) > 1e-6:
-        np.testing.assert_allclose(
-            observe(moved, elsewhere, RELATIVE), observe(state(box, offset), SCENARIO, RELATIVE), atol=1e-9
-        )
+        np.testing.assert_allclose(observe(moved), observe(view_of(box, offset)), atol=1e-9)
 
 
 @given(box=box_poses, offset=trunk_offsets)
 def test_the_bounds_hold_every_observation(box: Pose2, offset: Pose2) -> None:
-    low, high = bounds(SCENARIO, RELATIVE)
-    observation = observe(state(box, offset), SCENARIO, RELATIVE)
+    low, high = bounds(RELATIVE, SCENARIO)
+    observation = observe(view_of(box, offset))
 
     assert low.shape == high.shape == observation.shape == (len(element_names(RELATIVE)),)
     assert ((low <= observation) & (observation <= high)).all()
@@ -73,7 +74,7 @@ def test_the_bounds_hold_every_observation(box: Pose2, offset: Pose2) -> None:
 
 def test_each_entry_reads_what_its_name_says() -> None:
     box = Pose2(x_m=6.0, y_m=3.2, yaw_rad=0.1)
-    left = named(observe(state(box, Pose2(x_m=0.01, y_m=0.02, yaw_rad=0.03)), SCENARIO, RELATIVE))
+    left = named(observe(view_of(box, Pose2(x_m=0.01, y_m=0.02, yaw_rad=0.03))))
 
     np.testing.assert_allclose(left["box"], [-1.0, 0.2])
     np.testing.assert_allclose(left["box_near"], np.arcsinh([-20.0, 4.0]))
@@ -87,8 +88,8 @@ def test_the_documentation_lists_every_entry() -> None:
     ]
 
 
-def test_a_box_far_short_of_its_goal_looks_as_far_as_the_profile_looks() -> None:
+def test_a_box_far_short_of_its_goal_is_observed_as_far_as_the_profile_goes() -> None:
     ahead = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
-    far, farther = (observe(state(Pose2(x_m=x, y_m=3.1, yaw_rad=0.0), ahead), SCENARIO, RELATIVE) for x in (5.9, 5.0))
+    far, farther = (observe(view_of(Pose2(x_m=x, y_m=3.1, yaw_rad=0.0), ahead)) for x in (5.9, 5.0))
 
     np.testing.assert_allclose(far, farther, atol=1e-12)

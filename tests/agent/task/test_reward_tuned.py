@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent_proc.frames.goal_frame import LOOK_AHEAD_M
-from agent_proc.learning.env import ASTRAY
+from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView, push_view
 from agent_proc.task.config import TaskConfig
+from agent_proc.task.ending import ASTRAY
 from agent_proc.task.reward_tuned import (
     CYCLE_COST,
+    FALL_PENALTY,
     POSITION_WEIGHT,
     STEERING_WEIGHT,
     errors_in_tolerances,
@@ -19,7 +20,6 @@ from agent_proc.task.reward_tuned import (
     tuned_reward,
 )
 from legpush.geometry import Pose2
-from legpush.messages.stepping import WorldState
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()
@@ -29,30 +29,30 @@ MAX_STEPS = TaskConfig().max_steps
 boxes = st.builds(Pose2, x_m=st.floats(5.9, 7.1), y_m=st.floats(2.8, 3.2), yaw_rad=st.floats(-0.5, 0.5))
 
 
-def state(box: Pose2, *, fallen: bool = False) -> WorldState:
-    return make_state(TRUNK, box, fallen=fallen)
+def view_of(box: Pose2, *, fallen: bool = False) -> PushView:
+    return push_view(make_state(TRUNK, box, fallen=fallen), SCENARIO)
 
 
-def at(x_m: float, y_m: float = 3.0, yaw_deg: float = 0.0) -> WorldState:
-    return state(Pose2(x_m=x_m, y_m=y_m, yaw_rad=radians(yaw_deg)))
+def at(x_m: float, y_m: float = 3.0, yaw_deg: float = 0.0) -> PushView:
+    return view_of(Pose2(x_m=x_m, y_m=y_m, yaw_rad=radians(yaw_deg)))
 
 
-def value(first: WorldState, states: list[WorldState], *, arrived: bool) -> float:
+def value(first: PushView, views: list[PushView], *, arrived: bool) -> float:
     """Return of an episode through these states."""
-    steps = list(pairwise([first, *states]))
-    return sum(sum(tuned_reward(first, a, b, SCENARIO, arrived=arrived and b is states[-1]).values()) for a, b in steps)
+    steps = list(pairwise([first, *views]))
+    return sum(sum(tuned_reward(first, a, b, arrived=arrived and b is views[-1]).values()) for a, b in steps)
 
 
 @given(path=st.lists(boxes, min_size=2, max_size=8))
 def test_progress_depends_on_the_first_and_the_last_state_only(path: list[Pose2]) -> None:
-    states = [state(box) for box in path]
-    position = [errors_in_tolerances(world, SCENARIO)[0] for world in (states[0], states[-1])]
-    steering = [steering_in_tolerances(world, SCENARIO) for world in (states[0], states[-1])]
+    views = [view_of(box) for box in path]
+    position = [errors_in_tolerances(view)[0] for view in (views[0], views[-1])]
+    steering = [steering_in_tolerances(view) for view in (views[0], views[-1])]
     progress = POSITION_WEIGHT * (position[0] - position[1]) + STEERING_WEIGHT * (steering[0] - steering[1])
 
-    total = value(states[0], states[1:], arrived=False)
+    total = value(views[0], views[1:], arrived=False)
 
-    assert total == pytest.approx(progress - CYCLE_COST * (len(states) - 1))
+    assert total == pytest.approx(progress - CYCLE_COST * (len(views) - 1))
 
 
 @given(path=st.lists(boxes, min_size=1, max_size=8), fall_at=boxes)
@@ -63,9 +63,16 @@ def test_falling_pays_less_than_the_worst_that_can_be_done_standing(path: list[P
     each = POSITION_WEIGHT + STEERING_WEIGHT * max(1.0, steering_by_position)
     worst_standing = -(ASTRAY + 10.0) * each - CYCLE_COST * MAX_STEPS
 
-    fallen = value(first, [*(state(box) for box in path), state(fall_at, fallen=True)], arrived=False)
+    fallen = value(first, [*(view_of(box) for box in path), view_of(fall_at, fallen=True)], arrived=False)
 
     assert fallen < worst_standing
+
+
+def test_a_fall_takes_back_all_progress() -> None:
+    first = at(6.0, 3.1, 5.0)
+    fallen = view_of(Pose2(x_m=6.8, y_m=3.0, yaw_rad=0.0), fallen=True)
+
+    assert value(first, [at(6.4), at(6.7), fallen], arrived=False) == pytest.approx(-FALL_PENALTY - 3 * CYCLE_COST)
 
 
 def test_the_end_pays_more_the_nearer_it_is_and_success_most() -> None:

@@ -5,9 +5,9 @@ from math import degrees
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import planar_pose
 from legpush.errors import MotionError
 from legpush.geometry import wrap_angle
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box

@@ -1,0 +1,102 @@
+"""The box in the frame of its goal, and everything else that a decision about a push depends on."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, cos, sin
+from typing import Final
+
+from msgspec.structs import replace
+
+from agent_proc.frames.corners import goal_corners_m, tracked_corners_m
+from agent_proc.frames.poses import BoxError, pose_error
+from legpush.arrays import Floats
+from legpush.geometry import Pose2, wrap_angle
+from legpush.messages.poses import planar_pose
+from legpush.messages.stepping import BoxState, WorldState
+from legpush.scene.faces import TURN_RAD
+from legpush.scene.scenario import Box, Face, Goal, Scenario
+
+LOOK_AHEAD_M: Final = 0.25
+"""How far ahead on the line through the goal a box should head for."""
+N_DIGITS: Final = 9
+"""The side of the line that the box is on is decided by this many decimals of a metre."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PushView:
+    """A box, the goal that it is pushed to, and the world around them.
+
+    The frame of the box is the pushed one: its x axis is the pushing direction, and the pushed face is the rear one.
+    Each derived quantity is computed once, when it is first read.
+    """
+
+    world: WorldState
+    """Robot and time. Its box has the axes of the scenario: read `box_state` instead."""
+    scenario: Scenario
+    """Settings and room. Read `box` and `goal` instead of its box and goal."""
+    box: Box
+    """With the size that it has in the pushed frame."""
+    box_state: BoxState
+    """Pose of the pushed frame, world frame: measured, or predicted if the box is pushed in an open loop."""
+    goal: Goal
+    """Pose that the pushed frame should come to, world frame, and its tolerances."""
+
+    @cached_property
+    def box_w(self) -> Pose2:
+        """Pose of the box on the floor, world frame."""
+        return planar_pose(self.box_state)
+
+    @cached_property
+    def box_g(self) -> Pose2:
+        """Pose of the box in the frame of its goal: x is minus the distance that remains."""
+        return box_in_goal_frame(self.box_w, self.goal)
+
+    @cached_property
+    def steering_error_rad(self) -> float:
+        """Heading of the box, minus the heading that brings it to the line through the goal (pure pursuit)."""
+        return wrap_angle(self.box_g.yaw_rad - atan2(-self.box_g.y_m, LOOK_AHEAD_M))
+
+    @cached_property
+    def mirror_sign(self) -> float:
+        """-1 if the middle of the box's front edge is right of the line through the goal, else 1."""
+        edge_g = self.box_g @ Pose2(x_m=self.box.size_m[0] / 2, y_m=0.0, yaw_rad=0.0)
+        return -1.0 if round(edge_g.y_m, N_DIGITS) < 0.0 else 1.0
+
+    @cached_property
+    def error(self) -> BoxError:
+        """How far the box is from its goal."""
+        return pose_error(self.box_w, self.goal.pose.pose())
+
+    @cached_property
+    def corners_w_m(self) -> Floats:
+        """Tracked corners of the box, world frame, (2, 3)."""
+        return tracked_corners_m(self.box_state, self.box)
+
+    @cached_property
+    def goal_corners_w_m(self) -> Floats:
+        """Where the tracked corners should be, world frame, (2, 2)."""
+        return goal_corners_m(self.goal, self.box)
+
+    @property
+    def fallen(self) -> bool:
+        """Whether the robot has fallen."""
+        return self.world.fallen
+
+
+def push_view(world: WorldState, scenario: Scenario) -> PushView:
+    """The view of a box that is pushed at its rear face to the goal of its scenario."""
+    return PushView(world=world, scenario=scenario, box=scenario.box, box_state=world.box, goal=scenario.goal)
+
+
+def pushed_state(box: BoxState, face: Face) -> BoxState:
+    """Pose of the pushed frame of a box: the axes are turned about z until the face is the rear one."""
+    if face == "rear":
+        return box
+    w, x, y, z = box.orientation_wxyz
+    c, s = cos(TURN_RAD[face] / 2), sin(TURN_RAD[face] / 2)
+    return replace(box, orientation_wxyz=(w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s))
+
+
+def box_in_goal_frame(box_w: Pose2, goal: Goal) -> Pose2:
+    """Pose of the box in the frame of its goal pose."""
+    return goal.pose.pose().inverse() @ box_w

@@ -1,0 +1,77 @@
+"""The best policy of a training: built from the learner, evaluated, and ranked."""
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from agent_proc.evaluation.episodes import evaluate, summarize
+from agent_proc.learning.learner import Learner, observation_moments, policy_zip
+from agent_proc.learning.training_plan import TrainingPlan
+from agent_proc.policies.folder import Card, Check, CurvePoint, Normalizer, PolicyFolder
+from agent_proc.policies.learned import LearnedPolicy
+from legpush.lockstep.world import SteppingWorld
+
+FIRST_CHECK_SEED: Final = 1_000_000
+"""Policies are compared on the seeds from here on; reports use others."""
+
+
+def build_policy(
+    plan: TrainingPlan, learner: Learner, curve: Sequence[CurvePoint], check: Check | None
+) -> PolicyFolder:
+    """The policy of the learner as it is now; `check` is its evaluation, if it has been evaluated."""
+    card = Card(
+        command=plan.command,
+        task=plan.task,
+        profile=plan.profile,
+        seed=plan.seed,
+        steps=learner.model.num_timesteps,
+        n_simulators=plan.n_simulators,
+        versions=plan.versions,
+        check=check,
+        curve=tuple(curve),
+    )
+    normalizer = None
+    if (moments := observation_moments(learner.normalizer)) is not None:
+        mean, variance = moments
+        normalizer = Normalizer(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
+    return PolicyFolder(card=card, networks=policy_zip(learner.model), normalizer=normalizer)
+
+
+def check_policy(
+    policy: PolicyFolder, worlds: Sequence[SteppingWorld], *, on_episode: Callable[[], None], stop: threading.Event
+) -> Check:
+    """Evaluate the deterministic policy in the scenario of its task; `on_episode` is called after each episode.
+
+    Raises:
+        StopRequestedError: `stop` was set.
+    """
+    card = policy.card
+    seeds = range(FIRST_CHECK_SEED, FIRST_CHECK_SEED + card.profile.evaluation_episodes)
+    rows = evaluate(
+        worlds,
+        {"": card.task.scenario},
+        seeds,
+        LearnedPolicy(policy, "the policy in training"),
+        on_row=lambda _: on_episode(),
+        stop=stop,
+    )
+    summary = summarize(rows)[""]
+    return Check(
+        step=card.steps,
+        seeds=tuple(seeds),
+        success_rate=summary.success_rate.value,
+        position_error_m=summary.position_error_m.value,
+        angle_error_deg=summary.angle_error_deg.value,
+        falls=summary.n_falls,
+        cycles=summary.n_cycles.value,
+    )
+
+
+def is_better(check: Check, best: Check | None) -> bool:
+    """Whether a policy with this evaluation replaces the best one up to now."""
+    return best is None or _rank(check) > _rank(best)
+
+
+def _rank(check: Check) -> tuple[int, float, float]:
+    """Fewer falls, then more success, then less error: 1 cm counts as much as 1 degree."""
+    return -check.falls, check.success_rate, -(100 * check.position_error_m + check.angle_error_deg)

@@ -1,0 +1,40 @@
+"""The mission of this package as a plug-in: run in any world, and reported from what that world recorded."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+
+from agent_proc.mission.mission import run_mission
+from agent_proc.policies.registry import make_policy, user_policy
+from agent_proc.push_model.map import load_push_map
+from agent_proc.reporting.mission_record import read_record
+from agent_proc.reporting.report import make_report
+from legpush.history.steps import PlanRecord, StepRecord
+from legpush.lockstep.mission import Tell
+from legpush.lockstep.world import World
+from legpush.runs.report import Report
+from legpush.scene.scenario import Scenario
+from legpush.versions import installed_versions
+
+
+def run_local(
+    world: World,
+    scenario: Scenario,
+    *,
+    seed: int,
+    policy: object,
+    push_map: Path | None,
+    records: Sequence[StepRecord | PlanRecord],
+    tell: Tell,
+) -> Report:
+    """Run the mission; a `legpush.lockstep.mission.Mission`.
+
+    Raises:
+        PolicyError: There is no such policy, or it has no method `decide`.
+        ConfigError: The push map cannot be used with the scenario's box.
+    """
+    began_s = perf_counter()
+    decides = make_policy(policy) if isinstance(policy, str) else user_policy(policy)
+    measured = None if push_map is None else load_push_map(push_map, scenario.box)
+    result = run_mission(world, scenario, seed, decides, measured, tell=tell)
+    return make_report(read_record(records), result, perf_counter() - began_s, installed_versions())

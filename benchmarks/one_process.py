@@ -1,0 +1,111 @@
+"""`python -m benchmarks.one_process`: a mission in one process against the same mission in three.
+
+Both are whole programs, from the start of the interpreter to the result, without picture and film, in turn. CPU seconds
+are those of the program and its children; steps per second are simulated steps per second of the mission itself.
+"""
+
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import tempfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+
+from agent_proc.statistics import mean_interval
+from legpush.versions import installed_versions
+
+IN_ONE = """
+import json, sys, legpush
+run = legpush.run(sys.argv[1], seed=int(sys.argv[2]))
+print(json.dumps({"wall_time_s": run.report.wall_time_s, "state_crc": run.state_crc}))
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """How much to measure."""
+
+    scenario: str = "default"
+    """The mission."""
+    n_pairs: int = 8
+    """Pairs, each with a seed of its own, from 0."""
+    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/one_process.json")
+    """Where the numbers go."""
+
+
+def main(config: Config) -> None:
+    """Measure, print, and write the numbers."""
+    pairs: list[tuple[Measured, Measured]] = []
+    for seed in range(config.n_pairs):
+        one, three = in_one_process(config.scenario, seed), in_three(config.scenario, seed)
+        if one.state_crc != three.state_crc:
+            raise RuntimeError(f"Seed {seed}: {one.state_crc} in one process, {three.state_crc} in three")
+        pairs.append((one, three))
+        print(f"seed {seed}: CPU {one.cpu_s:.1f} s and {three.cpu_s:.1f} s, CRC {one.state_crc}", flush=True)
+    ratios = {
+        "cpu": [one.cpu_s / three.cpu_s for one, three in pairs],
+        "steps_per_second": [three.wall_time_s / one.wall_time_s for one, three in pairs],
+    }
+    for name, values in ratios.items():
+        estimate = mean_interval(values)
+        print(
+            f"{name}, one process over three: median {np.median(values):.2f}, mean {estimate.value:.2f} "
+            f"[{estimate.low:.2f}, {estimate.high:.2f}] (95 %, bootstrap), n {len(values)}"
+        )
+    result = {
+        "command": f"python -m benchmarks.one_process --scenario {config.scenario} --n-pairs {config.n_pairs}",
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
+        "versions": installed_versions(),
+        "ratios": ratios,
+        "pairs": [
+            {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
+        ],
+    }
+    config.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """One run of a program."""
+
+    cpu_s: float
+    """Of the program and its children."""
+    wall_time_s: float
+    """Of the mission alone."""
+    state_crc: str
+
+
+def in_one_process(scenario: str, seed: int) -> Measured:
+    """One whole program with the mission in it."""
+    before = _cpu_of_children_s()
+    argv = [sys.executable, "-c", IN_ONE, scenario, str(seed)]
+    done = subprocess.run(argv, check=True, capture_output=True, text=True)
+    return Measured(cpu_s=_cpu_of_children_s() - before, **json.loads(done.stdout))
+
+
+def in_three(scenario: str, seed: int) -> Measured:
+    """`legpush run` with its three processes."""
+    with tempfile.TemporaryDirectory(prefix="legpush-one-process-") as folder:
+        before = _cpu_of_children_s()
+        argv = ["legpush", "run", "--scenario", scenario, "--seed", str(seed)]
+        argv += ["--no-video", "--no-picture", "--out", folder]
+        subprocess.run([Path(sys.executable).with_name(argv[0]), *argv[1:]], check=True, capture_output=True)
+        cpu_s = _cpu_of_children_s() - before
+        report = json.loads((Path(folder) / "report.json").read_bytes())
+    return Measured(cpu_s=cpu_s, wall_time_s=report["wall_time_s"], state_crc=report["state_crc"])
+
+
+def _cpu_of_children_s() -> float:
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

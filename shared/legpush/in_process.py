@@ -1,0 +1,162 @@
+"""Missions in this process: planner, simulator, policy and mission are found by name and called as functions."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+from threadpoolctl import threadpool_limits
+
+from legpush.errors import ConfigError, UnsolvableError
+from legpush.fields import Seed, require
+from legpush.history.steps import PlanRecord, StepRecord
+from legpush.lockstep.local import LocalWorld
+from legpush.lockstep.mission import Mission, Tell
+from legpush.lockstep.simulator import Stepper
+from legpush.plans.planner import MakePlans
+from legpush.plugins import load_plugin
+from legpush.runs.report import Report
+from legpush.scenarios.file import resolve_scenario
+from legpush.scene.scenario import PlannerName, Scenario, Steering
+from legpush.stepwise import StepwiseWorld
+
+DEFAULT_PLANNER = "ompl"
+DEFAULT_SIMULATOR = "mujoco"
+DEFAULT_MISSION = "push"
+DEFAULT_POLICY = "variable"
+"""The shipped policy that chooses leg, curve and depth."""
+
+
+@dataclass(frozen=True)
+class MissionRun:
+    """A mission that came to its end."""
+
+    report: Report
+    """The numbers, as in `report.json`."""
+    records: tuple[StepRecord | PlanRecord, ...]
+    """Every step with its motion, outcome and trace, and every plan with its query, in order, from the reset on."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the box is at its goal."""
+        return self.report.success
+
+    @property
+    def state_crc(self) -> str:
+        """CRC-32 of the simulator's last state, eight hexadecimal digits: equal missions have equal ones."""
+        return self.report.state_crc
+
+
+def run(
+    scenario: str | Path | Scenario = "default",
+    *,
+    seed: int = 0,
+    policy: object = DEFAULT_POLICY,
+    push_map: str | Path | None = None,
+    planner: PlannerName | None = None,
+    steering: Steering | None = None,
+    turning_radius_m: float | None = None,
+    changes: Mapping[str, Any] | None = None,
+    progress: bool | Tell = False,
+    planner_program: str = DEFAULT_PLANNER,
+    simulator: str = DEFAULT_SIMULATOR,
+    mission: str = DEFAULT_MISSION,
+) -> MissionRun:
+    """Run a whole mission in this process, as `legpush run` does in three.
+
+    Args:
+        scenario: The name of a built-in scenario, the path of a scenario file, or a record.
+        seed: Draws the offsets of start and box, and the path. Equal seeds give equal missions, bit for bit, and the
+            same `state_crc` as `legpush run`.
+        policy: Chooses the pushes: the name of a plug-in (`scripted`, `fixed`, `variable`), the path of a policy folder
+            or model file, `module:function`, or an object with a method `decide`.
+        push_map: What pushes do to this box, as `legpush calibrate` measured it.
+        planner: The search that replaces the scenario's, such as `rrt_star`.
+        steering: Replaces how the scenario's paths are steered; `dubins` and `reeds_shepp` need a turning radius.
+        turning_radius_m: Replaces the least turning radius of the robot's paths, in m.
+        changes: Other fields of the scenario by their path, such as `{"box.mass_kg": 2.0}`.
+        progress: True shows a progress bar in a terminal or a notebook. A function gets phase, share and detail.
+        planner_program: The plug-in that plans (`legpush.planners`).
+        simulator: The plug-in that simulates (`legpush.simulators`).
+        mission: The plug-in that decides what to do (`legpush.missions`).
+
+    Raises:
+        ScenarioError: The scenario cannot be used.
+        PluginError: A planner, simulator, policy or mission cannot be found or imported.
+        PolicyError: The policy cannot be used, or raised an exception.
+        UnsolvableError: The planner finds no path; its `run` is this mission up to there.
+        ConfigError: Another argument cannot be used.
+        LegpushError: The base of all of these.
+        KeyboardInterrupt: The user interrupted it.
+    """
+    require(Seed, seed, "seed")
+    resolved = resolve_scenario(
+        scenario, planner=planner, steering=steering, turning_radius_m=turning_radius_m, changes=changes
+    )
+    make_plans = cast(MakePlans, load_plugin("legpush.planners", planner_program))
+    make_simulator = load_plugin("legpush.simulators", simulator)
+    run_mission = cast(Mission, load_plugin("legpush.missions", mission))
+    records: list[StepRecord | PlanRecord] = []
+    with threadpool_limits(limits=1), _progress(progress) as tell:
+        report = run_mission(
+            LocalWorld(cast(Stepper, make_simulator()), make_plans, on_record=records.append),
+            resolved,
+            seed=seed,
+            policy=policy,
+            push_map=None if push_map is None else Path(push_map),
+            records=records,
+            tell=tell,
+        )
+    done = MissionRun(report, tuple(records))
+    if report.reason == "no_path":
+        raise UnsolvableError(f"{resolved.name}: {report.detail}", done)
+    return done
+
+
+@contextmanager
+def world(
+    scenario: str | Path | Scenario = "push",
+    *,
+    seed: int = 0,
+    planner: PlannerName | None = None,
+    steering: Steering | None = None,
+    turning_radius_m: float | None = None,
+    changes: Mapping[str, Any] | None = None,
+    planner_program: str = DEFAULT_PLANNER,
+    simulator: str = DEFAULT_SIMULATOR,
+) -> Iterator[StepwiseWorld]:
+    """Open a world to move step by step; it has been reset already. The arguments are those of `run`.
+
+    Raises:
+        ScenarioError: The scenario cannot be used.
+        PluginError: The planner or the simulator cannot be found or imported.
+        ConfigError: Another argument cannot be used.
+    """
+    require(Seed, seed, "seed")
+    resolved = resolve_scenario(
+        scenario, planner=planner, steering=steering, turning_radius_m=turning_radius_m, changes=changes
+    )
+    make_plans = cast(MakePlans, load_plugin("legpush.planners", planner_program))
+    make_simulator = load_plugin("legpush.simulators", simulator)
+    with threadpool_limits(limits=1):
+        yield StepwiseWorld(LocalWorld(cast(Stepper, make_simulator()), make_plans), resolved, seed)
+
+
+@contextmanager
+def _progress(progress: bool | Tell) -> Iterator[Tell]:
+    """What gets the progress of a mission."""
+    if callable(progress):
+        yield progress
+        return
+    if not isinstance(progress, bool):
+        raise ConfigError(f"Expected a truth value or a function for progress, got {type(progress).__name__}")
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[detail]}"))
+    with Progress(*columns, disable=not progress, transient=True) as bar:
+        task = bar.add_task("starting", total=1.0, detail="")
+
+        def tell(phase: str, fraction: float | None, detail: str) -> None:
+            bar.update(task, description=phase, completed=fraction or 0.0, detail=detail)
+
+        yield tell

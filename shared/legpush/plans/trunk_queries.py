@@ -1,0 +1,61 @@
+"""The questions to the planner: the way to where the box should be, to where it is, and the path of the box."""
+
+from typing import Final
+
+from legpush.geometry import Pose2
+from legpush.messages.planning import TrunkPathQuery
+from legpush.scene.clearance import clearance_at
+from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.occupancy import clearance_m, occupancy_grid
+from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
+from legpush.scene.scenario import Face, Scenario
+from legpush.scene.station import nominal_obstacle, stand_off
+
+SLACK_M: Final = 1e-3
+"""Kept below the clearance that the robot has at the start, so that rounding does not put it inside an obstacle."""
+
+
+def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2, face: Face) -> TrunkPathQuery:
+    """From far away: to the stand-off behind a face of the box at its nominal pose, around everything that it may
+    cover.
+    """
+    goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(scenario.box.pose.pose(), face))
+    return _query(scenario, seed, start, goal, nominal_obstacle(scenario))
+
+
+def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2, face: Face) -> TrunkPathQuery:
+    """After the hand-over: to the stand-off behind a face of the box at the pose that it has."""
+    goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(box_pose, face))
+    return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
+
+
+def query_to_pose(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box_pose: Pose2) -> TrunkPathQuery:
+    """Ask for a path of the trunk to a pose, around the box at the pose that it has."""
+    return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
+
+
+def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> TrunkPathQuery:
+    """Ask as the scenario says.
+
+    A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least its footprint's.
+    """
+    planning = scenario.planning
+    grid = occupancy_grid(scenario.room, [box])
+    present_m = clearance_at(grid, start) - SLACK_M
+    return TrunkPathQuery(
+        grid=grid,
+        start=start,
+        goal=goal,
+        clearance_m=max(min(clearance_m(planning), present_m), FOOT_RECTANGLE_RADIUS_M),
+        planner=planning.planner,
+        seed=seed,
+        max_iterations=planning.max_iterations,
+        goal_bias=planning.goal_bias,
+        step_m=planning.step_m,
+        goal_region_m=planning.goal_region_m,
+        steering=planning.steering,
+        min_turning_radius_m=planning.min_turning_radius_m,
+        smoothing=planning.smoothing,
+        anytime=planning.anytime,
+    )

@@ -1,0 +1,59 @@
+"""Finds planners, simulators, policies and missions by name, through the entry points of installed packages."""
+
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Final, Literal
+
+from legpush.errors import PluginError
+
+Group = Literal["legpush.planners", "legpush.simulators", "legpush.policies", "legpush.missions"]
+
+_NOUNS: Final[dict[Group, str]] = {
+    "legpush.planners": "planner",
+    "legpush.simulators": "simulator",
+    "legpush.policies": "policy",
+    "legpush.missions": "mission",
+}
+
+
+def plugin_names(group: Group) -> tuple[str, ...]:
+    """Names in a group, sorted."""
+    return tuple(sorted({entry.name for entry in entry_points(group=group)}))
+
+
+def load_plugin(group: Group, name: str) -> Any:
+    """Import what is registered under a name in a group.
+
+    Raises:
+        PluginError: There is no such name, two packages use it, or it cannot be imported; names the package, and the
+            extra that installs a missing library.
+    """
+    noun = _NOUNS[group]
+    found = {entry.value: entry for entry in entry_points(group=group, name=name)}
+    if not found:
+        raise PluginError(f"Expected a {noun} ({', '.join(plugin_names(group)) or 'none is installed'}), got {name!r}")
+    if len(found) > 1:
+        packages = ", ".join(sorted(map(_package, found.values())))
+        raise PluginError(f"Expected one {noun} called {name!r}, got {len(found)}, from {packages}")
+    (entry,) = found.values()
+    try:
+        return entry.load()
+    except ModuleNotFoundError as error:
+        raise PluginError(
+            f"The {noun} {name!r} of the package {_package(entry)} needs {error.name}, which is not installed"
+            f"{_remedy(entry)}"
+        ) from error
+    except Exception as error:
+        raise PluginError(
+            f"The {noun} {name!r} of the package {_package(entry)} cannot be imported from {entry.value} "
+            f"({type(error).__name__}: {error})"
+        ) from error
+
+
+def _package(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist is not None else "?"
+
+
+def _remedy(entry: EntryPoint) -> str:
+    """The command that installs what is missing, if the entry point names an extra."""
+    extras = ",".join(entry.extras)
+    return f"; pip install '{_package(entry)}[{extras}]' installs it" if extras else ""

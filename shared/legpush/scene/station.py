@@ -1,0 +1,106 @@
+"""Where the robot stands relative to the box: the station it pushes from, and the stand-off where planned paths end."""
+
+from math import ceil, hypot, radians, sin
+from typing import Final
+
+from legpush.geometry import Pose2, distance_m, wrap_angle
+from legpush.scene.footprints import (
+    Footprint,
+    behind_box,
+    box_footprint,
+    distance_to_border_m,
+    distance_to_point_m,
+    obstacle_footprint,
+)
+from legpush.scene.footprints import distance_m as footprint_distance_m
+from legpush.scene.occupancy import clearance_m
+from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
+from legpush.scene.scenario import STAND_OFF_M, STATION_M, Box, Randomization, Scenario
+
+AT_STATION_M: Final = 0.15
+AT_STATION_RAD: Final = radians(15.0)
+"""How far from the station the robot may stand to push from there; each push cycle ends at the station again."""
+LAST_STRETCH_STEP_M: Final = 0.05
+BACK_STEP_M: Final = 0.05
+LEAST_BACK_M: Final = 0.2
+MOST_BACK_M: Final = 1.2
+"""How far the robot steps back from a face before it walks to another one."""
+CELLS: Final = 1.5
+"""An occupied cell may reach so many cells beyond what occupies it."""
+
+
+def station(box: Box, box_pose: Pose2) -> Pose2:
+    """The trunk's pose from which a box at `box_pose` is pushed along its x axis."""
+    return behind_box(box, box_pose, STATION_M)
+
+
+def at_station(trunk: Pose2, box: Box, box_pose: Pose2) -> bool:
+    """Whether a robot whose trunk is at `trunk` can push as it stands."""
+    place = station(box, box_pose)
+    return distance_m(trunk, place) <= AT_STATION_M and abs(wrap_angle(trunk.yaw_rad - place.yaw_rad)) <= AT_STATION_RAD
+
+
+def stand_off(scenario: Scenario, box: Box, box_pose: Pose2) -> Pose2:
+    """The trunk's pose behind the box where a planned path ends.
+
+    `STAND_OFF_M` behind it, or more where that is needed to keep the planner's clearance from every cell that
+    `nominal_obstacle` touches.
+    """
+    cells_m = 2 * scenario.room.resolution_m
+    needed_m = clearance_m(scenario.planning) + box_reach_m(scenario.box, scenario.randomization) + cells_m
+    return behind_box(box, box_pose, max(STAND_OFF_M, needed_m))
+
+
+def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, ...]:
+    """Waypoints straight ahead from the stand-off, not included, to the station, heading like the box."""
+    begin, end = stand_off(scenario, box, box_pose), station(box, box_pose)
+    n_steps = ceil(distance_m(begin, end) / LAST_STRETCH_STEP_M)
+    return tuple(
+        Pose2(
+            x_m=begin.x_m + (end.x_m - begin.x_m) * k / n_steps,
+            y_m=begin.y_m + (end.y_m - begin.y_m) * k / n_steps,
+            yaw_rad=end.yaw_rad,
+        )
+        for k in range(1, n_steps + 1)
+    )
+
+
+def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, ...]:
+    """Waypoints straight back from the box, to where the robot has space to turn around, or as far as it can."""
+    solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
+    way = [trunk]
+    while len(way) * BACK_STEP_M <= MOST_BACK_M:
+        back = trunk @ Pose2(x_m=-BACK_STEP_M * len(way), y_m=0.0, yaw_rad=0.0)
+        body = Footprint(pose=back, length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        if distance_to_border_m(body.corners(), scenario.room) <= 0.0 or any(
+            footprint_distance_m(body, other) <= 0.0 for other in solid
+        ):
+            break
+        way.append(back)
+        if len(way) * BACK_STEP_M > LEAST_BACK_M and can_turn(scenario, back, box_pose):
+            break
+    return tuple(way)
+
+
+def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
+    """Whether the feet may be turned to anywhere around a place, and a path planned from there."""
+    solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
+    space_m = min(
+        distance_to_border_m(trunk.xy()[None], scenario.room),
+        *(distance_to_point_m(other, trunk.xy()) for other in solid),
+    )
+    return space_m >= FOOT_RECTANGLE_RADIUS_M + CELLS * scenario.room.resolution_m
+
+
+def box_reach_m(box: Box, offsets: Randomization) -> float:
+    """How far the seed may move any point of the box from its nominal place."""
+    half_diagonal_m = hypot(*box.size_m[:2]) / 2
+    turn_m = 2 * half_diagonal_m * sin(radians(min(offsets.box_yaw_deg, 180.0)) / 2)
+    return hypot(offsets.box_xy_m, offsets.box_xy_m) + turn_m
+
+
+def nominal_obstacle(scenario: Scenario) -> Footprint:
+    """Floor that covers the box wherever the seed has put it: what is known before the box is in sight."""
+    reach_m = box_reach_m(scenario.box, scenario.randomization)
+    nominal = box_footprint(scenario.box, scenario.box.pose.pose())
+    return Footprint(pose=nominal.pose, length_m=nominal.length_m + 2 * reach_m, width_m=nominal.width_m + 2 * reach_m)

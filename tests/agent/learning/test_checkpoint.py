@@ -1,0 +1,70 @@
+"""Checkpoints: one comes back as it was saved, and a damaged, foreign or missing one is refused."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from agent_proc.learning.checkpoint import FORMAT, MAGIC, Checkpoint, CheckpointError, load_checkpoint, save_checkpoint
+from agent_proc.policies.folder import Check, CurvePoint
+
+CHECK = Check(step=64, seeds=(1, 2), success_rate=0.5, position_error_m=0.02, angle_error_deg=1.5, falls=0, cycles=20.0)
+POINT = CurvePoint(step=3, episode_return=-1.5, length=3, success=False, position_error_m=0.4, angle_error_deg=9.0)
+CHECKPOINT = Checkpoint(step=70, learner=b"weights", curve=(POINT,), checks=(CHECK,), best=CHECK)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A checkpoint."""
+    path = tmp_path / "checkpoint"
+    save_checkpoint(path, CHECKPOINT)
+    return path
+
+
+def test_a_checkpoint_comes_back_as_it_was_saved(path: Path) -> None:
+    assert load_checkpoint(path) == CHECKPOINT
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: data[:-1],
+        lambda data: b"",
+        lambda data: data[: len(MAGIC) - 1],
+        lambda data: data[:-1] + b"?",
+        lambda data: b"?" + data[1:],
+    ],
+    ids=["cut", "empty", "half a header", "last byte", "first byte"],
+)
+def test_a_damaged_checkpoint_is_refused(path: Path, damage: Callable[[bytes], bytes]) -> None:
+    path.write_bytes(damage(path.read_bytes()))
+
+    with pytest.raises(
+        CheckpointError, match=r"checkpoint: expected the whole checkpoint of a training, got \d+ other"
+    ):
+        load_checkpoint(path)
+
+
+@pytest.mark.parametrize("other", [FORMAT - 1, FORMAT + 1])
+def test_a_checkpoint_of_another_format_is_refused_with_what_to_do(path: Path, other: int) -> None:
+    data = path.read_bytes()
+    path.write_bytes(b"legpush training checkpoint %d\n" % other + data[len(MAGIC) :])
+
+    with pytest.raises(
+        CheckpointError,
+        match=rf"checkpoint: expected a checkpoint of format {FORMAT}, got format {other}.*"
+        "resume this training with that version, or start it again in a new folder",
+    ):
+        load_checkpoint(path)
+
+
+def test_the_header_of_the_first_format_is_known_as_such(path: Path) -> None:
+    path.write_bytes(b"legpush training checkpoint 1\n" + bytes(40))
+
+    with pytest.raises(CheckpointError, match="got format 1, which another version of legpush wrote"):
+        load_checkpoint(path)
+
+
+def test_a_missing_checkpoint_is_named(tmp_path: Path) -> None:
+    with pytest.raises(CheckpointError, match=r"none: expected the checkpoint of a training \(No such file"):
+        load_checkpoint(tmp_path / "none")

@@ -1,0 +1,140 @@
+"""Learners: built as a profile says, captured with everything that their next step depends on."""
+
+from collections.abc import Iterator
+
+import msgspec
+import numpy as np
+import pytest
+import torch
+from stable_baselines3 import PPO, SAC, TD3
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+from agent_proc.learning.learner import (
+    DEPTH,
+    Learner,
+    capture,
+    make_learner,
+    observation_moments,
+    policy_zip,
+    restore,
+    set_exploration,
+    undisturbed_draws,
+)
+from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.profiles.profile import AnyProfile, PpoProfile
+from agent_proc.task.config import TaskConfig
+from legpush.errors import ConfigError
+from tests.agent.fake_world import FakeWorld, scenario_at_station
+from tests.agent.learning.small_training import small_profile, weights
+
+TASK = TaskConfig(scenario=scenario_at_station(), max_steps=5)
+
+
+@pytest.fixture
+def env() -> Iterator[PushVecEnv]:
+    """Two environments without physics."""
+    env = PushVecEnv(TASK, [FakeWorld(), FakeWorld()])
+    yield env
+    env.close()
+
+
+def learned(profile: AnyProfile, env: PushVecEnv, n_steps: int, learner: Learner | None = None) -> Learner:
+    """A learner after some steps."""
+    learner = learner or make_learner(profile, env, 3, None)
+    learner.model.learn(n_steps, reset_num_timesteps=learner.model.num_timesteps == 0)
+    return learner
+
+
+@pytest.mark.parametrize(("name", "kind"), [("tuned", PPO), ("paper", PPO), ("sac", SAC), ("td3", TD3)])
+def test_a_profile_names_its_algorithm(env: PushVecEnv, name: str, kind: type[BaseAlgorithm]) -> None:
+    learner = make_learner(small_profile(name), env, 3, None)
+
+    assert type(learner.model) is kind
+    assert learner.env is env
+
+
+def test_equal_seeds_begin_with_equal_weights(env: PushVecEnv) -> None:
+    first, again, other = (weights(make_learner(small_profile(), env, seed, None).model) for seed in (3, 3, 4))
+
+    assert first == again != other
+
+
+def test_the_first_pushes_are_as_deep_as_the_profile_says(env: PushVecEnv) -> None:
+    profile = small_profile()
+    assert isinstance(profile, PpoProfile)
+
+    model = make_learner(profile, env, 3, None).model
+
+    bias = model.policy.action_net.bias  # type: ignore[union-attr]
+    assert isinstance(bias, torch.Tensor)
+    assert bias[DEPTH].item() == pytest.approx(profile.settings.depth_bias)
+
+
+def test_an_algorithm_for_continuous_actions_is_refused_the_published_grid() -> None:
+    task = TaskConfig(entry="fixed", action_form="discrete", scenario=scenario_at_station())
+    env = PushVecEnv(task, [FakeWorld()])
+
+    with pytest.raises(ConfigError, match="Expected continuous actions for the algorithm sac, got discrete ones"):
+        make_learner(small_profile("sac"), env, 3, None)
+    env.close()
+
+
+def test_exploration_is_set_by_how_far_the_training_is(env: PushVecEnv) -> None:
+    profile = small_profile()
+    assert isinstance(profile, PpoProfile)
+    assert profile.settings.log_std_end is not None
+    learner = make_learner(profile, env, 3, None)
+
+    learner.model.num_timesteps = profile.steps // 2
+    set_exploration(learner, profile)
+
+    spread = learner.model.policy.log_std
+    assert isinstance(spread, torch.Tensor)
+    middle = (profile.settings.log_std_init + profile.settings.log_std_end) / 2
+    np.testing.assert_allclose(spread.detach().numpy(), middle, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["tuned", "sac", "td3"])
+def test_a_restored_learner_goes_on_to_the_same_weights(env: PushVecEnv, name: str) -> None:
+    profile = small_profile(name)
+    learner = learned(profile, env, 64)
+    captured = capture(learner)
+    expected = weights(learned(profile, env, 64, learner).model)
+    other_env = PushVecEnv(TASK, [FakeWorld(), FakeWorld()])
+
+    other = restore(make_learner(profile, other_env, 99, None), captured)
+
+    assert other.model.num_timesteps == 64
+    assert weights(learned(profile, other_env, 64, other).model) == expected
+    other_env.close()
+
+
+def test_draws_of_torch_inside_change_nothing_of_those_after() -> None:
+    torch.manual_seed(1)
+    expected = torch.rand(3).tolist()
+    torch.manual_seed(1)
+    with undisturbed_draws():
+        torch.rand(100)
+
+    assert torch.rand(3).tolist() == expected
+
+
+def test_moments_are_those_of_the_normalizer(env: PushVecEnv) -> None:
+    profile = small_profile()
+    bare = msgspec.structs.replace(profile, normalize_observation=False)
+    learner = learned(profile, env, 32)
+
+    moments = observation_moments(learner.normalizer)
+
+    assert moments is not None
+    mean, variance = moments
+    assert mean.shape == variance.shape == (8,)
+    assert (variance > 0.0).all()
+    assert observation_moments(make_learner(bare, env, 3, None).normalizer) is None
+
+
+def test_a_saved_policy_keeps_nothing_of_the_last_steps(env: PushVecEnv) -> None:
+    learner = learned(small_profile(), env, 32)
+
+    assert policy_zip(learner.model)[:2] == b"PK"
+    assert len(policy_zip(learner.model)) < len(capture(learner))

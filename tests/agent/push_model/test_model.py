@@ -1,0 +1,64 @@
+"""The push model: what one push does to the box."""
+
+import csv
+from math import cos, radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agent_proc.push_model.model import MIRROR, NOMINAL, ON_ITS_SIDE, PushModel, nearest_model
+from legpush.scene.faces import pushed_box
+
+MODEL = PushModel()
+
+
+def test_one_leg_is_the_mirror_image_of_the_other_in_the_model() -> None:
+    depth = np.linspace(0.0, 0.12, 13)
+    pose = np.zeros((13, 3))
+
+    left = MODEL.push(pose, np.full(13, MIRROR["FL"]), depth)
+    right = MODEL.push(pose, np.full(13, MIRROR["FR"]), depth)
+
+    np.testing.assert_allclose(right, left * [1.0, -1.0, -1.0])
+    assert (np.diff(left[:, 0]) > 0.0).all()
+    assert (np.diff(left[:, 2]) < 0.0).all()
+
+
+def test_a_push_of_the_model_moves_along_the_heading_of_the_box() -> None:
+    pose = np.array([[1.0, 2.0, radians(30.0)]])
+    at_origin = MODEL.push(np.zeros((1, 3)), np.array([1.0]), np.array([0.05]))[0]
+
+    x, y, yaw = MODEL.push(pose, np.array([1.0]), np.array([0.05]))[0]
+
+    c, s = cos(radians(30.0)), sin(radians(30.0))
+    assert (x, y) == pytest.approx(
+        (1.0 + c * at_origin[0] - s * at_origin[1], 2.0 + s * at_origin[0] + c * at_origin[1])
+    )
+    assert yaw == pytest.approx(radians(30.0) + at_origin[2])
+
+
+def test_the_depth_for_a_travel_is_the_inverse_of_the_model() -> None:
+    depth = np.array([0.02, 0.045, 0.09])
+    travel = MODEL.push(np.zeros((3, 3)), np.ones(3), depth)[:, 0]
+
+    np.testing.assert_allclose(MODEL.depth_for(travel), depth)
+
+
+@pytest.mark.parametrize("model", [PushModel(), ON_ITS_SIDE])
+def test_a_push_model_holds_what_was_measured(model: PushModel) -> None:
+    table = Path(__file__).parents[3] / "experiments" / "results" / "push_effect.csv"
+    with table.open(newline="") as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    length_m, width_m, _ = model.box.size_m
+    box = {"length_m": length_m, "width_m": width_m, "mass_kg": 0.1, "friction": 0.5}
+    curve = {**box, "w1": model.w1, "w2": model.w2}
+    measured = [row for row in rows if curve.items() <= row.items()]
+    assert len(measured) == 8
+    for name in ("depth_m", "forward_m", "left_m", "turn_deg"):
+        assert getattr(model, name) == (0.0, *(row[name] for row in measured))
+
+
+def test_the_model_of_a_box_is_the_one_that_was_measured_with_the_same_side() -> None:
+    assert nearest_model(NOMINAL) == PushModel()
+    assert nearest_model(pushed_box(NOMINAL, "left")) == ON_ITS_SIDE
