@@ -15,7 +15,7 @@ from legpush.scene.paths import arc_lengths_m, distances_m, nearest_on_segments,
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 
 COORDINATES = st.integers(-20_000, 20_000).map(lambda mm: mm / 1000)
-"""Whole millimetres: squares of lengths that are next to nothing are 0 to the independent library."""
+"""Whole millimetres: shapely squares lengths, and the square of a tiny one is 0."""
 
 
 def points(least: int) -> st.SearchStrategy[Floats]:
