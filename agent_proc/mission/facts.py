@@ -1,4 +1,4 @@
-"""What a recording should know of a mission besides its messages."""
+"""Facts about a mission that a recording keeps besides the messages."""
 
 import hashlib
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ JSON: Final = "application/json"
 
 
 def policy_sha256(name: str) -> str:
-    """SHA-256 of the files of a policy by name; empty for what is code alone."""
+    """SHA-256 of the files of a policy by name; empty if the policy is code alone."""
     if ":" in name or (name in plugin_names(GROUP) and name not in shipped_policies()):
         return ""
     folder = Path(name) if name.endswith(SB3_SUFFIX) else policy_path(name)
@@ -35,7 +35,7 @@ def policy_sha256(name: str) -> str:
 def attach_facts(
     bus: Bus, scenario: Scenario, seed: int, policy: str, push_map: Path | None, versions: Mapping[str, str]
 ) -> None:
-    """Hand them to whoever records."""
+    """Attach the facts about a mission to the bus, for recorders."""
     facts = MissionFacts(seed=seed, policy=policy, policy_sha256=policy_sha256(policy))
     bus.attach(MISSION_FILE, JSON, msgspec.json.encode(facts))
     bus.attach(VERSIONS_FILE, JSON, msgspec.json.encode(dict(versions)))
