@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from legpush.arrays import Floats
 from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
-from legpush.scene.robot import JOINTS as JOINT_NAMES
 from legpush.scene.robot import LEGS
 from sim_proc.export.source import Exported
+from sim_proc.kinematics.body import LEG_JOINTS
 
 XYZ: Final = ("x", "y", "z")
 POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))
-LEG_JOINTS: Final = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINT_NAMES)
 
 
 @dataclass(frozen=True, kw_only=True)

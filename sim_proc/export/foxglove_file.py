@@ -38,7 +38,7 @@ from legpush.history.timeline import BOX, JOINTS, TRUNK, TimelineStep
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Reset
 from legpush.scene.robot import CONTROL_PERIOD_S
-from sim_proc.export.columns import LEG_JOINTS, Column, columns_of
+from sim_proc.export.columns import Column, columns_of
 from sim_proc.export.foxglove_scene import (
     BOX_BROWN,
     TREE_GREY,
@@ -54,6 +54,7 @@ from sim_proc.export.foxglove_scene import (
 from sim_proc.export.source import Exported, Source
 from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
+from sim_proc.kinematics.body import LEG_JOINTS
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import parts_of
 

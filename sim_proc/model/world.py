@@ -1,7 +1,6 @@
-"""The world as a MuJoCo model: the Spot-like robot built from primitives, the box, and what touches what.
+"""The MuJoCo model of a scenario: the robot, the box and the room, which of them collide, and the sensors.
 
-Masses: 31.84 kg, Spot's public figure of about 32 kg, with 18 kg in the trunk and, per leg, 1.2 kg hip, 1.7 kg upper
-and 0.56 kg lower leg. Only the listed contact pairs collide, so that each friction coefficient is stated once.
+Only the listed contact pairs collide, so that each friction coefficient is stated once.
 """
 
 from collections.abc import Sequence
@@ -9,9 +8,7 @@ from typing import Final
 
 import mujoco
 
-from legpush.scene.robot import (
-    LEGS,
-)
+from legpush.scene.robot import LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.model.box_body import add_box

@@ -7,15 +7,15 @@ from msgspec.structs import replace
 
 from legpush.scene.robot import BOX_QPOS, JOINT_LIMITS_RAD, JOINT_QPOS, JOINTS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from sim_proc.kinematics.body import leg_joint_names
+from sim_proc.kinematics.body import LEG_JOINTS
 from sim_proc.model.world import build_model
 from sim_proc.physics.physics import Physics
 
 
 def test_joints_and_actuators_come_in_the_order_of_the_legs(at_the_box: Scenario) -> None:
     model = build_model(at_the_box)
-    assert [model.joint(i).name for i in range(model.njnt)] == ["trunk", *leg_joint_names(), "box"]
-    assert [model.actuator(i).name for i in range(model.nu)] == leg_joint_names()
+    assert [model.joint(i).name for i in range(model.njnt)] == ["trunk", *LEG_JOINTS, "box"]
+    assert [model.actuator(i).name for i in range(model.nu)] == list(LEG_JOINTS)
     assert model.joint("trunk").qposadr[0] == TRUNK_QPOS.start
     assert model.joint("FL_hip_x").qposadr[0] == JOINT_QPOS.start
     assert model.joint("box").qposadr[0] == BOX_QPOS.start
