@@ -1,4 +1,4 @@
-"""What the simulator reports: the world after a step, and the trace of its ticks."""
+"""The observation that the simulator reports: the world after a step, and the trace of its ticks."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +16,7 @@ from sim_proc.physics.physics import JOINT_QVEL, Physics
 
 
 def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, push: PushReport | None) -> WorldState:
-    """The present state of the world."""
+    """The present state of the world, after `n_footsteps` steps of the robot."""
     qpos, qvel = physics.data.qpos, physics.data.qvel
     trunk, box = qpos[TRUNK_QPOS], qpos[BOX_QPOS]
     return WorldState(
@@ -46,7 +46,11 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
 
 
 def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
-    """The recordings of a step, joined, ending at `last_tick`; `downhill` is that of the physics."""
+    """Join the logs of one step into its trace, whose last row is `last_tick`.
+
+    `downhill` is that of the plant, (2,). The zero-moment point is the centre of pressure of the feet. A robot that no
+    foot carries has none, and its place is taken by the ground projection of the centre of mass.
+    """
     if not recordings:
         return Trace(
             tick=(),
@@ -78,7 +82,7 @@ def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Tr
 
 
 def _plain(array: Floats) -> Any:
-    """Nested tuples of floats, as messages hold them."""
+    """An array as nested tuples of floats, the form that messages hold."""
     return _tuples(array.tolist())
 
 
