@@ -1,4 +1,4 @@
-"""The time series of episodes as columns: one row per tick, with units and frames in their names."""
+"""The time series of episodes as columns with one row per tick. Names of columns hold unit and frame."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,18 +19,19 @@ POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w"
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """One value for each row."""
+    """A quantity with one value per row."""
 
     name: str
     unit: str
-    """As SI writes it; empty for a count, a word, or what has none."""
+    """Symbol of the SI unit; empty for counts, words and numbers without a unit."""
     about: str
+    """What the quantity is, in a few words."""
     values: NDArray[np.generic]
-    """(n,): floats, with NaN where a value is not known, integers or words."""
+    """(n,): floats with NaN for unknown values, integers, or words."""
 
 
 def columns_of(episodes: Sequence[Exported]) -> list[Column]:
-    """The columns of all episodes, one after the other."""
+    """The columns of episodes, whose rows follow one another."""
     each = [list(_columns(episode)) for episode in episodes]
     return [
         Column(
@@ -44,6 +45,7 @@ def columns_of(episodes: Sequence[Exported]) -> list[Column]:
 
 
 def _columns(episode: Exported) -> Iterator[Column]:
+    """The columns of one episode."""
     timeline = episode.timeline
     n = timeline.n_rows
     steps = [step for step in timeline.steps if step.n_rows]
@@ -75,6 +77,7 @@ def _columns(episode: Exported) -> Iterator[Column]:
 
 
 def _rewards(timeline: Timeline) -> Floats:
+    """The reward of each step in its last row, NaN in the others, (n,)."""
     rewards = np.full(timeline.n_rows, np.nan)
     for step in timeline.steps:
         if step.n_rows and step.number in timeline.rewards:
@@ -87,7 +90,7 @@ def _kind(motion: object) -> str:
 
 
 def _named(prefix: str, names: Sequence[str], about: str, values: Floats) -> Iterator[Column]:
-    """A column for each name; the unit is the last word of it."""
+    """A column for each name, whose last word gives the unit."""
     for name, column in zip(names, values.T, strict=True):
         unit = {"m": "m", "rad": "rad", "n": "N"}.get(name.rpartition("_")[2], "")
         yield _column(f"{prefix}_{name}", unit, about, column)

@@ -1,7 +1,7 @@
-"""An episode as an MCAP file for Foxglove: a scene, its transforms, joints, plans, numbers to plot, and a log.
+"""Writes an episode as an MCAP file for Foxglove: a scene, its transforms, joints, plans, numbers to plot, and a log.
 
-Foxglove shows the last message of each topic before the moment that it is at. So each topic says all of what it is
-about: what stands once, what appears later and what changes with every tick have topics of their own.
+At any moment Foxglove shows the last message of each topic. So each message is complete by itself, and things that
+stand still, things that appear later, and things that change with every tick have separate topics.
 """
 
 import json
@@ -61,14 +61,21 @@ from sim_proc.model.shapes import parts_of
 PERIOD_NS: Final = round(CONTROL_PERIOD_S * 1e9)
 TIMES: Final = "when the episode began since 1970, plus simulated time"
 TRAIL_STRIDE_TICKS: Final = 10
+"""Ticks between the points of the trails of trunk and box."""
 SAY_EVERY_ROWS: Final = 1000
+"""How often to report progress."""
 NOT_PLOTTED: Final = ("episode", "sim", "motion")
+"""Columns that are constant or words, which `/signals` leaves out."""
 
 
 def write_foxglove(
     source: Source, episode: Exported, about: Mapping[str, str], path: Path, say: Callable[[int, int], None]
 ) -> str:
-    """Write the file; what is in it, in a few words. `OSError` where that is not possible."""
+    """Write the file and return a description of it in a few words.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
     context = foxglove.Context()
     writer = _Writer(source, episode, context)
     facts = {"episode": str(episode.index), "scenario": episode.timeline.scenario.name, "times": TIMES}
@@ -101,7 +108,7 @@ class _Writer:
         self.n_messages = 0
 
     def rows(self) -> Iterator[int]:
-        """Each row whose messages are written, and all before them."""
+        """Write the messages row by row, and yield each row after its messages."""
         timeline = self._timeline
         self._write_once()
         events = self._events()
@@ -121,7 +128,7 @@ class _Writer:
             yield row
 
     def time_ns(self, row: int) -> int:
-        """Of a row."""
+        """Time of a row."""
         tick = self._timeline.tick
         return self._timeline.steps[0].time_ns + int(tick[row] - tick[0]) * PERIOD_NS
 
@@ -130,7 +137,7 @@ class _Writer:
         return Timestamp(sec=sec, nsec=nsec)
 
     def _write_once(self) -> None:
-        """What stands, what the robot and the box look like, and where both of them come along."""
+        """Write what never changes: the room, the shapes of robot and box, and the trails that both will follow."""
         stamp, robot = self._stamp(0), robot_bodies()
         later = {
             wall_name(i) for i, wall in enumerate(self._timeline.scenario.room.obstacles) if wall.appears_at_s > 0.0
@@ -149,7 +156,7 @@ class _Writer:
         self._log_scene("/scene/trails", 0, entities)
 
     def _events(self) -> dict[int, list[Callable[[], None]]]:
-        """What is said between ticks, by the row at which it is."""
+        """Writers of the messages between ticks: steps, obstacles that appear, plans and statuses, by row."""
         events: dict[int, list[Callable[[], None]]] = {}
 
         def at(row: int, write: Callable[..., None], *about: object) -> None:
@@ -182,7 +189,7 @@ class _Writer:
             self._log_scene("/scene/feet", row, entities)
 
     def _write_step(self, row: int, step: TimelineStep) -> None:
-        """At its beginning."""
+        """Write what a step does, at its beginning."""
         motion = step.motion
         told: dict[str, Any] = {"step": step.number, "motion": type(motion).__name__.lower()}
         if isinstance(motion, Follow):
@@ -196,7 +203,7 @@ class _Writer:
         self._log_json("/steps", row, STEP_SCHEMA, told)
 
     def _write_appeared(self, row: int) -> None:
-        """All that has appeared until then."""
+        """Write all obstacles that have appeared up to a row."""
         tick = self._timeline.tick[row]
         names = {wall_name(each.obstacle) for each in self._timeline.steps[-1].world.appeared if each.tick <= tick}
         stamp = self._stamp(row)
@@ -269,7 +276,7 @@ def _json_type(column: Column) -> str:
 
 
 def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str, Any]:
-    """JSON Schema of a flat message; of each field type, what it is, and its unit. What is not known is left out."""
+    """JSON Schema of a flat message, from type, description and unit of each field. Unknown values are left out."""
     properties = {
         name: {"type": kind, "description": about + (f" [{unit}]" if unit else "")}
         for name, (kind, about, unit) in fields.items()

@@ -1,4 +1,4 @@
-"""`legpush export`: a recording as a file of another program."""
+"""The program of `legpush export`: writes a recording as a file for another program."""
 
 import os
 import sys
@@ -25,11 +25,11 @@ LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
     "foxglove": ("foxglove", "foxglove-sdk"),
     "parquet": ("pyarrow", "pyarrow"),
 }
-"""Module and package that a simulator's host may lack."""
+"""Module and package of formats whose library may be missing."""
 
 
 def main() -> int:
-    """Parse the command line and export; returns the exit code."""
+    """Parse the command line, export, and return the exit code."""
     try:
         return export(tyro.cli(ExportOptions, prog="legpush export"))
     except LegpushError as error:
@@ -38,7 +38,11 @@ def main() -> int:
 
 
 def export(options: ExportOptions) -> int:
-    """Write the file and say what it is; returns the exit code."""
+    """Write the file, describe it on stdout, and return the exit code.
+
+    Raises:
+        LegpushError: The options, the recording or the file cannot be used, or ffmpeg failed.
+    """
     made, target = options.format(), options.target()
     _require_library(made)
     source = read_source(options.files, options.episode, partial=options.partial)
@@ -58,7 +62,11 @@ def export(options: ExportOptions) -> int:
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Where to write what gets the name `target` once it is whole, and never in the place of another file."""
+    """Yield a path to write to, and move the file to `target` once it is whole. No other file is replaced.
+
+    Raises:
+        ConfigError: The file cannot be written, or `target` exists.
+    """
     try:
         with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.absolute().parent) as folder:
             scratch = Path(folder) / f"whole{target.suffix}"
@@ -69,7 +77,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 
 def _name(scratch: Path, target: Path) -> None:
-    """By a link, which fails where the name is taken; where there are no links the check comes just before."""
+    """Give the file its name by a link, which fails if the name is taken. Without links, check and rename."""
     try:
         os.link(scratch, target)
     except FileExistsError:
@@ -81,7 +89,7 @@ def _name(scratch: Path, target: Path) -> None:
 
 
 def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:
-    """Returns what was written, in a few words."""
+    """Write the file and return a description of it in a few words."""
     if made in ("csv", "parquet"):
         columns = columns_of(source.episodes)
         if made == "csv":
@@ -103,7 +111,7 @@ def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) 
 
 
 def about(source: Source) -> dict[str, str]:
-    """Where an exported file comes from."""
+    """Metadata that say where an exported file comes from."""
     return {
         "source": source.name,
         "source_sha256": sha256_of(source.paths),
@@ -115,7 +123,11 @@ def about(source: Source) -> dict[str, str]:
 
 
 def _require_library(made: Format) -> None:
-    """`ConfigError` where it is not installed."""
+    """Check that the library of a format is installed.
+
+    Raises:
+        ConfigError: It is not.
+    """
     module, package = LIBRARIES.get(made, ("", ""))
     if module and find_spec(module) is None:
         raise ConfigError(
@@ -125,7 +137,7 @@ def _require_library(made: Format) -> None:
 
 
 def _say(n_done: int, n_all: int) -> None:
-    """Progress, for a person at a terminal."""
+    """Show progress if stderr is a terminal."""
     if sys.stderr.isatty():
         sys.stderr.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
         sys.stderr.flush()
