@@ -50,19 +50,27 @@ def _columns(episode: Exported) -> Iterator[Column]:
     n = timeline.n_rows
     steps = [step for step in timeline.steps if step.n_rows]
     n_rows = [step.n_rows for step in steps]
-    yield _column("episode", "", "as `legpush info` counts it", np.full(n, episode.index))
+    yield _column("episode", "", "index of the episode, as in `legpush info`", np.full(n, episode.index))
     yield _column("sim", "", "name of the simulator", np.full(n, episode.sim))
-    yield _column("step", "", "that led here", np.repeat([step.number for step in steps], n_rows))
-    yield _column("motion", "", "of that step", np.repeat([_kind(step.motion) for step in steps], n_rows))
+    yield _column(
+        "step", "", "number of the step that led to this row", np.repeat([step.number for step in steps], n_rows)
+    )
+    yield _column(
+        "motion", "", "kind of motion of that step", np.repeat([_kind(step.motion) for step in steps], n_rows)
+    )
     yield _column("tick", "", "control periods of 0.02 s since the reset", timeline.tick.astype(np.int64))
-    yield _column("time_s", "s", "simulated, since the reset", timeline.time_s)
+    yield _column("time_s", "s", "simulated time since the reset", timeline.time_s)
     yield from _named("trunk", POSE, "pose of the trunk", timeline.qpos[:, TRUNK])
-    yield from _named("trunk", ("roll_rad", "pitch_rad"), "of the trunk, against the floor", timeline.roll_pitch_rad)
+    yield from _named(
+        "trunk", ("roll_rad", "pitch_rad"), "angle of the trunk against the floor", timeline.roll_pitch_rad
+    )
     names = [f"{name}_rad" for name in LEG_JOINTS]
     yield from _named("joint", names, "angle of a joint", timeline.qpos[:, JOINTS])
     yield from _named("box", POSE, "pose of the box's centre", timeline.qpos[:, BOX])
     error = timeline.box_error()
-    yield from _named("box_error", ("m", "rad"), "from the goal pose, in the plane of the floor", error)
+    yield from _named(
+        "box_error", ("m", "rad"), "deviation of the box from the goal pose, in the plane of the floor", error
+    )
     for leg, name in enumerate(LEGS):
         about = "centre of the foot sphere"
         yield from _named(f"tip_{name}", [f"{axis}_w_m" for axis in XYZ], about, timeline.tips_m[:, leg])
@@ -71,9 +79,9 @@ def _columns(episode: Exported) -> Iterator[Column]:
         yield from _named(f"force_{name}", [f"{axis}_w_n" for axis in XYZ], about, timeline.contact_forces_n[:, leg])
     yield from _named("com", [f"{axis}_w_m" for axis in XYZ], "centre of mass of the robot", timeline.com_m)
     yield from _named("zmp", [f"{axis}_w_m" for axis in "xy"], "zero-moment point on the floor", timeline.zmp_m)
-    about = "of the CoM's ground projection from the border of the support polygon, inside positive"
+    about = "distance of the CoM's ground projection from the border of the support polygon, positive inside"
     yield _column("support_margin_m", "m", about, timeline.support_margin_m)
-    yield _column("reward", "", "of the step, in the row of its end", _rewards(timeline))
+    yield _column("reward", "", "reward of the step, in its last row", _rewards(timeline))
 
 
 def _rewards(timeline: Timeline) -> Floats:

@@ -59,7 +59,7 @@ from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import parts_of
 
 PERIOD_NS: Final = round(CONTROL_PERIOD_S * 1e9)
-TIMES: Final = "when the episode began since 1970, plus simulated time"
+TIMES: Final = "start of the episode since 1970, plus simulated time"
 TRAIL_STRIDE_TICKS: Final = 10
 """Ticks between the points of the trails of trunk and box."""
 SAY_EVERY_ROWS: Final = 1000
@@ -287,16 +287,16 @@ def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str,
 STEP_SCHEMA: Final = _schema(
     "legpush.Step",
     {
-        "step": ("integer", "number in the episode", ""),
+        "step": ("integer", "number of the step in the episode", ""),
         "motion": ("string", "reset, follow, walk, push or alter", ""),
-        "reward": ("number", "what it earned", ""),
-        "leg": ("string", "that pushes", ""),
-        "face": ("string", "of the box, that is pushed", ""),
-        "locus": ("string", "along which w1 and w2 run", ""),
+        "reward": ("number", "reward of the step", ""),
+        "leg": ("string", "leg that pushes", ""),
+        "face": ("string", "pushed face of the box", ""),
+        "locus": ("string", "curve along which w1 and w2 run", ""),
         "w1": ("number", "place of the first inner control point", ""),
         "w2": ("number", "place of the second inner control point", ""),
         "depth_m": ("number", "how far beyond the face the curve ends", "m"),
-        "box_mass_kg": ("number", "from here on", "kg"),
-        "box_friction": ("number", "from here on", ""),
+        "box_mass_kg": ("number", "mass of the box from here on", "kg"),
+        "box_friction": ("number", "friction of the box from here on", ""),
     },
 )

@@ -84,12 +84,12 @@ def notes(source: Source) -> Iterator[str]:
     recording = source.recording
     if not recording.is_complete:
         missing = recording.completeness.get("n_missing", "0")
-        what = f"{missing} messages are missing" if missing != "0" else "its recorder did not say that it is"
-        yield f"the recording is not complete ({what}); what it has of the chosen episodes was exported"
+        what = f"{missing} messages are missing" if missing != "0" else "its recorder did not confirm that it is"
+        yield f"the recording is not complete ({what}); the recorded part of the chosen episodes was exported"
     for each in source.episodes:
         first = each.timeline.steps[0]
         if first.number:
-            yield f"episode {each.index} begins with step {first.number}: what was before was not recorded"
+            yield f"episode {each.index} begins with step {first.number}: earlier steps were not recorded"
 
 
 def _timelines(recording: Recording) -> Timelines:
@@ -108,7 +108,7 @@ def _require_whole(record: EpisodeRecord, timeline: Timeline | None, where: str)
     Raises:
         RecordingError: It has one.
     """
-    hint = "; --partial takes the steps before, --episode another episode"
+    hint = "; --partial exports the steps before it, --episode another episode"
     if record.damage:
         damage = record.damage[0]
         raise RecordingError(
@@ -122,6 +122,6 @@ def _require_whole(record: EpisodeRecord, timeline: Timeline | None, where: str)
     if max(answered) > done:
         missing = done + 1 if timeline is not None else 0
         raise RecordingError(
-            f"{where}: expected all steps of episode {record.index}, 0 to {max(answered)}, got none that was carried "
-            f"out as step {missing}{hint}"
+            f"{where}: expected all steps of episode {record.index}, 0 to {max(answered)}, got them without "
+            f"step {missing}{hint}"
         )

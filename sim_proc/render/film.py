@@ -74,7 +74,7 @@ def timeline_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Timel
                 timeline.add(n_steps, record.motion, record.outcome, 0)
             n_steps += 1
     if timeline is None:
-        raise JournalError(f"{where}: expected an episode recorded with traces, got none that begins")
+        raise JournalError(f"{where}: expected an episode recorded with traces, got one without a reset")
     return timeline
 
 
@@ -87,7 +87,7 @@ def film_of(timeline: Timeline, where: str) -> Film:
         RecordingError: No step of the episode has a trace; names `where` the episode is from.
     """
     if not np.isfinite(timeline.com_m).any():
-        raise RecordingError(f"{where}: expected an episode recorded with traces, got none that moves")
+        raise RecordingError(f"{where}: expected an episode recorded with traces, got one without traces")
     ticks = timeline.tick.astype(int)
     rows = np.searchsorted(ticks, np.arange(ticks[0], ticks[-1] + 1), side="right") - 1
     qpos = timeline.qpos[rows]

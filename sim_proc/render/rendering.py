@@ -162,7 +162,7 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
     path, rows = job
     camera, take, stop = _worker["camera"], _worker["take"], _worker["stop"]
     if not isinstance(camera, Camera) or not isinstance(take, Take) or not isinstance(stop, Event):
-        raise TypeError("The worker was not opened")
+        raise TypeError("The render worker was not set up")
     if stop.is_set():
         return
     writer = imageio_ffmpeg.write_frames(

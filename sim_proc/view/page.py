@@ -235,5 +235,5 @@ def _free_port(host: str, port: int) -> int:
     except OSError as error:
         raise ConfigError(
             f"Expected an address to listen on for --host and --port, got {host}:{port} ({error.strerror}); "
-            "--port 0 takes any port that is free"
+            "--port 0 takes any free port"
         ) from error

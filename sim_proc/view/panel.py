@@ -52,7 +52,7 @@ class Panel:
             self._live = gui.add_button("Follow live", icon=viser.Icon.LIVE_PHOTO, color="red", visible=live)
             self._on_click(self._live, "live")
             self._jump = gui.add_button_group(
-                "Step", ("|<", "<", ">", ">|"), hint="By a step of the lockstep, or a tick"
+                "Step", ("|<", "<", ">", ">|"), hint="Move by a step of the lockstep, or by a tick"
             )
             self._on_click(self._jump, "jump")
             self._speed = gui.add_dropdown("Speed", tuple(map(speed_label, SPEEDS)), initial_value=speed_label(1.0))
@@ -106,7 +106,7 @@ class Panel:
         """That there is nothing to see yet, or at all."""
         text = "Nothing has moved yet. <code>legpush run</code> in a terminal begins a run."
         if not live:
-            text = "Reading." if reading else "No episode is in it whose beginning, or scenario, was recorded."
+            text = "Reading." if reading else "It has no episode whose beginning or scenario was recorded."
         self._set(self._now, f"<div style='padding:.2em .8em;{SMALL}'>{text}</div>")
 
     def _set(self, handle: Any, content: str) -> None:
@@ -180,7 +180,7 @@ def _process_row(condition: Condition) -> str:
     if condition.health == "gone":
         said = "not there" if not said else f"gone; last: {said}"
     elif not said:
-        said = "there, says nothing"
+        said = "there, but silent"
     waiting = f" &middot; <b style='color:#b45309'>waits for {escape(condition.waiting_for)}</b>"
     return (
         f"<div style='{ROW}' data-process='{condition.role}' data-health='{condition.health}'>"
