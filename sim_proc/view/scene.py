@@ -59,7 +59,7 @@ class Scene:
         self._shown = dict.fromkeys(LAYERS, True)
         self._centre_m: Floats | None = None
         server.scene.set_up_direction("+z")
-        # The default environment map lights the scene by a photograph. A page without a GPU spends most of its time on it.
+        # A page without a GPU would spend most of its time on the default environment map, a photograph as light.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(enabled=False)
         server.scene.add_light_ambient("/sky", intensity=1.5)
