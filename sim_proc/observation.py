@@ -45,13 +45,13 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
     )
 
 
-def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
+def trace(logs: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
     """Join the logs of one step into its trace, whose last row is `last_tick`.
 
     `downhill` is that of the plant, (2,). The zero-moment point is the centre of pressure of the feet. A robot that no
     foot carries has none, and its place is taken by the ground projection of the centre of mass.
     """
-    if not recordings:
+    if not logs:
         return Trace(
             tick=(),
             qpos=(),
@@ -62,9 +62,9 @@ def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Tr
             zmp_m=(),
             support_margin_m=(),
         )
-    qpos, tips, com = (np.concatenate([getattr(r, name) for r in recordings]) for name in ("qpos", "tips_m", "com_m"))
-    floor = np.concatenate([r.floor_forces_n for r in recordings])
-    box = np.concatenate([r.box_forces_n for r in recordings])
+    qpos, tips, com = (np.concatenate([getattr(log, name) for log in logs]) for name in ("qpos", "tips_m", "com_m"))
+    floor = np.concatenate([log.floor_forces_n for log in logs])
+    box = np.concatenate([log.box_forces_n for log in logs])
     load = floor[:, :, 2]
     total = load.sum(axis=1, keepdims=True)
     pressure = (load[:, :, None] * tips[:, :, :2]).sum(axis=1) / np.maximum(total, LOADED_N)

@@ -69,19 +69,19 @@ class SimulatedEpisode:
         """
         if self.physics.fallen:
             raise MotionError("The robot has fallen: only `reset` is possible")
-        recordings: list[TickLog] = []
+        logs: list[TickLog] = []
         if isinstance(motion, Follow):
             self._walk = PathWalk(self._steps, motion.waypoints)
         elif isinstance(motion, Push):
             push = self._pusher.cycle(motion)
-            recordings = push.recordings
+            logs = push.logs
             self._walk = None
             self._push = PushReport(leg=motion.leg, touched=push.peak_force_n > 0.0, peak_force_n=push.peak_force_n)
         elif isinstance(motion, Alter):
             self._alter(motion)
         else:
-            recordings = self._walk_cycle()
-        return self.outcome(recordings, with_trace=with_trace)
+            logs = self._walk_cycle()
+        return self.outcome(logs, with_trace=with_trace)
 
     def _walk_cycle(self) -> list[TickLog]:
         if self._walk is None:
@@ -97,14 +97,14 @@ class SimulatedEpisode:
         self._scenario = replace(self._scenario, box=box)
         self.physics.alter(self._scenario)
 
-    def outcome(self, recordings: list[TickLog], *, with_trace: bool) -> Outcome:
+    def outcome(self, logs: list[TickLog], *, with_trace: bool) -> Outcome:
         """The present state as the outcome of a motion, with the trace of its logs if asked for."""
         path = None if self._walk is None else self._walk.progress()
         physics = self.physics
         return Outcome(
             world=world_state(physics, self._steps.n_footsteps, path, self._push),
             state_crc=physics.state_crc(),
-            trace=trace(recordings, physics.tick, physics.downhill) if with_trace else None,
+            trace=trace(logs, physics.tick, physics.downhill) if with_trace else None,
         )
 
 

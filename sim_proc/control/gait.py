@@ -64,16 +64,16 @@ class PathWalk:
         ahead = self._steps_of(self._travelled, this) + self._steps_of(this.travelled_m, following)
         if not self._travelled.any():
             ahead[0] = replace(ahead[0], shift_ticks=FIRST_SHIFT_TICKS)
-        recordings = []
+        logs = []
         for index in range(len(GAIT_ORDER)):
-            recordings.append(self._steps.take(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
+            logs.append(self._steps.take(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
             if posture.plant.fallen:
-                return recordings
+                return logs
         self._travelled = this.travelled_m
         if self.progress().done:
-            recordings.append(self._steps.take([self._rest()], None))
+            logs.append(self._steps.take([self._rest()], None))
             posture.com_state[1:] = 0.0
-        return recordings
+        return logs
 
     def _steps_of(self, before: Floats, targets: CycleTargets) -> list[Step]:
         """The four steps of a cycle, during which the trunk advances evenly."""

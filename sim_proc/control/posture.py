@@ -77,10 +77,10 @@ class Posture:
         torques = -np.einsum("nlij,nli->nlj", jacobian(joints, SIDE), forces).reshape(n, 12)
         commands = joints.reshape(n, 12)
         velocities = np.diff(commands, axis=0, prepend=self.joints_rad[None]) / CONTROL_PERIOD_S
-        recording = self.plant.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
+        log = self.plant.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
         self.joints_rad = commands[-1]
         self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
-        return recording
+        return log
 
 
 def _rotations(yaw_rad: Floats) -> Floats:

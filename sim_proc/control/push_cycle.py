@@ -50,10 +50,10 @@ def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Float
 
 
 @dataclass(frozen=True, kw_only=True)
-class PushRecording:
+class PushLog:
     """Logs of a push cycle and the largest force of the box on the pushing foot."""
 
-    recordings: list[TickLog]
+    logs: list[TickLog]
     peak_force_n: float
 
 
@@ -65,7 +65,7 @@ class Pusher:
         self._steps = steps
         self._box = box
 
-    def cycle(self, push: Push) -> PushRecording:
+    def cycle(self, push: Push) -> PushLog:
         """Push, return the foot, and step to the box. Stop early at a fall.
 
         Raises:
@@ -84,17 +84,17 @@ class Pusher:
             self._push_step(push.leg, here, posture.yaw_rad),
             *self._return_steps(push.leg, behind_box(box, pose @ expected, STATION_M))[:2],
         ]
-        recordings = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
-        peak = float(np.linalg.norm(recordings[0].box_forces_n[:, leg], axis=1).max())
+        logs = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
+        peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen:
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
-                recordings.append(self._steps.take(follow[index : index + 4], swing))
+                logs.append(self._steps.take(follow[index : index + 4], swing))
                 if plant.fallen:
                     break
-        return PushRecording(recordings=recordings, peak_force_n=peak)
+        return PushLog(logs=logs, peak_force_n=peak)
 
     def _require_face(self, face: Face) -> None:
         if face not in PUSHABLE[self._box.shape]:

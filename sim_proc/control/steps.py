@@ -95,7 +95,7 @@ class Steps:
             np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
         yaw, end_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
-        recording = posture.track(
+        log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,
             feet,
@@ -107,7 +107,7 @@ class Steps:
         posture.yaw_rate_rad_s = end_rate
         self.landed = leg if lands else None
         self.n_footsteps += int(lands and leg is not None)
-        return recording
+        return log
 
     def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
         """The first step, with a shift long enough for a stable lift, and the planned motion of the CoM."""

@@ -101,6 +101,7 @@ class _Writer:
     """Writes the messages of one episode in the order of their times."""
 
     def __init__(self, source: Source, episode: Exported, context: foxglove.Context) -> None:
+        """Write to the channels of this context."""
         self._source, self._episode, self._timeline = source, episode, episode.timeline
         self._context = context
         self._channels: dict[str, Any] = {}

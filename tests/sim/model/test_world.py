@@ -66,8 +66,8 @@ def test_every_obstacle_of_the_room_is_a_wall_that_feet_trunk_and_box_touch(at_t
 def test_the_foot_sensors_of_a_standing_robot_read_its_weight(at_the_box: Scenario) -> None:
     physics = Physics(at_the_box, at_the_box.start.pose(), at_the_box.box.pose.pose())
     targets = np.repeat(physics.data.qpos[JOINT_QPOS][None], 100, axis=0)
-    recording = physics.run(targets, np.zeros_like(targets))
-    vertical = recording.floor_forces_n[-1, :, 2]
+    log = physics.run(targets, np.zeros_like(targets))
+    vertical = log.floor_forces_n[-1, :, 2]
     assert (vertical > 0).all()
     assert vertical.sum() == pytest.approx(physics.mass_kg * 9.81, rel=0.01)
     np.testing.assert_allclose(physics.sensor("imu_acceleration"), [0.0, 0.0, 9.81], atol=0.2)
