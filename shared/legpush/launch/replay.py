@@ -138,7 +138,7 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
             raise StopRequestedError("interrupted: not verified") from error
     sys.stdout.write(_words(verified, perf_counter() - began))
     if verified.divergence is None and not recording.is_complete:
-        notes = recording.completeness.get("notes") or "its recorder did not come to an end"
+        notes = recording.completeness.get("notes") or "its recorder did not finish"
         sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
     if recording.n_lost:
         sys.stdout.write(f"{recording.n_lost} messages that were recorded cannot be read: not verified\n")

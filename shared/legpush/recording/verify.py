@@ -1,4 +1,4 @@
-"""`legpush replay --verify`: a fresh simulator is asked what was recorded, and has to answer what was recorded."""
+"""`legpush replay --verify`: sends the recorded motions to a fresh simulator, which must give the recorded answers."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -13,12 +13,16 @@ class Perform(Protocol):
     """A simulator; a `Reset` begins a new episode."""
 
     def __call__(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion, or raise `MotionError`."""
+        """Carry out one motion.
+
+        Raises:
+            MotionError: The motion cannot be carried out.
+        """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Divergence:
-    """Where recording and simulator part."""
+    """The first difference between a recording and a simulator."""
 
     episode: int
     step: int
@@ -27,25 +31,29 @@ class Divergence:
     got: str
 
     def __str__(self) -> str:
-        """For people."""
+        """Return a sentence for people."""
         where = f"episode {self.episode}, step {self.step}, field {self.field}"
         return f"first divergence at {where}: expected {self.expected}, got {self.got}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verified:
-    """How far the two agree."""
+    """How far recording and simulator agree."""
 
     n_steps: int
     n_ticks: int
-    """Simulated, in all these steps."""
+    """Number of simulated ticks in all these steps."""
     divergence: Divergence | None
 
 
 def verify(
     episodes: Iterable[EpisodeRecord], perform: Perform, progress: Callable[[str], None] = lambda text: None
 ) -> Verified:
-    """Do every step of every episode again, up to the first divergence; `RecordingError` where steps are missing."""
+    """Do every step of every episode again, up to the first divergence.
+
+    Raises:
+        RecordingError: Steps are missing.
+    """
     n_steps = n_ticks = 0
     for episode in episodes:
         require_steps(episode)
@@ -64,7 +72,11 @@ def verify(
 
 
 def require_steps(episode: EpisodeRecord) -> None:
-    """`RecordingError` unless there is every step from the reset on."""
+    """Check that every step from the reset on is in the recording.
+
+    Raises:
+        RecordingError: One is not.
+    """
     damaged = {damage.step for damage in episode.damage}
     for number in range(max(episode.steps, default=-1) + 1):
         if number not in episode.steps and number not in damaged:
