@@ -25,8 +25,9 @@ from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.robot import FRONT_LEGS
-from legpush.scene.scenario import Box, Face
+from legpush.scene.scenario import Box
 from sim_proc.simulator import Simulator
 
 BOXES: Final[dict[str, Box]] = {

@@ -15,7 +15,8 @@ from legpush.messages.stepping import Alter, Push
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.facts import read_facts
 from legpush.recording.mcap_file.reader import read_recording
-from legpush.scene.scenario import PlannerName, Scenario
+from legpush.scene.names import PlannerName
+from legpush.scene.scenario import Scenario
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -35,7 +35,7 @@ from legpush.plans.client import PlanLink
 from legpush.recording.branch import parse_point
 from legpush.runs.folder import REPORT_FILE
 from legpush.scenarios.file import load_scenario
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 from legpush.service import ServiceConfig
 from legpush.versions import installed_versions
 

@@ -18,8 +18,8 @@ from agent_proc.walking.route_planner import RoutePlanner
 from agent_proc.walking.walker import Walker
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery
+from legpush.scene.names import Face
 from legpush.scene.reference import Reference, least_radius_m
-from legpush.scene.scenario import Face
 
 
 class BoxRoute:

@@ -10,7 +10,7 @@ from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import Walker
 from legpush.messages.stepping import Push
 from legpush.scene.faces import pushed_box, pushed_pose
-from legpush.scene.scenario import Face
+from legpush.scene.names import Face
 
 PublishReward = Callable[[Mapping[str, float]], None]
 """Gets what a push earned, term by term."""

@@ -11,9 +11,10 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, PushSide
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M
-from legpush.scene.scenario import CALIBRATION_PUSH_M, Face, Scenario
+from legpush.scene.scenario import CALIBRATION_PUSH_M, Scenario
 from legpush.scene.station import stand_off, station
 
 TOLERANCE_SHARE: Final = 0.3

@@ -12,8 +12,8 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan
 from legpush.scene.faces import pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.paths import arc_lengths_m, nearest_on_segments
-from legpush.scene.scenario import Face
 
 STRAIGHT_RAD_PER_M: Final = radians(5.0)
 """A path that curves less than this is straight."""

@@ -14,7 +14,8 @@ from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Motion, WorldState
 from legpush.runs.report import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
-from legpush.scene.scenario import Face, Rectangle, Scenario
+from legpush.scene.names import Face
+from legpush.scene.scenario import Rectangle, Scenario
 from legpush.scene.station import at_station
 
 MAX_BOX_TILT_RAD: Final = radians(15.0)

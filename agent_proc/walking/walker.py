@@ -13,8 +13,8 @@ from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, PathProgress, Walk
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_box
 from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.paths import path_length_m
-from legpush.scene.scenario import Face
 from legpush.scene.station import can_turn, last_stretch, way_back
 
 STILL_CYCLES: Final = 5

@@ -19,7 +19,8 @@ from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin
 from legpush.runs.report import Report
 from legpush.scenarios.file import resolve_scenario
-from legpush.scene.scenario import PlannerName, Scenario, Steering
+from legpush.scene.names import PlannerName, Steering
+from legpush.scene.scenario import Scenario
 from legpush.stepwise import StepwiseWorld
 
 DEFAULT_PLANNER = "ompl"

@@ -8,7 +8,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.options.checks import require_positive
-from legpush.scenarios.map_files import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
+from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
 from legpush.fields import Name, episode_and_step, require
 from legpush.options.checks import require_not_negative, require_positive
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 
 File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
 Files = Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")]

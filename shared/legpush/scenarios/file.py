@@ -19,7 +19,8 @@ from legpush.messages.codec import convert
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
 from legpush.scenarios.map_files import OccupancyMap
-from legpush.scene.scenario import PlannerName, Scenario, Steering
+from legpush.scene.names import PlannerName, Steering
+from legpush.scene.scenario import Scenario
 from legpush.schema_errors import explain
 
 SUFFIX: Final = ".toml"

@@ -10,15 +10,8 @@ from msgspec.structs import fields, replace
 from legpush.arrays import Flags, Indices
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
-from legpush.scenarios.map_files import (
-    CELL_SUFFIXES,
-    IMAGE_SUFFIXES,
-    MAP_SERVER_SUFFIXES,
-    FirstRow,
-    OccupancyMap,
-    read_cells,
-    suffix_of,
-)
+from legpush.scenarios.map_files import OccupancyMap, read_cells
+from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 from legpush.scene.scenario import MAX_OBSTACLES, PoseDeg, Positive, Rectangle, Scenario
 from legpush.schema_errors import explain
 
