@@ -16,6 +16,7 @@ from tests.legpush.scenarios.map_examples import (
     CELL_M,
     CELLS,
     WALLS,
+    as_negative,
     as_pgm_in_ascii,
     as_pgm_in_binary,
     grey_of,
@@ -78,12 +79,6 @@ def as_png_in_color(folder: Path) -> dict[str, Any]:
 def as_png_of_16_bits(folder: Path) -> dict[str, Any]:
     write_png(folder / "map.png", np.where(CELLS == 1, 300, 65535).astype(np.uint16))
     write_yaml(folder / "map.yaml", image="map.png")
-    return {"grid_file": "map.yaml"}
-
-
-def as_negative(folder: Path) -> dict[str, Any]:
-    write_png(folder / "map.png", 255 - grey_of(CELLS))
-    write_yaml(folder / "map.yaml", image="map.png", negate=1)
     return {"grid_file": "map.yaml"}
 
 
