@@ -19,8 +19,8 @@ import tyro
 from rich.progress import track
 from scipy.optimize import curve_fit, least_squares
 
-from experiments.plots.circles import draw
 from experiments.evaluations import RESULTS, write_table
+from experiments.plots.circles import draw
 from legpush.arrays import Floats
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset

@@ -18,15 +18,16 @@ from agent_proc.push_model.calibration import calibrate, cells, open_floor
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import make_push_map, measured_faces
 from agent_proc.push_model.model import NOMINAL
-from agent_proc.pushing.pushing import CALIBRATION_LEGS
+from agent_proc.pushing.calibrating import CALIBRATION_LEGS
 from experiments.evaluations import RESULTS, write_table
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.robot import FRONT_LEGS
-from legpush.scene.scenario import Box, Face
+from legpush.scene.scenario import Box
 from sim_proc.simulator import Simulator
 
 BOXES: Final[dict[str, Box]] = {

@@ -6,7 +6,6 @@ from math import acos, degrees
 from legpush.geometry import Pose2, distance_m, wrap_angle
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import WorldState
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Goal, Scenario
 
 
@@ -31,11 +30,6 @@ def box_tilt_rad(world: WorldState) -> float:
     """Angle between the box's upward axis and the vertical."""
     _, x, y, _ = world.box.orientation_wxyz
     return acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
-
-
-def moved_m(a: Pose2, b: Pose2) -> float:
-    """Distance between two poses; a turn counts by the arc of the foot rectangle's corners."""
-    return distance_m(a, b) + abs(wrap_angle(b.yaw_rad - a.yaw_rad)) * FOOT_RECTANGLE_RADIUS_M
 
 
 def box_error(world: WorldState, scenario: Scenario) -> BoxError:

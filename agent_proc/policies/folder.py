@@ -16,6 +16,7 @@ from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError, PolicyError
 from legpush.files import replace_folder
+from legpush.plugins import plugin_names
 
 FORMAT: Final = 1
 NETWORKS_FILE: Final = "policy.zip"
@@ -119,7 +120,7 @@ def policy_path(name_or_path: str) -> Path:
         return Path(str(files("agent_proc") / "policies" / name_or_path))
     folder = Path(name_or_path)
     if not folder.is_dir():
-        valid = ", ".join(("scripted", *shipped_policies()))
+        valid = ", ".join(plugin_names("legpush.policies"))
         raise PolicyError(f"Expected a policy ({valid}) or the folder of one, got {name_or_path!r}")
     return folder
 

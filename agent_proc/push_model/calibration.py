@@ -18,8 +18,9 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.robot import FRONT_LEGS
-from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Randomization, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Room, Scenario
 from legpush.scene.station import station
 
 SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)

@@ -9,7 +9,8 @@ from legpush.arrays import Flags
 from legpush.options.maps import MapOptions
 from legpush.scenarios.file import load_with_map
 from legpush.scenarios.grid import merged_cells
-from legpush.scenarios.map_files import CELL_SUFFIXES, MAP_SERVER_SUFFIXES, OccupancyMap, read_cells, suffix_of
+from legpush.scenarios.map_files import OccupancyMap, read_cells
+from legpush.scenarios.map_formats import CELL_SUFFIXES, MAP_SERVER_SUFFIXES, suffix_of
 from legpush.scene.occupancy import occupancy_grid
 from legpush.scene.scenario import MAX_OBSTACLES, Scenario
 

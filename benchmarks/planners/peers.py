@@ -21,7 +21,8 @@ from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numb
 from experiments.evaluations import read_table, write_table
 from legpush.arrays import Floats
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scene.scenario import Anytime, PlannerName, Smoothing
+from legpush.scene.names import PlannerName
+from legpush.scene.scenario import Anytime, Smoothing
 from planner_proc.planning import make_plans
 from planner_proc.smoothing import polylines
 

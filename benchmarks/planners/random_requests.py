@@ -8,8 +8,9 @@ import numpy as np
 from legpush.arrays import Flags
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.clearance import clearance
+from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
+from legpush.scene.scenario import Anytime, Smoothing
 from planner_proc.conformance import cases
 from planner_proc.search.registry import NOT_STEERED
 

@@ -15,7 +15,7 @@ class Package(NamedTuple):
     name: str
     """Name in reports and journals."""
     noted_in: tuple[Literal["report", "recording"], ...]
-    """A report is one of a mission, of an evaluation or of a training; journals note the same."""
+    """`report`: of missions, evaluations and trainings, and in journals. `recording`: in the metadata of recordings."""
 
 
 PACKAGES: Final = (

@@ -1,7 +1,6 @@
 """Real processes that are killed, frozen and started again: the episode ends in the same state, or says why not."""
 
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -32,6 +31,7 @@ from tests.legpush.fakes import (
     planner,
     sim,
 )
+from tests.ports import free_ports
 
 RUN_SCRIPT = (sys.executable, str(Path(__file__).with_name("fake_process.py")))
 MISSION = mission()
@@ -111,7 +111,7 @@ def test_a_simulator_that_dies_each_time_in_the_same_step_is_given_up(tmp_path: 
         starter = Thread(target=start_again_and_again)
         starter.start()
         try:
-            with pytest.raises(PeerError, match=r"sim/main was started anew 3 times .* step"):
+            with pytest.raises(PeerError, match=r"sim/main was restarted 3 times .* step"):
                 asking.do(MISSION)
         finally:
             over.set()
@@ -184,18 +184,11 @@ def test_a_second_simulator_on_the_same_socket_ends_with_one_line_and_the_first_
         assert first.poll() is None
 
 
-def free_port() -> int:
-    """A port of this machine that nobody listens on."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-    return port
-
-
 @pytest.mark.parametrize("order", [("agent", "sim", "planner"), ("planner", "agent", "sim")], ids="-".join)
 def test_processes_find_each_other_over_tcp_in_whatever_order_they_are_started(
     tmp_path: Path, order: tuple[Role, ...]
 ) -> None:
-    locators = {role: f"tcp/127.0.0.1:{free_port()}" for role in order}
+    locators = {role: f"tcp/127.0.0.1:{port}" for role, port in zip(order, free_ports(3), strict=True)}
     links: dict[str, list[str]] = {"agent": [locators["planner"], locators["sim"]], "sim": [], "planner": []}
     with ExitStack() as stack:
         for role in order:

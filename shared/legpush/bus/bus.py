@@ -94,7 +94,7 @@ class Bus:
         return Publisher(self._header, bad_channel.send, note)
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
-        """Recordings of this run get this file as well."""
+        """Hand this file to recorders as well."""
         self.taps.own.buffer.attach(Fact(name=name, media_type=media_type, data=data))
 
     def put(self, key: str, payload: bytes) -> None:
@@ -102,7 +102,7 @@ class Bus:
         self._session.put(key, payload)
 
     def subscribe(self, channel: Channel[M], into: Subscription[M] | None = None) -> Subscription[M]:
-        """The messages of `channel` from now on; whatever is not valid is counted in `tally` and logged."""
+        """Subscribe to the messages of `channel`; those that are not valid are counted in `tally` and logged."""
         subscription = into or Subscription(channel, self.tally)
         self._receive(channel, subscription.put)
         return subscription
@@ -160,7 +160,7 @@ class Bus:
         )
 
     def _take_token(self, key: str, alive: bool) -> None:
-        """A liveliness token came or went: note it, and tell who watches."""
+        """Note a liveliness token that came or went, and tell those who watch."""
         try:
             token = parse_token(key)
         except MessageError as error:

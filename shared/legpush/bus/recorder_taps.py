@@ -9,7 +9,7 @@ from legpush.messages.common import Header, Role
 from legpush.messages.telemetry import Origin, Taken
 
 MAX_HEARD: Final = 16
-"""Incarnations that this process stands in for because it hears them; what later ones say is not handed over."""
+"""Most incarnations that this process stands in for because it hears them; messages of later ones are not copied."""
 
 
 class RecorderTaps:
@@ -23,11 +23,11 @@ class RecorderTaps:
         self._witnessed: set[Role] = set()
         self._heard: dict[str, Tap] = {}
         self.own = Tap(TapBuffer(own), send)
-        """Of what this process publishes."""
+        """The tap for what this process publishes."""
         self._taps = {own.incarnation: self.own}
 
     def set_recorders(self, recorders: set[str]) -> None:
-        """These incarnations record now."""
+        """Set the incarnations that record now."""
         with self._lock:
             self._recorders = set(recorders)
             taps = tuple(self._taps.values())
@@ -35,7 +35,7 @@ class RecorderTaps:
             tap.set_recorders(recorders)
 
     def acknowledge_batch(self, taken: Taken) -> None:
-        """A recorder has a batch."""
+        """Note that a recorder has a batch."""
         with self._lock:
             tap = self._taps.get(taken.origin_incarnation)
         if tap is not None:
@@ -58,14 +58,14 @@ class RecorderTaps:
             self._taps = {incarnation: each for incarnation, each in self._taps.items() if each is not tap}
 
     def witness_role(self, role: Role) -> None:
-        """Hand over what peers of this role say here, too, for those who do not do it themselves.
+        """Hand over copies of what peers of this role say as well, for peers that do not do it themselves.
 
-        Call it before subscribing to what they say.
+        Call it before subscribing to their messages.
         """
         self._witnessed.add(role)
 
     def note_message(self, header: Header, key: str, payload: bytes) -> None:
-        """A message came; it is noted if its sender is witnessed and somebody records."""
+        """Note a message that came, if its sender is witnessed and somebody records."""
         if header.role not in self._witnessed or not self.own.buffer.active:
             return
         with self._hearing:

@@ -1,8 +1,8 @@
 """The tap of a process: copies of what it publishes, for recorders, on a path that the lockstep never waits for.
 
 A lockstep message that blocks waits for its slowest subscriber, so recorders do not subscribe to lockstep keys. Instead
-each process notes what it publishes, and a thread hands the notes to whoever records: one batch at a time, sent again
-until it is taken. Without a recorder nothing is noted but how much was published.
+each process notes what it publishes, and a thread hands the notes to recorders: one batch at a time, sent again until
+it is acknowledged. Without a recorder, only the number of messages is noted.
 """
 
 import threading
@@ -12,16 +12,16 @@ from typing import Final
 from legpush.bus.tap_buffer import BATCH_BYTES, Send, TapBuffer
 
 PERIOD_S: Final = 0.02
-"""Notes are handed over this often."""
+"""How often notes are handed over."""
 RESEND_S: Final = 0.25
-"""A batch that is not taken is sent again after this long."""
+"""A batch that is not acknowledged is sent again after this long."""
 MAX_SENT: Final = 8
-"""So often a batch is sent; a recorder that has not taken it then goes without if another one has, and is not waited
-for until it has caught up. Where half of `LIMIT_BYTES` is full, once has to do."""
+"""Send a batch at most this many times. After that, a recorder that has not acknowledged it is skipped until it catches
+up, provided that another recorder has the batch. Once half of `LIMIT_BYTES` is full, a batch is sent only once."""
 PATIENCE_S: Final = 60.0
 """Without any recorder for this long, notes are thrown away, and no more are taken until one comes."""
 FAREWELL_S: Final = 2.0
-"""A process that ends waits so long at most for its last notes to be taken."""
+"""Longest time a process waits at exit for its last copies to be acknowledged."""
 
 
 class Tap:
@@ -54,7 +54,7 @@ class Tap:
                 self._thread.start()
 
     def set_recorders(self, recorders: set[str]) -> None:
-        """These incarnations record now."""
+        """Set the incarnations that record now."""
         with self._changed:
             if self.buffer.set_recorders(recorders):
                 self._resend_at = None
@@ -66,7 +66,7 @@ class Tap:
             self.start()
 
     def acknowledge_batch(self, recorder: str, batch: int) -> None:
-        """A recorder has this batch."""
+        """Note that a recorder has this batch."""
         with self._changed:
             if self.buffer.acknowledge_batch(recorder, batch):
                 self._resend_at = None
@@ -96,7 +96,7 @@ class Tap:
                 self._changed.wait(PERIOD_S)
 
     def _hand_over(self, *, final: bool) -> bool:
-        """Send the next batch, or once more the one that is not taken; whether the final one is among the sent."""
+        """Send the next batch, or once more the one that is not acknowledged; whether the final one was sent."""
         with self._changed:
             if not self._n_recorders:
                 if not final and monotonic() - self._alone_since > PATIENCE_S:

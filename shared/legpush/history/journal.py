@@ -99,9 +99,10 @@ class _AnyEntry(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 def read_entries(path: Path) -> Iterator[Entry]:
-    """All entries in order, the first an `Opened`; an incomplete last one is left out.
+    """Yield all entries in order, the first an `Opened`; an incomplete last one is left out.
 
-    `JournalError` for a file that cannot be read, is no journal, is damaged, or is of another version.
+    Raises:
+        JournalError: The file cannot be read, is no journal, is damaged, or is of another version.
     """
     try:
         file = path.open("rb")
@@ -118,7 +119,8 @@ class Journal:
     def __init__(self, path: Path, opened: Opened) -> None:
         """Create the journal at `path`, or open the one that is there, which has to be of the same run.
 
-        `JournalError` if it is another run's, damaged, or in use.
+        Raises:
+            JournalError: It is another run's, damaged, or in use.
         """
         self.path = path
         try:

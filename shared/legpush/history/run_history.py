@@ -43,16 +43,16 @@ class RunHistory:
         self.episodes: dict[EpisodeKey, Timeline] = {}
         """By simulator and number on the wire, in the order in which they began."""
         self.indices: dict[EpisodeKey, int] = {}
-        """Of the same episodes, counted from the first one that began."""
+        """Number of each of these episodes, counted from the first one of the run."""
         self.held: Timeline | None = None
-        """Is kept however old it is."""
+        """An episode that is kept however old it is."""
         self.plans: list[PlanAt] = []
         """In the order in which they became known."""
         self.said: list[Said] = []
         self.scenario: Scenario | None = None
-        """Of episodes whose reset was before the first message that is known."""
+        """Scenario of episodes whose reset came before the first known message."""
         self.n_unreadable = 0
-        """Messages that are none of this protocol."""
+        """Number of messages that are not of this protocol."""
         self._steps = StepAssembler()
         self._plans = PlanAssembler()
 

@@ -1,4 +1,4 @@
-"""The recorder of a mission: started with it, ended with it, and no reason for it to end."""
+"""The recorder of a mission: started and ended with it; if the recorder fails, the mission goes on."""
 
 import json
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from legpush.runs.folder import REPORT_FILE
 
 
 class MissionRecorder:
-    """Starts the recorder process, tells the user when it fails, and puts into the report what became of it."""
+    """Starts the recorder process, tells the user when it fails, and adds the recording to the report."""
 
     def __init__(self, file: Path, run: str, endpoints: Endpoints, display: Display) -> None:
         self._file = file.absolute()
@@ -32,7 +32,7 @@ class MissionRecorder:
         self._process = crew.start(Command(role="recorder", argv=argv, log=log, environment=environment))
 
     def note_end(self, process: Process) -> None:
-        """The recorder ended although the mission goes on: tell the user at once."""
+        """Tell the user at once that the recorder ended although the mission goes on."""
         words = process.last_words(1)
         said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
         self._failure = (

@@ -34,15 +34,18 @@ from legpush.runs.live_runs import LiveRun, shown, socket_directory
 from legpush.runs.report import read_report
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
-"""What each process cannot start without; the rest of its extra comes along."""
+"""Library that each process cannot start without; it stands for all of its extra."""
 
 
 def launch_mission(
     options: RunOptions, console: Console, programs: Programs | None = None, about: Mapping[str, str] | None = None
 ) -> int:
-    """Run a mission and return the exit code; `LegpushError` for bad input, before anything is started.
+    """Run a mission and return the exit code.
 
     `programs` takes the place of the processes of this package, `about` is metadata for its recording.
+
+    Raises:
+        LegpushError: The input is bad; nothing has been started.
     """
     scenario = options.resolved_scenario()
     if programs is None:
@@ -65,7 +68,11 @@ def launch_mission(
 
 
 def require_libraries() -> None:
-    """`ConfigError` where what the processes need is not installed: better than three of them failing to start."""
+    """Check that the libraries of all processes are installed, before three of them fail to start.
+
+    Raises:
+        ConfigError: One is not; says how to install it.
+    """
     missing = [name for names in LIBRARIES.values() for name in names if find_spec(name) is None]
     if missing:
         raise ConfigError(

@@ -20,7 +20,7 @@ from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refu
 log = logging.getLogger(__name__)
 
 IDLE_S = 0.1
-"""The stop event is looked at this often."""
+"""How often the stop event is checked."""
 
 
 class Denial(NamedTuple):
@@ -115,7 +115,7 @@ def _same_question(one: Action, other: Action) -> bool:
 
 
 def _address(action: Action, answer: Outcome | Denial) -> Callable[[Header], Observation | Refusal]:
-    """The answer as a message to whoever asked."""
+    """The answer as a message to the agent that asked."""
 
     def build(header: Header) -> Observation | Refusal:
         to, episode, step = action.header.incarnation, action.episode, action.step

@@ -8,8 +8,9 @@ from legpush.fields import Name, Seed
 from legpush.geometry import Point2, Pose2
 from legpush.messages.common import MAX_WAYPOINTS, Count, Header, Unit
 from legpush.scene.footprints import Footprint
+from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
+from legpush.scene.scenario import Anytime, Smoothing
 
 
 class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="trunk_path"):

@@ -7,8 +7,9 @@ from msgspec import Meta, Struct
 from legpush.fields import Name, Seed
 from legpush.geometry import Point2, Point3, Pose2, Quaternion
 from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Count, Header, Unit
+from legpush.scene.names import Face
 from legpush.scene.robot import FrontLeg
-from legpush.scene.scenario import Face, Scenario
+from legpush.scene.scenario import Scenario
 
 
 class Reset(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="reset"):

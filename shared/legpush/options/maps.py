@@ -8,7 +8,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.options.checks import require_positive
-from legpush.scenarios.map_files import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
+from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +31,11 @@ class MapOptions:
     """Where the first row of a .csv or .npy file lies: at the highest y, or at y = 0."""
 
     def __post_init__(self) -> None:
-        """Refuse flags that do not belong to the kind of file (`ConfigError`)."""
+        """Refuse flags that do not belong to the kind of file.
+
+        Raises:
+            ConfigError: Names the file and the flag.
+        """
         suffix = suffix_of(self.file)
         if suffix in IMAGE_SUFFIXES:
             valid = " or ".join(MAP_SERVER_SUFFIXES)

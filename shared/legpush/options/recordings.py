@@ -11,7 +11,7 @@ from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
 from legpush.fields import Name, episode_and_step, require
 from legpush.options.checks import require_not_negative, require_positive
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 
 File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
 Files = Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")]
@@ -81,7 +81,7 @@ class RecoverOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayOptions:
-    """Verify a recording, let it play a process, or publish it again for whoever records or watches.
+    """Verify a recording, let it play a process, or publish it again for recorders and viewers.
 
     Exit codes: 0 identical, or done; 1 it diverges; 2 bad input, such as a recording without the steps that it takes; 3
     a process failed; 130 interrupted.
@@ -98,11 +98,11 @@ class ReplayOptions:
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """With --as: folder of the run, `runs/<time>-...` if not given."""
     rate: Annotated[float, tyro.conf.arg(metavar="X")] = 1.0
-    """Publish so many times as fast as it was recorded."""
+    """How many times as fast as it was recorded it is published."""
     loop: bool = False
     """Publish over and over, until Ctrl-C."""
     start_s: Annotated[float, tyro.conf.arg(name="start", metavar="S")] = 0.0
-    """Publish from so many seconds after the beginning on."""
+    """Publish from this many seconds after the beginning on."""
     run: str = "replay"
     """Name of the run in which it is published."""
     listen: tuple[str, ...] = local("agent").listen

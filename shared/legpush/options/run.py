@@ -3,14 +3,17 @@
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 from legpush.options.checks import program_path, require_new_file, require_positive
-from legpush.scene.scenario import PlannerName, Scenario, Steering
+from legpush.scene.names import PlannerName, Steering
+
+if TYPE_CHECKING:
+    from legpush.scene.scenario import Scenario
 
 DEFAULT_POLICY: Final = "variable"
 """The shipped one that chooses leg, curve and depth."""
@@ -67,7 +70,7 @@ class RunOptions:
             split_command(self.planner_command)
         require_positive(self.deadline_s, "--deadline", "seconds")
 
-    def resolved_scenario(self) -> Scenario:
+    def resolved_scenario(self) -> "Scenario":
         """Load the scenario, with what these options replace in it.
 
         Raises:

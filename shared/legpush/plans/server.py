@@ -16,9 +16,9 @@ from legpush.plans.planner import MakePlans
 from legpush.plans.request_queue import Answer, RequestQueue
 
 IDLE_S: Final = 0.1
-"""The stop event is looked at this often."""
+"""How often the stop event is checked."""
 LISTEN_S: Final = 0.02
-"""A search that goes on listens to its clients this often."""
+"""How often a running search looks for messages of its clients."""
 
 
 def serve_plans(bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:

@@ -22,7 +22,7 @@ class Command:
     """How to start a process, and where its output goes."""
 
     role: str
-    """What people call it."""
+    """Its name, for messages to people."""
     argv: tuple[str, ...]
     """The program's absolute path, then its arguments."""
     log: Path

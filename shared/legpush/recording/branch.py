@@ -1,4 +1,4 @@
-"""The past of a branch: what a recorded episode was asked and answered before the step at which the branch begins."""
+"""The past of a branch: questions and answers of a recorded episode, up to the step at which the branch begins."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -62,7 +62,12 @@ class RecordedPast:
         self._others = [episode for episode in episodes if episode is not self._episode]
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
-        """What the motion led to as this step; `RecordingError` where another one was recorded."""
+        """Return what the motion led to as this step.
+
+        Raises:
+            RecordingError: Another motion was recorded.
+            MotionError: The motion was refused.
+        """
         asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
         if asked is None:
             raise RecordingError(
@@ -75,7 +80,11 @@ class RecordedPast:
         return self._with_trace(step, asked, outcome) if with_trace else replace(outcome, trace=None)
 
     def plan(self, query: PlanQuery) -> Plan:
-        """The recorded answer; `RecordingError` where there is none."""
+        """Return the recorded answer.
+
+        Raises:
+            RecordingError: The recording does not answer this query.
+        """
         return self.revision(query, 0)
 
     def revision(self, query: PlanQuery, revision: int) -> Plan:

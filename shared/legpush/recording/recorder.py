@@ -21,14 +21,14 @@ from legpush.recording.mcap_file.writer import Attachment, RecordingFile, topic_
 log = logging.getLogger(__name__)
 
 FLUSH_S: Final = 0.5
-"""What a kill of the recorder loses at most, besides what is on its way."""
+"""A kill of the recorder loses at most this much, and what is on its way."""
 LOOK_S: Final = 0.05
 GATHER_S: Final = 3.0
-"""Once asked to stop, the recorder waits so long at most for processes to end and say farewell."""
+"""Once asked to stop, the recorder waits at most this long for processes to end and say farewell."""
 FAREWELL_S: Final = 2.0
-"""Of one that is gone, this long."""
+"""The same, for a process that has already exited."""
 COPIED: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
-"""Who publishes what is recorded."""
+"""Roles whose messages are recorded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,11 @@ class Recorder:
 
 
 def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event) -> Completeness:
-    """Record until `stop`, or until the time that is wanted is over; `RecordingError` where the file cannot go on."""
+    """Record until `stop`, or until the wanted time is over.
+
+    Raises:
+        RecordingError: The file cannot be written any more.
+    """
     copies = channels.copies(bus.run)
     batches = bus.subscribe(copies, BatchInbox(copies, bus.tally))
     answers: dict[tuple[Role, str], Publisher[Taken]] = {}

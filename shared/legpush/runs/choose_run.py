@@ -43,15 +43,18 @@ class ChosenRun:
 
 
 def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
-    """The run to watch: the live one if there is one, else processes that were, or will be, started by hand.
+    """Return the run to watch: the live one if there is one, else processes that are started by hand.
 
-    `run` and `connect` are what the command line says. `ConfigError` where several are meant, or `run` is no name.
+    `run` and `connect` are what the command line says.
+
+    Raises:
+        ConfigError: Several live runs are meant, or `run` is no name.
     """
     return find_run(run, connect) or by_hand(run)
 
 
 def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun | None:
-    """The same, but None where no launcher has such a run going yet: whoever waits for one asks again."""
+    """Like `choose_run`, but returns None while no such run is live, so that callers can poll."""
     if connect:
         return by_hand(run, connect)
     name, live = _name(run), find_live_runs()

@@ -27,7 +27,7 @@ PREFIX: Final = "legpush-"
 """How directories of sockets are called in the temporary directory."""
 RUN_FILE: Final = "run.json"
 MAX_BYTES: Final = 65536
-"""Of such a file; a larger one is none."""
+"""Largest file that is read; a larger one is not of a launcher."""
 PRINTABLE: Final = r"^[^\x00-\x1f\x7f]+$(?!\n)"
 
 

@@ -7,17 +7,13 @@ from msgspec import Meta, Struct
 
 from legpush.fields import Name
 from legpush.geometry import Pose2
+from legpush.scene.names import BoxShape, Face, PlannerName, Steering
 from legpush.scene.reference import Reference
 from legpush.scene.robot import HIP_X_M, PUSH_GAP_M
 
 Positive = Annotated[float, Meta(gt=0.0)]
 BoxSide = Annotated[float, Meta(ge=0.01)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
-PlannerName = Literal["rrt", "rrt_connect", "rrt_star", "informed_rrt_star", "bit_star", "prm_star"]
-Steering = Literal["straight", "dubins", "reeds_shepp"]
-BoxShape = Literal["cuboid", "cylinder", "wedge", "l_shape"]
-Face = Literal["rear", "right", "front", "left"]
-"""A face of a box, seen along its x axis."""
 STATION_M: Final = HIP_X_M + PUSH_GAP_M
 """Distance from the rear face of the box back to the trunk centre when the robot stands ready to push."""
 STAND_OFF_M: Final = 0.75

@@ -16,7 +16,8 @@ from legpush.geometry import Pose2, rotation_from_rpy, rpy_from_quaternion, wrap
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import BoxState
 from legpush.scene.faces import FACES, TURN_RAD, pushed_pose
-from legpush.scene.scenario import Face, Goal, PoseDeg
+from legpush.scene.names import Face
+from legpush.scene.scenario import Goal, PoseDeg
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

@@ -15,8 +15,9 @@ from legpush.errors import StopRequestedError
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Push
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.reference import Arcs, Left, Straight, reference_curve
-from legpush.scene.scenario import Face, Goal, PoseDeg, PushSettings, Room
+from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Room
 from legpush.scene.station import at_station
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station

@@ -14,7 +14,8 @@ from agent_proc.push_model.model import NOMINAL, PushModel
 from legpush.errors import ConfigError
 from legpush.messages.stepping import Push
 from legpush.scene.faces import pushed_box
-from legpush.scene.scenario import Box, Face
+from legpush.scene.names import Face
+from legpush.scene.scenario import Box
 from tests.agent.push_model.maps import DEPTHS_M, measured
 
 

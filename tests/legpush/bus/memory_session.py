@@ -3,12 +3,16 @@
 from functools import partial
 from typing import Any
 
+from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.channels import Quality
 from legpush.bus.endpoints import Endpoints
 from legpush.bus.faults import Faults
+from legpush.bus.ports import Subscription
 from legpush.bus.transport import OnBytes, OnToken, Sender, Undeclare
 from legpush.messages.common import Role
+from legpush.messages.telemetry import Copies
+from legpush.recording.recorder import taken_by
 
 RUN = "test"
 
@@ -104,6 +108,26 @@ class MemorySession:
             for pattern, on_token in tuple(session._watchers.values()):
                 if matches(pattern, token):
                     on_token(token, alive)
+
+
+class KeptBatches(Subscription[Copies]):
+    """What a recorder is handed; it says to one process, by role and name, that it has everything."""
+
+    def __init__(self, recorder: Bus, role: Role, name: str = "main") -> None:
+        channel = channels.copies(recorder.run)
+        super().__init__(channel, recorder.tally)
+        self.batches: list[Copies] = []
+        self._taken = recorder.publisher(channels.taken(recorder.run, role, name))
+        recorder.subscribe(channel, self)
+
+    def put(self, message: Copies) -> None:
+        """Called on the thread of the process that hands over."""
+        self.batches.append(message)
+        self._taken.send(taken_by(message))
+
+    def copied(self) -> list[tuple[str, int]]:
+        """Key and sequence of everything that was copied."""
+        return [(copy.key, copy.sequence) for batch in self.batches for copy in batch.copies]
 
 
 def _remove(declarations: dict[object, Any], declaration: object) -> None:

@@ -7,17 +7,14 @@ import msgpack
 import pytest
 
 from legpush.bus import channels, keys, ports
-from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
 from legpush.bus.faults import Faults
-from legpush.bus.ports import Subscription
 from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header
 from legpush.messages.stepping import Action, Walk
-from legpush.messages.telemetry import Copies, Fact, Status
-from legpush.recording.recorder import taken_by
-from tests.legpush.bus.memory_session import RUN, MemoryNetwork, MemorySession
+from legpush.messages.telemetry import Fact, Status
+from tests.legpush.bus.memory_session import RUN, KeptBatches, MemoryNetwork, MemorySession
 from tests.legpush.examples import MESSAGES
 from tests.legpush.fakes import eventually
 
@@ -199,28 +196,10 @@ def test_only_an_agent_may_act(network: MemoryNetwork, stranger: MemorySession) 
         assert inbox.drain() == []
 
 
-class Recorder(Subscription[Copies]):
-    """Keeps the batches that come, and says that it has them."""
-
-    def __init__(self, opened: Bus) -> None:
-        super().__init__(channels.copies(RUN), opened.tally)
-        self.batches: list[Copies] = []
-        self._taken = opened.publisher(channels.taken(RUN, "sim", "main"))
-        opened.subscribe(channels.copies(RUN), self)
-
-    def put(self, message: Copies) -> None:
-        self.batches.append(message)
-        self._taken.send(taken_by(message))
-
-    def copied(self) -> list[tuple[str, int]]:
-        """Key and sequence of everything that was copied."""
-        return [(copy.key, copy.sequence) for batch in self.batches for copy in batch.copies]
-
-
 def test_a_recorder_is_handed_what_is_published_once_it_is_there_and_all_files(network: MemoryNetwork) -> None:
     key = keys.status(RUN, "sim", "main")
     with network.bus("recorder") as recording:
-        recorder = Recorder(recording)
+        recorder = KeptBatches(recording, "sim")
         with network.bus("sim") as sim:
             telling = sim.publisher(channels.statuses(RUN, "sim", "main"))
             sim.attach(FACT.name, FACT.media_type, FACT.data)
@@ -236,7 +215,7 @@ def test_a_recorder_is_handed_what_is_published_once_it_is_there_and_all_files(n
 
 def test_a_process_that_is_recorded_from_its_start_on_keeps_copies_for_a_later_recorder(network: MemoryNetwork) -> None:
     with network.bus("recorder") as recording:
-        recorder = Recorder(recording)
+        recorder = KeptBatches(recording, "sim")
         with network.bus("sim", recorded=True) as sim:
             sim.publisher(channels.statuses(RUN, "sim", "main")).send(say("before"))
             recording.announce()

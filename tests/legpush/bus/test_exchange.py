@@ -156,7 +156,7 @@ def test_a_peer_that_is_started_anew_too_often_is_given_up(table: Table) -> None
     table.token("a")
     for index, (old, new) in enumerate(pairwise("abcd")):
         table.at(1.0 + index, partial(table.replace, old, new))
-    with pytest.raises(PeerError, match="sim/main was started anew 3 times without an answer to step 9"):
+    with pytest.raises(PeerError, match="sim/main was restarted 3 times without an answer to step 9"):
         table.ask()
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from legpush.geometry import Pose2
 from legpush.scene.faces import FACES, PUSHABLE, TURN_RAD, pushed_box, pushed_pose
-from legpush.scene.scenario import Box, Face, PoseDeg
+from legpush.scene.names import Face
+from legpush.scene.scenario import Box, PoseDeg
 
 POSE = Pose2(x_m=1.0, y_m=2.0, yaw_rad=0.3)
 BOX = Box(size_m=(0.4, 0.5, 0.3), pose=PoseDeg(x_m=0.0, y_m=0.0, yaw_deg=0.0))

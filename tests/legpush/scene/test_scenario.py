@@ -5,7 +5,8 @@ from math import pi
 import msgspec
 import pytest
 
-from legpush.scene.scenario import Box, BoxShape, PoseDeg, Rectangle
+from legpush.scene.names import BoxShape
+from legpush.scene.scenario import Box, PoseDeg, Rectangle
 
 ORIGIN = PoseDeg(x_m=0.0, y_m=0.0, yaw_deg=0.0)
 

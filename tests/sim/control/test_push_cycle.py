@@ -11,7 +11,8 @@ from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
-from legpush.scene.scenario import STATION_M, Face, PoseDeg, Scenario
+from legpush.scene.names import Face
+from legpush.scene.scenario import STATION_M, PoseDeg, Scenario
 from sim_proc.simulator import Simulator
 
 

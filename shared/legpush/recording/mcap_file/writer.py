@@ -62,7 +62,8 @@ class RecordingFile:
     def __init__(self, path: Path, about: Mapping[str, str], split: Split = WHOLE, part: int = 0) -> None:
         """`about` becomes the metadata of every part, the first of which has the number `part`.
 
-        `RecordingError` where a file is there already, be it that of a later part.
+        Raises:
+            RecordingError: A file of this name, or of a later part, is there already.
         """
         self._first_part = part
         self._path = path
@@ -133,7 +134,7 @@ class RecordingFile:
         self._stream.close_at_kept()
 
     def _require_no_parts(self) -> None:
-        """`RecordingError` where a file is in the way of a part that may come."""
+        """Raise a `RecordingError` if a file has the name of a part that may come."""
         name = re.compile(rf"{re.escape(self._path.stem)}-\d{{3,}}{re.escape(self._path.suffix)}")
         there = sorted(path for path in self._path.parent.glob("*") if name.fullmatch(path.name))
         if there:
@@ -241,7 +242,7 @@ class _Stream:
         """Nothing is held back."""
 
     def mark_whole(self) -> None:
-        """The file is fit to be read up to here."""
+        """Note that the file can be read up to here."""
         self._kept = self.position
 
     def close_at_kept(self) -> None:
