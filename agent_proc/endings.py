@@ -6,7 +6,7 @@ from legpush.runs.report import Reason
 
 
 class MissionEndedError(Exception):
-    """The mission is over, for this reason."""
+    """Ends a mission, for a reason."""
 
     def __init__(self, reason: Reason, detail: str) -> None:
         super().__init__(detail)
@@ -20,15 +20,15 @@ class MissionResult:
     success: bool
     """The box is within the tolerances of its goal and the robot stands."""
     reason: Reason
-    """`success`, or what ended it without: the robot `fell` or is `stuck`, the `box_tipped` over, the planner knew
-    `no_path`, the approach `missed_station`, the box `left_reference`, `max_push_cycles` were not enough, or pushing
-    ended with the `tolerance_missed`."""
+    """`success`, or what ended the mission without: the robot `fell` or is `stuck`, the `box_tipped` over, the planner
+    found `no_path`, the approach `missed_station`, the box `left_reference`, `max_push_cycles` were not enough, or
+    pushing ended with the `tolerance_missed`."""
     detail: str
     """One sentence for people."""
     handover_distance_m: float | None
-    """Trunk to box where walking along the map ended; None if it did not come to that."""
+    """From trunk to box at the hand-over; None if the mission ended before."""
     n_push_cycles: int
     n_better_paths: int
     """How often a better path was taken while walking."""
     n_replans: int
-    """How often an obstacle appeared in the way, so that another one was planned, or tried to be."""
+    """How often a path was given up because an obstacle appeared in it."""

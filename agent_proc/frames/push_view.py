@@ -14,7 +14,8 @@ from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import BoxState, WorldState
 from legpush.scene.faces import TURN_RAD
-from legpush.scene.scenario import Box, Face, Goal, Scenario
+from legpush.scene.names import Face
+from legpush.scene.scenario import Box, Goal, Scenario
 
 LOOK_AHEAD_M: Final = 0.25
 """How far ahead on the line through the goal a box should head for."""

@@ -1,4 +1,4 @@
-"""The best policy of a training: built from the learner, evaluated, and ranked."""
+"""Finds the best policy of a training: builds it from the learner, evaluates and ranks it."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -12,13 +12,13 @@ from agent_proc.policies.learned import LearnedPolicy
 from legpush.lockstep.world import SteppingWorld
 
 FIRST_CHECK_SEED: Final = 1_000_000
-"""Policies are compared on the seeds from here on; reports use others."""
+"""First of the seeds on which policies are compared; reports use other seeds."""
 
 
 def build_policy(
     plan: TrainingPlan, learner: Learner, curve: Sequence[CurvePoint], check: Check | None
 ) -> PolicyFolder:
-    """The policy of the learner as it is now; `check` is its evaluation, if it has been evaluated."""
+    """Build the present policy of the learner; `check` is its evaluation, None before there is one."""
     card = Card(
         command=plan.command,
         task=plan.task,
@@ -73,5 +73,5 @@ def is_better(check: Check, best: Check | None) -> bool:
 
 
 def _rank(check: Check) -> tuple[int, float, float]:
-    """Fewer falls, then more success, then less error: 1 cm counts as much as 1 degree."""
+    """Sort key: fewer falls, then more success, then less error, where 1 cm counts as much as 1 degree."""
     return -check.falls, check.success_rate, -(100 * check.position_error_m + check.angle_error_deg)

@@ -1,4 +1,4 @@
-"""The checkpoint of a training: one file, whole or absent, which is refused if a byte of it is wrong."""
+"""The checkpoint of a training: one file, whole or absent, with a digest that detects damage."""
 
 import hashlib
 import pickle
@@ -12,26 +12,26 @@ from legpush.errors import LegpushError
 from legpush.files import write_whole
 
 FORMAT: Final = 2
-"""Raised when classes that a checkpoint pickles move or change."""
+"""To be raised when a class that a checkpoint pickles moves or changes."""
 MAGIC: Final = b"legpush training checkpoint %d\n" % FORMAT
 HEADER: Final = re.compile(rb"legpush training checkpoint (\d{1,9})\n")
-"""Of any format."""
+"""The header of a checkpoint of any format."""
 N_DIGEST: Final = hashlib.sha256().digest_size
 
 
 class CheckpointError(LegpushError):
-    """A checkpoint that cannot be resumed from; names the file."""
+    """A checkpoint from which no training can resume; names the file."""
 
     exit_code = 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Checkpoint:
-    """Where a training is."""
+    """State of a training between two rollouts."""
 
     step: int
     learner: bytes
-    """As `learner.capture` returns it."""
+    """The result of `learner.capture`."""
     curve: tuple[CurvePoint, ...]
     checks: tuple[Check, ...]
     """Evaluations up to now."""
@@ -39,7 +39,7 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """Write it in place of the previous one.
+    """Write the checkpoint in place of the previous one.
 
     Raises:
         DiskError: It cannot be written; the previous one is untouched.
@@ -49,7 +49,7 @@ def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
-    """Read a checkpoint; load only what your own training wrote, for it may hold code.
+    """Read a checkpoint; load only files of your own trainings, since they may contain code.
 
     Raises:
         CheckpointError: It is missing, damaged, or of another format.
@@ -67,5 +67,5 @@ def load_checkpoint(path: Path) -> Checkpoint:
     head = len(MAGIC) + N_DIGEST
     if not data.startswith(MAGIC) or hashlib.sha256(data[head:]).digest() != data[len(MAGIC) : head]:
         raise CheckpointError(f"{path}: expected the whole checkpoint of a training, got {len(data)} other bytes")
-    checkpoint: Checkpoint = pickle.loads(data[head:])  # noqa: S301 - one's own, and whole
+    checkpoint: Checkpoint = pickle.loads(data[head:])  # noqa: S301 - of the user's own training, and undamaged
     return checkpoint

@@ -26,10 +26,10 @@ from legpush.scene.scenario import PoseDeg, Scenario
 
 @dataclass(frozen=True, kw_only=True)
 class EnvSnapshot:
-    """An environment in the middle of an episode: enough to go on with it, bit for bit, in another process."""
+    """An environment in the middle of an episode, from which another process can continue it bit for bit."""
 
     generator: Mapping[str, Any]
-    """State of the generator that later episodes are drawn from."""
+    """State of the generator from which later episodes are drawn."""
     reset: Reset
     pushes: tuple[Push, ...]
     state_crc: int
@@ -38,34 +38,36 @@ class EnvSnapshot:
 class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     """Push the box of a scenario to its goal.
 
-    `terminated`: the robot fell, or the box is where the profile of the reward ends an episode. `truncated`: after
-    `max_steps`. The `info` of a step holds the terms of its reward by name under `reward_terms`, `is_success`, `fell`,
-    `position_error_m`, `angle_error_deg` and, at the end, `ending`.
+    `terminated`: the robot fell, or the box is at a place where the profile of the reward ends an episode. `truncated`:
+    after `max_steps`. The `info` of a step holds the terms of its reward by name under `reward_terms`, `is_success`,
+    `fell`, `position_error_m`, `angle_error_deg` and, at the end, `ending`.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it so
 
     def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
-        """Push in `world`, which no other environment may step.
+        """Make an environment that pushes in `world`, which no other environment may step.
 
         Raises:
             ConfigError: Another environment steps the same simulator in this process.
         """
-        if isinstance(world, LocalWorld):
-            world.claim(self)
         self.task = task
         self.action_space = action_space(task)
         self.table = TABLES[task.observation]
         self.observation_space = observation_space(task)
         self._world = world
+        self._claim()
         self._episode: _Episode | None = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Begin an episode, drawn from the generator that the last `seed` set up.
+        """Begin an episode, drawn from the generator that the last `seed` initialized.
 
-        Options: `scenario_seed` and `scenario` replace what is drawn and the scenario of the task, for this episode.
+        For this episode, the option `scenario_seed` replaces the drawn seed, and `scenario` the drawn scenario.
+
+        Raises:
+            ConfigError: There are other options, or another environment steps the simulator since `close`.
         """
         super().reset(seed=seed)
         drawn_seed = int(self.np_random.integers(2**32))
@@ -79,7 +81,11 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         return observe(self.task, episode.view), {"scenario_seed": scenario_seed, **_errors(episode.view)}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """One push cycle."""
+        """Carry out one push cycle.
+
+        Raises:
+            ConfigError: There is no episode, it is over, or the action is not in its space.
+        """
         episode = self._going_on()
         before = episode.view
         push = to_push(action, self.task, before)
@@ -95,15 +101,29 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         observation = observe(self.task, episode.view)
         return observation, sum(terms.values()), episode.over and not truncated, truncated, info
 
+    def close(self) -> None:
+        """End the episode and give up the simulator, so that another environment may step it."""
+        self._episode = None
+        if isinstance(self._world, LocalWorld):
+            self._world.release(self)
+
     @property
     def view(self) -> PushView:
-        """The present state, as a policy would be asked about it."""
+        """The present state, as a policy sees it.
+
+        Raises:
+            ConfigError: There is no episode.
+        """
         if self._episode is None:
             raise ConfigError("Expected a reset first: there is no episode")
         return self._episode.view
 
     def snapshot(self) -> EnvSnapshot:
-        """What `restore` needs to go on from here."""
+        """The state from which `restore` continues.
+
+        Raises:
+            ConfigError: There is no episode, or it is over.
+        """
         episode = self._going_on()
         return EnvSnapshot(
             generator=self.np_random.bit_generator.state,
@@ -113,10 +133,10 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         )
 
     def restore(self, snapshot: EnvSnapshot) -> NDArray[np.float32]:
-        """Go on where the snapshot was taken, by doing all of its episode again; returns the observation.
+        """Continue from a snapshot by repeating its episode up to there; returns the observation.
 
         Raises:
-            PeerError: That leads to another state.
+            PeerError: The repeated episode leads to another state.
         """
         super().reset(seed=0)
         self.np_random.bit_generator.state = dict(snapshot.generator)
@@ -130,7 +150,12 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             )
         return observe(self.task, episode.view)
 
+    def _claim(self) -> None:
+        if isinstance(self._world, LocalWorld):
+            self._world.claim(self)
+
     def _begin(self, reset: Reset) -> "_Episode":
+        self._claim()
         outcome = self._world.step(reset)
         view = push_view(outcome.world, reset.scenario)
         return _Episode(reset=reset, first=view, view=view, state_crc=outcome.state_crc)
@@ -162,25 +187,25 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
 @dataclass
 class _Episode:
-    """An episode on its way."""
+    """The present episode."""
 
     reset: Reset
     first: PushView
-    """After the reset."""
+    """The view after the reset."""
     view: PushView
-    """Now."""
+    """The present view."""
     state_crc: int
     pushes: list[Push] = field(default_factory=list)
     over: bool = False
 
     def advance(self, push: Push, outcome: Outcome) -> None:
-        """Take in what a push led to."""
+        """Add a push and its outcome."""
         self.pushes.append(push)
         self.view, self.state_crc = push_view(outcome.world, self.reset.scenario), outcome.state_crc
 
 
 def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:
-    """The goal pose, moved along the way from the box until it is that far from it."""
+    """The goal pose, moved on the line from the box to the goal until its distance from the box is `distance_m`."""
     box, goal = scenario.box.pose, scenario.goal.pose
     share = distance_m / hypot(goal.x_m - box.x_m, goal.y_m - box.y_m)
     return replace(goal, x_m=box.x_m + share * (goal.x_m - box.x_m), y_m=box.y_m + share * (goal.y_m - box.y_m))

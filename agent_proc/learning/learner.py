@@ -1,4 +1,4 @@
-"""The learning algorithms: built from a profile, and captured with everything that their next step depends on."""
+"""Builds the learning algorithms from a profile, and captures and restores their whole state."""
 
 import io
 import pickle
@@ -25,38 +25,38 @@ from legpush.errors import ConfigError
 DEPTH: Final = 3
 """Index of the depth among the elements of a variable-entry action."""
 UNSAVED: Final = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
-"""What an algorithm keeps of its last steps, of no use to a policy."""
+"""Attributes in which an algorithm keeps its last steps; a policy does not need them."""
 
 
 class Rewindable(Protocol):
-    """Environments that can be brought back to where they were."""
+    """Environments whose state can be saved and restored."""
 
     def snapshot(self) -> Any:
-        """Where they are: plain data."""
+        """The present state as plain data."""
 
     def restore(self, snapshot: Any) -> object:
-        """Be there again."""
+        """Return to a saved state."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Learner:
-    """An algorithm at work."""
+    """An algorithm and the layers of its environments."""
 
     model: BaseAlgorithm
     normalizer: VecNormalize
     monitor: VecMonitor
     """Counts episodes, below the normalizer."""
     env: Rewindable
-    """The environments below that."""
+    """The environments, below the monitor."""
 
 
 def undisturbed_draws() -> AbstractContextManager[None]:
-    """What torch draws inside, such as weights that are then replaced, changes nothing of what it draws after."""
+    """Keep the random draws of torch inside this context from changing those after it."""
     return torch.random.fork_rng(devices=[])
 
 
 def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str | None) -> Learner:
-    """A new learner.
+    """Make a new learner.
 
     Raises:
         ConfigError: The algorithm cannot act in the environment.
@@ -79,7 +79,7 @@ def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str |
 
 
 def set_exploration(learner: Learner, profile: AnyProfile) -> None:
-    """Explore as widely as the profile says for the step that the algorithm is at; before each rollout."""
+    """Set the spread of exploration that the profile gives for the present step; called before each rollout."""
     spread = getattr(learner.model.policy, "log_std", None)
     if not isinstance(profile, PpoProfile) or profile.settings.log_std_end is None or spread is None:
         return
@@ -138,7 +138,7 @@ def _off_policy(
 
 
 def capture(learner: Learner) -> bytes:
-    """Everything that the next step depends on; take it where a rollout begins."""
+    """Capture everything on which the next step depends; to be called where a rollout begins."""
     model, normalizer, monitor = learner.model, learner.normalizer, learner.monitor
     weights = io.BytesIO()
     model.save(weights)
@@ -157,8 +157,8 @@ def capture(learner: Learner) -> bytes:
 
 
 def restore(learner: Learner, captured: bytes) -> Learner:
-    """The learner as it was, in the same environments, which are led to where they were."""
-    state = pickle.loads(captured)  # noqa: S301 - a checkpoint of one's own training
+    """Restore a captured learner; its environments return to their captured state."""
+    state = pickle.loads(captured)  # noqa: S301 - a checkpoint of the user's own training
     normalizer, monitor, old = learner.normalizer, learner.monitor, learner.model
     model = type(old).load(
         io.BytesIO(state["model"]), env=normalizer, device="cpu", force_reset=False, tensorboard_log=old.tensorboard_log
@@ -180,14 +180,14 @@ def restore(learner: Learner, captured: bytes) -> Learner:
 
 
 def policy_zip(model: BaseAlgorithm) -> bytes:
-    """The model in the format of Stable-Baselines3, without what it keeps of its last steps."""
+    """The model in the format of Stable-Baselines3, without its last steps."""
     file = io.BytesIO()
     model.save(file, exclude=UNSAVED)
     return file.getvalue()
 
 
 def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | None:
-    """Mean and variance that observations are normalized by, (n,) each; None if they are not."""
+    """Mean and variance of the normalizer of observations, (n,) each; None if they are not normalized."""
     if not normalizer.norm_obs:
         return None
     rms = normalizer.obs_rms

@@ -1,4 +1,4 @@
-"""Makes the environment behind the id `legpush/Push-v1` from arguments that are plain data."""
+"""Makes the environment `legpush/Push-v1` from plain data, such as names, numbers and lists."""
 
 from dataclasses import fields, replace
 from typing import Any, cast
@@ -24,15 +24,17 @@ def make_push_env(
     *,
     scenario: str = "push",
     simulator: str = "mujoco",
+    render_mode: None = None,
     **settings: Any,
 ) -> PushEnv:
     """Make an environment with a simulator of its own.
 
     Args:
-        task: The whole task; `scenario` and `settings` make it if None.
-        world: A simulator to step, in this process or on the bus; one of its own if None.
+        task: The whole task; if None, `scenario` and `settings` define it.
+        world: A simulator to step, in this process or on the bus; if None, the environment makes its own.
         scenario: The name of a built-in scenario, or the path of a scenario file.
         simulator: The plug-in that simulates (`legpush.simulators`).
+        render_mode: None, as the environment does not render.
         settings: Fields of `TaskConfig`, such as `entry="fixed"` or `max_steps=50`, and intervals of its domain, such
             as `mass_kg=[0.1, 1.0]`, drawn for every episode.
 
@@ -40,7 +42,10 @@ def make_push_env(
         ConfigError: A setting is unknown or cannot be used, or another environment uses the simulator.
         ScenarioError: The scenario cannot be used.
         PluginError: The simulator cannot be found.
+        TypeError: A render mode was given. Stable-Baselines3 tries one first, and expects this error.
     """
+    if render_mode is not None:
+        raise TypeError(f"got an unexpected keyword argument 'render_mode' ({render_mode!r}): there is no rendering")
     if world is None:
         world = LocalWorld(cast(Stepper, load_plugin("legpush.simulators", simulator)()))
     if task is None:

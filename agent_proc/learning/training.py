@@ -1,7 +1,7 @@
-"""A training: learns, evaluates now and then, keeps the best policy, and can go on as if it had never been stopped.
+"""A training: learns, evaluates from time to time, keeps the best policy, and can be interrupted and resumed.
 
-What a checkpoint holds is taken where a rollout begins. An interrupted rollout is done again after that, step by step
-the same, so that an interrupted training ends with the very weights of an uninterrupted one.
+A checkpoint is captured where a rollout begins. A resumed training repeats the interrupted rollout with the same steps,
+so that it ends with the same weights as an uninterrupted one.
 """
 
 import logging
@@ -33,11 +33,11 @@ BEST: Final = "best"
 LAST: Final = "last"
 TENSORBOARD: Final = "tensorboard"
 WINDOW: Final = 30
-"""Episodes that the shown return and success rate are means of."""
+"""Number of last episodes over which the shown return and success rate are means."""
 
 
 class Training:
-    """A training in a folder of its own."""
+    """A training with its folder."""
 
     def __init__(
         self,
@@ -49,7 +49,10 @@ class Training:
         stop: threading.Event,
         on_progress: Callable[[Progress], None] = lambda _: None,
     ) -> None:
-        """`env` can `snapshot` and `restore`; evaluations use `worlds`, which may be those of the same simulators."""
+        """Prepare a training; evaluations step `worlds`, which may be those of `env`.
+
+        `env` has the methods `snapshot` and `restore`.
+        """
         use_one_thread()
         self._plan = plan
         self._folder = folder
@@ -62,19 +65,19 @@ class Training:
         self._checks: list[Check] = []
         self._best: Check | None = None
         self._held: Checkpoint | None = None
-        """The last one that was taken, on disk or not."""
+        """The last checkpoint that was captured, whether saved or not."""
         self._saved_step = 0
 
     @property
     def learner(self) -> Learner:
-        """The algorithm at work."""
+        """The present learner."""
         return self._learner
 
     def resume(self) -> None:
-        """Go on from the checkpoint in the folder.
+        """Continue from the checkpoint in the folder.
 
         Raises:
-            CheckpointError: There is none, or it cannot be resumed from.
+            CheckpointError: There is none, or it cannot be used.
         """
         held = load_checkpoint(self._folder / CHECKPOINT_FILE)
         self._learner = restore(self._learner, held.learner)
@@ -84,7 +87,11 @@ class Training:
         self._held, self._saved_step = held, held.step
 
     def run(self) -> TrainingResult:
-        """Train to the end, or until asked to stop; a checkpoint is left where it ended, also after an error."""
+        """Train to the end, or until asked to stop; the last checkpoint is saved in every case, also after an error.
+
+        Raises:
+            LegpushError: A simulator failed, or a file could not be written.
+        """
         steps, model = self._plan.profile.steps, self._learner.model
         fresh = self._held is None
         try:
@@ -115,7 +122,7 @@ class Training:
     # -- called by the algorithm ---------------------------------------------------------------------------------------
 
     def begin_rollout(self) -> None:
-        """Between two updates: evaluate, take a checkpoint, and set how widely the coming rollout explores."""
+        """Evaluate and capture a checkpoint if due, and set the exploration of the next rollout."""
         self._check_if_due()
         step = self._learner.model.num_timesteps
         due = step - self._saved_step >= self._plan.profile.checkpoint_every
@@ -126,7 +133,7 @@ class Training:
         set_exploration(self._learner, self._plan.profile)
 
     def take_step(self, infos: Sequence[dict[str, Any]], dones: Sequence[bool]) -> bool:
-        """After each step of all environments; returns whether to go on."""
+        """Record the episodes that ended in a step of all environments; returns whether to go on."""
         step = self._learner.model.num_timesteps
         for info, done in zip(infos, dones, strict=True):
             if done:
@@ -163,7 +170,7 @@ class Training:
             self._saved_step = self._held.step
 
     def _check_if_due(self, *, last: bool = False) -> None:
-        """Evaluate the policy, and keep it if it is the best up to now; the training goes on from where it was."""
+        """Evaluate the policy if due, and keep it if it is the best; the state of the training does not change."""
         step, before = self._learner.model.num_timesteps, self._checks[-1].step if self._checks else 0
         if not (last and step > before) and step - before < self._plan.profile.evaluate_every:
             return
@@ -183,7 +190,7 @@ class Training:
             self._write(BEST, check)
 
     def _check(self) -> Check:
-        """Evaluate the policy as it is now."""
+        """Evaluate the present policy."""
         n, n_done = self._plan.profile.evaluation_episodes, count()
 
         def tell() -> None:
@@ -211,7 +218,7 @@ class Training:
 
 
 class _Watcher(BaseCallback):
-    """Tells the training what the algorithm does."""
+    """Passes the callbacks of the algorithm on to the training."""
 
     def __init__(self, training: Training) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""What a training is asked to do, how far it is, and what came out."""
+"""The plan, the progress and the result of a training."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from agent_proc.task.config import TaskConfig
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingPlan:
-    """What is trained and how; saved with the training."""
+    """Task, profile and settings of a training; saved in its folder."""
 
     profile: AnyProfile
     task: TaskConfig
@@ -21,12 +21,12 @@ class TrainingPlan:
 
 @dataclass(frozen=True, kw_only=True)
 class Progress:
-    """How far a training is."""
+    """Progress of a training."""
 
     step: int
     steps: int
     mean_return: float | None
-    """Of the last episodes; None before the first one has ended."""
+    """Mean over the last episodes, like the success rate; None before the first one has ended."""
     success_rate: float | None
     best: Check | None
     doing: str
@@ -37,6 +37,6 @@ class TrainingResult:
     """How a training ended."""
 
     finished: bool
-    """Not, where it was asked to stop before."""
+    """False if it was asked to stop before its end."""
     step: int
     best: Check | None

@@ -19,11 +19,12 @@ Step = tuple[NDArray[np.float32], float, bool, dict[str, Any]]
 
 
 class PushVecEnv(VecEnv):
-    """One environment per world, each on a thread of its own, which waits for its simulator and blocks nobody else.
+    """One environment per world, each on its own thread, so that a slow simulator does not block the others.
 
-    Episodes end as in every `VecEnv`: the next one has begun when `step` returns, `terminal_observation` and
-    `TimeLimit.truncated` are in the info. What environment i does depends on the seed, i and its actions alone. An
-    error of a world, such as a simulator that does not come back, is raised by the step or reset that met it.
+    Episodes end as in every `VecEnv`: the next one has begun when `step` returns, and the info contains
+    `terminal_observation` and `TimeLimit.truncated`. The behaviour of environment i depends on the seed, i and its
+    actions alone. An error in a world, such as the loss of its simulator, is raised by the step or reset in which it
+    occurs.
     """
 
     def __init__(
@@ -33,7 +34,11 @@ class PushVecEnv(VecEnv):
         seed: int | None = None,
         stop: threading.Event | None = None,
     ) -> None:
-        """`stop` is set by `close`, so that no link goes on waiting."""
+        """Make an environment per world; `close` sets `stop`, so that no link goes on waiting.
+
+        Raises:
+            ConfigError: There is no world, or another environment steps one of them.
+        """
         if not worlds:
             raise ConfigError("Expected at least one simulator to learn with, got none")
         self.envs = [PushEnv(task, world) for world in worlds]
@@ -45,13 +50,13 @@ class PushVecEnv(VecEnv):
             self.seed(seed)
 
     def seed(self, seed: int | None = None) -> list[int]:
-        """Seeds for the next reset, one per environment, spawned from this one; returns them."""
+        """Set the seeds of the next reset, one per environment, all spawned from `seed`; returns them."""
         seeds = [int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(self.num_envs)]
         self._seeds = list(seeds)
         return seeds
 
     def reset(self) -> NDArray[np.float32]:
-        """Begin an episode everywhere; observations, (n, elements)."""
+        """Begin an episode in each environment; returns the observations, (n, elements)."""
         self._join(self._steps)
         self._steps = []
 
@@ -65,36 +70,42 @@ class PushVecEnv(VecEnv):
         return np.stack([observation for observation, _ in results])
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Let every simulator begin."""
+        """Start a step in each environment."""
         self._steps = [
             self._threads.submit(self._step, index, np.array(action)) for index, action in enumerate(actions)
         ]
 
     def step_wait(self) -> VecEnvStepReturn:
-        """What it led to, once all have answered."""
+        """Wait for all steps, and return their results."""
         steps, self._steps = self._steps, []
         observations, rewards, dones, infos = zip(*self._join(steps), strict=True)
         return np.stack(observations), np.array(rewards, dtype=np.float32), np.array(dones), list(infos)
 
     def snapshot(self) -> tuple[EnvSnapshot, ...]:
-        """What `restore` needs to go on from here, bit for bit; between steps only."""
+        """The state from which `restore` continues bit for bit; to be called between steps only."""
         return tuple(env.snapshot() for env in self.envs)
 
     def restore(self, snapshots: Sequence[EnvSnapshot]) -> NDArray[np.float32]:
-        """Go on where the snapshots were taken, in parallel; returns the observations, (n, elements)."""
+        """Continue from snapshots, in parallel; returns the observations, (n, elements).
+
+        Raises:
+            ConfigError: The number of snapshots differs from that of the environments.
+        """
         if len(snapshots) != self.num_envs:
             raise ConfigError(f"Expected as many simulators as were saved, {len(snapshots)}, got {self.num_envs}")
         jobs = [self._threads.submit(env.restore, snapshot) for env, snapshot in zip(self.envs, snapshots, strict=True)]
         return np.stack(self._join(jobs))
 
     def close(self) -> None:
-        """End the threads; the worlds belong to whoever made them."""
+        """End the threads and close the environments; the worlds belong to the caller, and stay open."""
         if self._stop is not None:
             self._stop.set()
         self._threads.shutdown(cancel_futures=True)
+        for env in self.envs:
+            env.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """The attribute of each environment."""
+        """Get the attribute of each environment."""
         return [getattr(env, attr_name) for env in self._chosen(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
@@ -107,14 +118,14 @@ class PushVecEnv(VecEnv):
         return [getattr(env, method_name)(*args, **kwargs) for env in self._chosen(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Env[Any, Any]], indices: VecEnvIndices = None) -> list[bool]:
-        """Never: the environments are bare."""
+        """False for each environment: none is wrapped."""
         return [False for _ in self._chosen(indices)]
 
     def _chosen(self, indices: VecEnvIndices) -> list[PushEnv]:
         return [self.envs[index] for index in self._get_indices(indices)]
 
     def _step(self, index: int, action: NDArray[Any]) -> Step:
-        """A step, and the reset after the last one of an episode."""
+        """Step an environment, and reset it at the end of an episode."""
         env = self.envs[index]
         observation, reward, terminated, truncated, info = env.step(action)
         info["TimeLimit.truncated"] = truncated and not terminated
@@ -125,7 +136,7 @@ class PushVecEnv(VecEnv):
 
     @staticmethod
     def _join(jobs: Iterable[Future[Any]]) -> list[Any]:
-        """All results; the first error once every job has ended, so that no environment is left in the middle."""
+        """Wait for all jobs, then return their results or raise the first error: no environment is left in a step."""
         jobs = list(jobs)
         wait(jobs)
         return [job.result() for job in jobs]

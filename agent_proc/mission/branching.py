@@ -1,4 +1,4 @@
-"""A mission that continues a recorded one: decided as then up to a step, and from there on otherwise."""
+"""Continues a recorded mission: decides as it did up to a step, and differently from there on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,24 +15,25 @@ from legpush.messages.stepping import Alter, Push
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.facts import read_facts
 from legpush.recording.mcap_file.reader import read_recording
-from legpush.scene.scenario import PlannerName, Scenario
+from legpush.scene.names import PlannerName
+from legpush.scene.scenario import Scenario
 
 
 @dataclass(frozen=True, kw_only=True)
 class Branch:
-    """What is the same up to the branch point, and what is other from it on."""
+    """What is repeated up to the branch point, and what is different from it on."""
 
     past: RecordedPast
     past_policy: Policy
     planner: PlannerName | None = None
-    """Which search is asked for from there on."""
+    """Planner from the branch point on, instead of the scenario's; None to keep that."""
 
     def is_past(self, n_steps: int) -> bool:
-        """Whether the step that comes next is one that was recorded."""
+        """Whether the next step, after `n_steps`, is repeated from the recording."""
         return n_steps < self.past.n_steps
 
     def scenario(self, scenario: Scenario, n_steps: int) -> Scenario:
-        """What the mission goes by."""
+        """The scenario that holds after `n_steps`."""
         if self.planner is None or self.is_past(n_steps):
             return scenario
         return replace(scenario, planning=replace(scenario.planning, planner=self.planner))
@@ -54,7 +55,11 @@ class BranchPolicy:
 def read_branch(
     files: tuple[Path, ...], at: BranchPoint, *, planner: PlannerName | None, alter: Alter | None
 ) -> Branch:
-    """`RecordingError` where the recording cannot be continued there."""
+    """Read the recording to continue from `at` on, with another planner or an altered box.
+
+    Raises:
+        RecordingError: The recording cannot be continued there.
+    """
     recording = read_recording(files)
     facts = read_facts(recording)
     sha256 = policy_sha256(facts.policy)

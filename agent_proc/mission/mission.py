@@ -1,19 +1,23 @@
 """The mission (Fig. 5): plan, walk to the box, hand over, approach it, push it to its goal.
 
-It depends on nothing but the answers of a `World`: the same answers lead to the same motions, so that a mission which
-was interrupted goes on from the journal of what it was answered before.
+It depends on nothing but the answers of a `World`: the same answers lead to the same motions. So a mission that was
+interrupted can go on from the journal of the answers it got before.
 """
 
 from agent_proc.endings import MissionEndedError, MissionResult
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.map import PushMap
+from agent_proc.pushing.box_route import BoxRoute
+from agent_proc.pushing.calibrating import Calibration
+from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.pushing import Pushing
-from agent_proc.walking.actor import Actor, Revise, Tell, as_it_is, nobody
+from agent_proc.walking.actor import Actor, Revise, as_it_is, nobody
+from agent_proc.walking.route_planner import RoutePlanner
+from agent_proc.walking.walker import Walker
+from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import World
-from legpush.messages.planning import PlanQuery
 from legpush.messages.stepping import Reset
-from legpush.plans.trunk_queries import query_to_nominal_box
-from legpush.scene.scenario import Face, Scenario
+from legpush.scene.scenario import Scenario
 
 
 def run_mission(
@@ -27,16 +31,20 @@ def run_mission(
 ) -> MissionResult:
     """Run a mission from its reset to its end: the step order of Fig. 5.
 
-    `push_map` is of the scenario's box; without one, what pushes do to it is guessed from what they do to the default
-    one. `revise` is asked after each step what the mission goes by from then on. `tell` gets its progress.
+    `push_map` is the measured effect of pushes on the scenario's box; without it, that on the default box is scaled.
+    `revise` returns the scenario that holds after a step. `tell` gets the progress of the mission.
     """
-    actor = Actor(world, scenario, seed, revise, tell)
-    pushing = Pushing(actor, policy, push_map)
+    actor = Actor(world, scenario, revise, tell)
+    planner = RoutePlanner(world, actor, seed)
+    walker = Walker(actor, planner)
+    pushes = Pushes(actor, walker, world.tell_reward, push_map)
+    route = BoxRoute(actor, planner, walker, pushes)
+    pushing = Pushing(actor, walker, route, pushes, Calibration(actor, planner, pushes), policy)
     handover_distance_m = None
     try:
         actor.step(Reset(scenario=scenario, seed=seed))
         if actor.standing_at() is None:
-            _walk_to_handover(actor, pushing)
+            _walk_to_handover(actor, walker, route)
         handover_distance_m = actor.box_distance_m()
         pushing.run()
     except MissionEndedError as end:
@@ -48,20 +56,16 @@ def run_mission(
         reason=reason,
         detail=detail,
         handover_distance_m=handover_distance_m,
-        n_push_cycles=pushing.n_cycles,
-        n_better_paths=actor.n_better_paths,
-        n_replans=actor.n_replans,
+        n_push_cycles=pushes.n_cycles,
+        n_better_paths=planner.n_better_paths,
+        n_replans=planner.n_replans,
     )
 
 
-def _walk_to_handover(actor: Actor, pushing: Pushing) -> None:
+def _walk_to_handover(actor: Actor, walker: Walker, route: BoxRoute) -> None:
     """Walk towards the nominal box until the real one is near enough to be measured, or the path ends."""
     near_m, nominal = actor.scenario.mission.handover_distance_m, actor.scenario.box.pose.pose()
-
-    def way(face: Face) -> PlanQuery:
-        return query_to_nominal_box(actor.scenario, actor.seed, actor.trunk(), face)
-
     while actor.box_distance_m() > near_m:
-        _, plan = pushing.way_to_push(nominal, way, "the way to the box")
-        if plan is None or actor.walk_plan("walking", plan, until_m=near_m):
+        _, plan = route.way_to_push(nominal, walker.query_behind_nominal, "the way to the box")
+        if plan is None or walker.walk_plan("walking", plan, until_m=near_m):
             return

@@ -1,6 +1,5 @@
-"""The agent's work: run a mission, or the rest of one, and leave report and picture."""
+"""The agent as a process: runs a mission, or the rest of one, and writes its report and picture."""
 
-import json
 import logging
 import os
 import threading
@@ -10,18 +9,15 @@ from pathlib import Path
 from time import time
 from typing import Annotated, Final
 
-import msgspec
 import tyro
 
-from agent_proc.endings import MissionResult
 from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
 from agent_proc.mission.facts import JSON, attach_facts
 from agent_proc.mission.mission import run_mission
 from agent_proc.mission.progress import MissionProgress
 from agent_proc.policies.registry import make_policy
 from agent_proc.push_model.map import load_push_map
-from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import make_report
+from agent_proc.reporting.report_files import write_report
 from agent_proc.walking.actor import as_it_is
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME
@@ -29,7 +25,6 @@ from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
 from legpush.fields import Name, Seed, require
 from legpush.history.journal import Journal, Opened
-from legpush.history.steps import read_episode
 from legpush.lockstep.client import SimLink
 from legpush.lockstep.episode import Episode
 from legpush.messages.common import PROTOCOL_VERSION
@@ -38,17 +33,15 @@ from legpush.options.run import DEFAULT_POLICY
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.recording.branch import parse_point
-from legpush.runs.folder import PICTURE_FILE, REPORT_FILE
+from legpush.runs.folder import REPORT_FILE
 from legpush.scenarios.file import load_scenario
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 from legpush.service import ServiceConfig
 from legpush.versions import installed_versions
 
 log = logging.getLogger(__name__)
 
 JOURNAL_FILE: Final = "episode-0000.journal"
-CLOCK_S: Final = 1e-3
-"""Resolution of a file's time: no mission is said to be shorter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,27 +54,29 @@ class AgentConfig(ServiceConfig):
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
     """A built-in scenario or the path of a scenario file."""
     seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """Draws the offsets of start and box, and the path."""
+    """Draws the offsets of start and box, and seeds the planner."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Where journal, report and picture go, `runs/<scenario>-seed<N>` if not given; a mission that was interrupted goes
-    on there."""
+    """Folder of journal, report and picture, `runs/<scenario>-seed<N>` if not given. An interrupted mission goes on
+    there."""
     policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
     """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
     push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
     branch_of: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE ...")] = ()
-    """Continue the mission of this recording, whose scenario, seed and push map the others have to be."""
+    """Continue the mission of this recording. Scenario, seed and push map have to be those of the recording."""
     branch_at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
-    """The first step that is not the recorded one."""
+    """First step that is not repeated from the recording."""
     branch_planner: PlannerName | None = None
-    """From there on in place of the scenario's planner."""
+    """Planner from that step on, instead of the scenario's."""
     branch_box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
-    """From there on in place of the box's mass; the mission is not told."""
+    """Mass of the box from that step on; the mission does not know it."""
     branch_box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """From there on in place of the box's friction; the mission is not told."""
+    """Friction of the box from that step on; the mission does not know it."""
     witness_planner: bool = False
     """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
+    picture: bool = True
+    """Draw mission.png at the end."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -95,7 +90,11 @@ class AgentConfig(ServiceConfig):
             raise ConfigError(f"Expected more than 0 seconds for --deadline-s, got {self.deadline_s}")
 
     def branch(self) -> Branch | None:
-        """What is continued, if something is; `RecordingError` where that is not possible."""
+        """The recorded mission to continue, or None.
+
+        Raises:
+            RecordingError: It cannot be continued at that step.
+        """
         if not self.branch_of:
             return None
         box = (self.branch_box_mass_kg, self.branch_box_friction)
@@ -104,7 +103,7 @@ class AgentConfig(ServiceConfig):
 
 
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
-    """Run the mission of `config`; 0 for success, 1 without."""
+    """Run the mission of `config`; return 0 if the box is at its goal, else 1."""
     scenario = load_scenario(config.scenario)
     policy = make_policy(config.policy)
     push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
@@ -119,7 +118,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
         if config.witness_planner:
-            bus.taps.witness("planner")
+            bus.taps.witness_role("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         progress = MissionProgress(beacon)
@@ -141,17 +140,21 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             as_it_is if branch is None else lambda whole: branch.scenario(whole, episode.n_steps),
             progress.tell,
         )
-        beacon.say("reporting", None, result.detail)
+        beacon.publish_status("reporting", None, result.detail)
         if not episode.live:
-            log.info("the mission in %s was over before: only its report is made anew", folder)
-        leave_report(folder, journal, result)
+            log.info("the mission in %s was over before: only its report is written again", folder)
+        write_report(folder, journal, result, picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
 
 
 def writable_folder(folder: Path) -> Path:
-    """The folder, made if it was not there; `ConfigError` if nothing can be written to it."""
+    """Make the folder if need be, and return it.
+
+    Raises:
+        ConfigError: It cannot be made, or nothing can be written to it.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -159,16 +162,3 @@ def writable_folder(folder: Path) -> Path:
     if not os.access(folder, os.W_OK | os.X_OK):
         raise ConfigError(f"Expected a folder that can be written to for --out, got {folder}")
     return folder
-
-
-def leave_report(folder: Path, journal: Journal, result: MissionResult) -> None:
-    """Write `report.json` and `mission.png`, the report last and at once: where it is, the mission is over."""
-    from agent_proc.reporting.picture import save_picture
-
-    record = read_record(read_episode(journal.path))
-    wall_time_s = max(journal.path.stat().st_mtime - journal.opened.began_unix_s, CLOCK_S)
-    report = make_report(record, result, wall_time_s, installed_versions())
-    save_picture(record, result, folder / PICTURE_FILE)
-    half = folder / f"{REPORT_FILE}.part"
-    half.write_text(json.dumps(msgspec.to_builtins(report), indent=2) + "\n", encoding="utf-8")
-    half.replace(folder / REPORT_FILE)

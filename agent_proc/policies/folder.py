@@ -1,4 +1,4 @@
-"""A trained policy as a folder: its networks, what observations are normalized by, and a card that says what it is."""
+"""A trained policy as a folder: its networks, its normalizer, and a card that describes it."""
 
 import io
 import zipfile
@@ -16,6 +16,7 @@ from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
 from legpush.errors import PolicyError
 from legpush.files import replace_folder
+from legpush.plugins import plugin_names
 
 FORMAT: Final = 1
 NETWORKS_FILE: Final = "policy.zip"
@@ -25,7 +26,7 @@ README_FILE: Final = "README.md"
 
 
 class Normalizer(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What `clip((observation - mean) / sqrt(variance + epsilon))` is computed with."""
+    """Normalizes observations: `clip((observation - mean) / sqrt(variance + epsilon))`."""
 
     mean: tuple[float, ...]
     variance: tuple[float, ...]
@@ -47,15 +48,15 @@ class CurvePoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     length: int
     success: bool
     position_error_m: float
-    """At its end, as the angle."""
+    """At the end of the episode, like the angle."""
     angle_error_deg: float
 
 
 class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What an evaluation of the deterministic policy gave."""
+    """Result of an evaluation of the deterministic policy."""
 
     step: int
-    """Of training, when it was made."""
+    """Step of the training at which it was made."""
     seeds: tuple[int, ...]
     success_rate: float
     position_error_m: float
@@ -67,7 +68,7 @@ class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Mean."""
 
     def __str__(self) -> str:
-        """For people."""
+        """One line for logs and the README of the policy."""
         return (
             f"success {self.success_rate:.0%}, {100 * self.position_error_m:.2f} cm, {self.angle_error_deg:.2f}°, "
             f"{self.cycles:.0f} cycles, {self.falls} falls (n = {len(self.seeds)})"
@@ -76,27 +77,27 @@ class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Card:
-    """What a policy is and how it came about."""
+    """What a policy does and how it was trained."""
 
     format: Literal[1] = FORMAT
     command: str
-    """That trained it."""
+    """The command that trained it."""
     task: TaskConfig
     profile: AnyProfile
     seed: int
-    """Of the training."""
+    """Seed of the training."""
     steps: int
-    """Push cycles that it was trained with."""
+    """Push cycles of the training up to this policy."""
     n_simulators: int
     versions: dict[str, str]
     check: Check | None
-    """The evaluation that it was kept for."""
+    """The evaluation for which it was kept."""
     curve: tuple[CurvePoint, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyFolder:
-    """What is in the folder of a policy."""
+    """The content of the folder of a policy."""
 
     card: Card
     networks: bytes
@@ -110,18 +111,26 @@ def shipped_policies() -> tuple[str, ...]:
 
 
 def policy_path(name_or_path: str) -> Path:
-    """The folder of a shipped policy by its name, or the folder at a path; `PolicyError` if there is none."""
+    """The folder of a shipped policy by its name, or the folder at a path.
+
+    Raises:
+        PolicyError: There is no such policy or folder.
+    """
     if name_or_path in shipped_policies():
         return Path(str(files("agent_proc") / "policies" / name_or_path))
     folder = Path(name_or_path)
     if not folder.is_dir():
-        valid = ", ".join(("scripted", *shipped_policies()))
+        valid = ", ".join(plugin_names("legpush.policies"))
         raise PolicyError(f"Expected a policy ({valid}) or the folder of one, got {name_or_path!r}")
     return folder
 
 
 def write_policy(folder: Path, policy: PolicyFolder) -> None:
-    """Write the folder, or leave the one that is there as it is; `DiskError`."""
+    """Write the folder in place of the previous one.
+
+    Raises:
+        DiskError: It cannot be written; the previous one is untouched.
+    """
 
     def fill(part: Path) -> None:
         (part / NETWORKS_FILE).write_bytes(policy.networks)
@@ -134,7 +143,11 @@ def write_policy(folder: Path, policy: PolicyFolder) -> None:
 
 
 def read_policy(folder: Path) -> PolicyFolder:
-    """What is in the folder; `PolicyError` names the file that is missing or cannot be read."""
+    """Read the folder.
+
+    Raises:
+        PolicyError: A file is missing or cannot be used; the message names it.
+    """
     card = read_card(folder)
     networks = _read(folder / NETWORKS_FILE)
     if not zipfile.is_zipfile(io.BytesIO(networks)):
@@ -151,7 +164,11 @@ def read_policy(folder: Path) -> PolicyFolder:
 
 
 def read_card(folder: Path) -> Card:
-    """The card of a policy; `PolicyError` names the field that is wrong."""
+    """Read the card of a policy.
+
+    Raises:
+        PolicyError: The file is missing, or a field is wrong; the message names it.
+    """
     path = folder / CARD_FILE
     plain = _decode(path, dict)
     profile = read_profile(plain.get("profile", {}), f"{path}: profile")
@@ -175,7 +192,7 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
     "check": Check | None,
     "curve": tuple[CurvePoint, ...],
 }
-"""All but the profile, whose kind depends on its algorithm."""
+"""Types of all fields but the profile, whose type depends on its algorithm."""
 
 
 def _read(path: Path) -> bytes:
@@ -193,7 +210,7 @@ def _decode(path: Path, kind: Any) -> Any:
 
 
 def _readme(card: Card) -> str:
-    """The card for people."""
+    """The card as text for the README."""
     task, profile = card.task, card.profile
     lines = [
         f"# Policy: {task.entry} entry, {profile.algorithm.upper()}",
@@ -205,8 +222,8 @@ def _readme(card: Card) -> str:
         "",
         f"- profile: {profile.description}; observation `{task.observation}`, reward `{task.reward}`",
         f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
-        f"- evaluation when it was kept: {card.check or 'none'}",
-        f"- training episodes: {len(card.curve)}; {CARD_FILE} has them all, and every setting",
+        f"- evaluation that it was kept for: {card.check or 'none'}",
+        f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",
         "",
     ]
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""A trained policy at work: decides about pushes as it did in training, without exploring."""
+"""Runs a trained policy: it decides about pushes as in training, but without exploring."""
 
 import io
 import pickle
@@ -37,10 +37,10 @@ NETWORKS: Final[dict[str, type[BasePolicy]]] = {"ppo": PpoPolicy, "sac": SacPoli
 
 
 class NetworkPolicy:
-    """Networks of Stable-Baselines3 that learned a task, without exploring."""
+    """A policy whose networks were trained with Stable-Baselines3 on a task."""
 
     def __init__(self, task: TaskConfig, networks: BasePolicy, normalizer: Normalizer | None, origin: str) -> None:
-        """A policy of `task`; what it says of wrong parameters begins with `origin`.
+        """Make the policy; its error messages begin with `origin`.
 
         Raises:
             PolicyError: The normalizer does not fit the observation of the task.
@@ -73,7 +73,7 @@ class LearnedPolicy(NetworkPolicy):
     """The policy of a folder; its networks are read as plain arrays, so a folder from elsewhere runs no code."""
 
     def __init__(self, folder: PolicyFolder, name: str) -> None:
-        """The policy of a folder called `name`.
+        """Make the policy of a folder that messages call `name`.
 
         Raises:
             PolicyError: Networks or normalizer do not fit the task on the card.
@@ -85,10 +85,10 @@ class LearnedPolicy(NetworkPolicy):
 
 
 def load_learned(name_or_path: str) -> LearnedPolicy:
-    """A shipped policy by its name, or that of a folder.
+    """Load a shipped policy by its name, or the policy in a folder.
 
     Raises:
-        PolicyError: There is none, or one of its files cannot be used; it names the file.
+        PolicyError: There is none, or one of its files cannot be used; the message names the file.
     """
     path = policy_path(name_or_path)
     return LearnedPolicy(read_policy(path), str(path))
@@ -122,6 +122,6 @@ def _first_line(error: Exception) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """The first particular that torch names."""
+    """The first detail in the message of torch."""
     lines = str(error).splitlines()
     return lines[1].strip() if len(lines) > 1 else lines[0]

@@ -1,4 +1,4 @@
-"""The networks of a policy, as its training profile describes them."""
+"""Arguments for the networks of a policy, from its training profile."""
 
 from typing import Any, Final
 
@@ -10,12 +10,12 @@ ACTIVATIONS: Final = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 
 
 def use_one_thread() -> None:
-    """Networks are small: more threads only get in each other's way, and change the order of sums."""
+    """Use one thread: the networks are too small to gain from more, and the order of sums must not change."""
     torch.set_num_threads(1)
 
 
 def policy_arguments(profile: AnyProfile) -> dict[str, Any]:
-    """What the networks of a profile are built with."""
+    """Arguments with which Stable-Baselines3 builds the networks of a profile."""
     network = profile.network
     arguments: dict[str, Any] = {
         "net_arch": list(network.hidden),

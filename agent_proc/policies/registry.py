@@ -3,35 +3,38 @@
 import importlib
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
-from legpush.errors import PolicyError
+from legpush.errors import LegpushError, PolicyError
+from legpush.plugins import load_plugin, plugin_names
 
 SCRIPTED: Final = "scripted"
+GROUP: Final = "legpush.policies"
+"""Entry points of plug-ins."""
 SB3_SUFFIX: Final = ".zip"
-"""Of a model that Stable-Baselines3 saved."""
+"""Suffix of a model that Stable-Baselines3 saved."""
 
 
 def make_policy(name: str, normalizer: Path | None = None) -> Policy:
-    """The policy called `name`: `scripted`, a shipped one, a policy folder, a model file, or `module:factory`.
+    """Make a policy: a plug-in (`scripted`, `fixed`, `variable`), a policy folder, a model file, or `module:factory`.
 
     `normalizer` belongs to a model file (`.zip`) only. The learning libraries are imported only for a trained policy.
 
     Raises:
         PolicyError: There is no such policy, or it cannot be used.
+        PluginError: A plug-in cannot be imported.
     """
     is_file = name.endswith(SB3_SUFFIX)
     if normalizer is not None and not is_file:
         raise PolicyError(f"Expected a model file ({SB3_SUFFIX}) with --normalizer, got {name!r}, which has its own")
-    if name == SCRIPTED:
-        from agent_proc.policies.scripted import ScriptedPolicy
-
-        return ScriptedPolicy()
     if ":" in name:
-        return _from_entry_point(name)
+        return _from_address(name)
+    if name in plugin_names(GROUP):
+        return _made_by(load_plugin(GROUP, name), name)
     try:
         if is_file:
             from agent_proc.policies.sb3_file import load_sb3_file
@@ -47,10 +50,10 @@ def make_policy(name: str, normalizer: Path | None = None) -> Policy:
     return load_learned(name)
 
 
-def _from_entry_point(name: str) -> Policy:
-    """The policy that a function returns; its module is looked for in the working directory, too.
+def _from_address(name: str) -> Policy:
+    """Make a policy with a user's function, whose module may also lie in the working directory.
 
-    Its `decide` takes a world and a scenario, or a `PushView`.
+    The `decide` of the policy takes a world and a scenario, or a `PushView`.
     """
     module, _, factory = name.partition(":")
     if os.getcwd() not in sys.path:
@@ -59,15 +62,22 @@ def _from_entry_point(name: str) -> Policy:
         make = getattr(importlib.import_module(module), factory)
     except (ImportError, AttributeError, ValueError) as error:
         raise PolicyError(f"Expected module:factory that can be imported, got {name!r} ({error})") from error
+    return _made_by(make, name)
+
+
+def _made_by(make: Callable[[], object], name: str) -> Policy:
+    """Call the factory of a policy; what is not of this package is guarded."""
     try:
         made = make()
+    except LegpushError:
+        raise
     except Exception as error:
         raise PolicyError(f"{name}: the factory raised {type(error).__name__}: {error}") from error
-    return user_policy(made, name)
+    return cast(Policy, made) if type(made).__module__.startswith("agent_proc.") else user_policy(made, name)
 
 
 def user_policy(policy: object, name: str = "policy") -> Policy:
-    """A policy of the user's, whose errors are told as those of a policy.
+    """Wrap a user's policy so that an exception in it becomes a `PolicyError`.
 
     Raises:
         PolicyError: It has no method `decide` that takes a view, or a world and a scenario.

@@ -1,6 +1,6 @@
-"""A policy in a file of Stable-Baselines3's own: what `model.save` wrote, and `VecNormalize.save` beside it.
+"""Loads a policy from the files of Stable-Baselines3: `model.save`, and `VecNormalize.save` for its normalizer.
 
-Loading either runs what is pickled in it: load only files that you trust. A policy folder has no such risk.
+Loading either file runs the pickled code in it: load only files that you trust. A policy folder has no such risk.
 """
 
 import json
@@ -28,7 +28,7 @@ ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
     "stable_baselines3.sac.policies": SAC,
     "stable_baselines3.td3.policies": TD3,
 }
-"""Who loads a model, by the module of its policy; A2C has PPO's, DDPG has TD3's."""
+"""The class that loads a model, by the module of its policy; A2C uses that of PPO, DDPG that of TD3."""
 RELATIVE: Final = TaskConfig(observation="relative", reward="tuned")
 PAPER: Final = TaskConfig(observation="paper", reward="paper")
 TASKS: Final = tuple(
@@ -36,17 +36,17 @@ TASKS: Final = tuple(
     for task in (RELATIVE, PAPER)
     for changed in (task, replace(task, entry="fixed"), replace(task, entry="fixed", action_form="discrete"))
 )
-"""What a model can have learned here; its spaces tell which."""
+"""The tasks that a model can have learned; its spaces decide which one."""
 
 
 def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
-    """The policy of a model, with the observations that it was shown and the actions that it takes.
+    """Load the policy of a model; its observations and actions follow from its spaces.
 
-    Both follow from its spaces; depths are those of a `TaskConfig` by default. `normalizer` is the file of the
-    `VecNormalize` that it was trained with, None if it was trained without.
+    Depths are the defaults of `TaskConfig`. `normalizer` is the file of the `VecNormalize` with which the model was
+    trained, None if it was trained without one.
 
     Raises:
-        PolicyError: A file is not what was expected of it; it names the file.
+        PolicyError: A file is not of the expected kind; the message names it.
     """
     use_one_thread()
     networks = _networks(path)

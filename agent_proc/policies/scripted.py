@@ -1,6 +1,6 @@
-"""The scripted policy: pushes the way that a push model predicts to end best, and stops where none ends better.
+"""The scripted policy: chooses the push from which the push model predicts the best end, and stops if none helps.
 
-It looks at nothing but the box and its goal, and is the baseline that learned policies are measured against.
+It reads only the poses of the box and its goal, and is the baseline for learned policies.
 """
 
 from itertools import product
@@ -23,29 +23,29 @@ LATER_DEPTHS_M: Final = (0.04, 0.06, 0.08, 0.10)
 LOOK_AHEADS_M: Final = (0.1, 0.2, 0.35, 0.6)
 LEAST_DEPTH_M: Final = 0.02
 N_DIGITS: Final = 9
-"""The box's pose is looked at to this many decimals of metres and radians."""
+"""The pose of the box is rounded to this many decimals of metres and radians."""
 MAX_CYCLES: Final = 60
-"""How many push cycles are predicted at most."""
+"""Largest number of push cycles that are predicted."""
 REAL_OVER_MODEL: Final = ((1.0, 1.0), (1.2, 0.6), (1.2, 1.4), (0.8, 0.6), (0.8, 1.4))
-"""Travel and turn of the box as shares of the model's: each candidate has to do well on average over these."""
+"""Scales of the model's travel and turn; the cost of a candidate is its mean over these."""
 CYCLE_COST: Final = 0.02
-"""What each push cycle has to gain, in tolerances of the final error."""
+"""Cost of each push cycle, in tolerances of the final error."""
 WEAVING_COST: Final = 0.2
-"""The same per radian that the box is turned away from the goal's heading after it: all ways to shift the box sideways
-cost alike, needless turning to and fro costs more."""
+"""Cost per radian of heading error after each push cycle: all ways to shift the box sideways cost the same, and
+needless turning to and fro costs more."""
 LEAST_GAIN: Final = 0.1
-"""What pushing on has to gain at all, in tolerances: less is within what the model knows."""
+"""Smallest gain for which it pushes on, in tolerances: less is within the accuracy of the model."""
 
 
 class ScriptedPolicy:
-    """For each leg, depth, later depth and look-ahead: with what error would the box end? The best one begins now.
+    """Predicts the final error for each leg, depth, later depth and look-ahead, and pushes as the best one begins.
 
-    After the push in question a steering rule goes on (pure pursuit of the line through the goal): the leg follows the
+    After the first push, a steering rule continues (pure pursuit of the line through the goal): the leg follows the
     sign of the heading error, and the depth never exceeds the remaining distance.
     """
 
     def __init__(self, model: PushModel | None = None) -> None:
-        """Decide by `model`; the measured one unless another is given."""
+        """Predict with `model`, or with the measured model of the default box."""
         self._model = PushModel() if model is None else model
         candidates = list(product(FRONT_LEGS, FIRST_DEPTHS_M, LATER_DEPTHS_M, LOOK_AHEADS_M))
         self._pushes = [
@@ -59,7 +59,7 @@ class ScriptedPolicy:
     def decide(self, view: PushView) -> Push | None:
         """The first push of the best candidate, or None if pushing on is not worth it."""
         goal, box = view.goal, view.box_g
-        # Decided for the box left of the line, so that mirror images get mirrored answers however numbers are rounded.
+        # Decide for the box left of the line, so that mirror images get mirrored answers in spite of rounding.
         mirror = copysign(1.0, box.y_m or box.yaw_rad)
         row = np.round([[box.x_m, mirror * box.y_m, mirror * box.yaw_rad]], N_DIGITS)
         costs = self._costs(row, goal)
@@ -70,9 +70,9 @@ class ScriptedPolicy:
         return push if mirror > 0.0 else replace(push, leg=OTHER_LEG[push.leg])
 
     def _costs(self, box: Floats, goal: Goal) -> Floats:
-        """Of each candidate: least error on its predicted way and what its cycles cost, mean over the models, (n,).
+        """Cost of each candidate, (n,): least error along its prediction plus its cycles, averaged over the models.
 
-        `box` is its pose in the goal frame, (1, 3).
+        `box` is the pose of the box in the goal frame, (1, 3).
         """
         pose = np.repeat(box, len(self._mirror), axis=0)
         mirror, depth = self._mirror, self._first_depth
@@ -92,6 +92,6 @@ class ScriptedPolicy:
 
 
 def _error(pose: Floats, goal: Goal) -> Floats:
-    """Position and angle errors of poses in the goal frame, each in tolerances, as one number, (n, 3) to (n,)."""
+    """Norm of the position and angle errors in tolerances, for poses in the goal frame, (n, 3) to (n,)."""
     position = np.hypot(pose[:, 0], pose[:, 1]) / goal.position_tolerance_m
     return np.hypot(position, np.degrees(pose[:, 2]) / goal.angle_tolerance_deg)

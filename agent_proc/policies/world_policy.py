@@ -42,7 +42,7 @@ class GuardedPolicy:
         """Ask the policy.
 
         Raises:
-            PolicyError: It raised an exception, or returned something else than a push or None.
+            PolicyError: The policy raised an exception, or returned something else than a push or None.
         """
         try:
             push = self._policy.decide(view)

@@ -1,4 +1,4 @@
-"""Training profiles: what is learned with which algorithm and numbers, in TOML files under `profiles/`."""
+"""Training profiles: observation, reward, algorithm and its settings, in TOML files under `profiles/`."""
 
 import tomllib
 from importlib.resources import files
@@ -24,7 +24,7 @@ Widths = Annotated[tuple[AtLeastOne, ...], Meta(min_length=1, max_length=16)]
 
 
 class Network(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Actor and critic, each with these hidden layers."""
+    """Hidden layers of actor and critic, the same for both."""
 
     hidden: Widths = (64, 64)
     activation: Literal["relu", "tanh"] = "tanh"
@@ -35,7 +35,7 @@ class PpoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
     learning_rate: Positive = 3e-4
     decay_learning_rate: bool = False
-    """Linearly, to a tenth at the last step."""
+    """Whether the rate decays linearly, to a tenth at the last step."""
     n_steps: AtLeastTwo = 2048
     """Steps of each simulator between two updates."""
     batch_size: AtLeastTwo = 64
@@ -45,15 +45,15 @@ class PpoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     clip_range: Positive = 0.2
     entropy_weight: NonNegative = 0.0
     log_std_init: float = 0.0
-    """Logarithm of the spread that actions are explored with at first; continuous actions only."""
+    """Logarithm of the standard deviation of exploration at the first step; continuous actions only."""
     log_std_end: float | None = None
-    """The same at the end, linearly from one to the other with the steps; learned with the rest if not given."""
+    """The same at the last step, with linear interpolation between; learned like the weights if not given."""
     depth_bias: float = 0.0
-    """Mean of the depth action at first, in its range from -1 to 1; variable entry only."""
+    """Mean of the depth action at the first step, between -1 and 1; variable entry only."""
 
 
 class OffPolicySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What soft actor-critic and twin delayed DDPG share; the defaults are those of Stable-Baselines3."""
+    """Settings that soft actor-critic and twin delayed DDPG share; the defaults are those of Stable-Baselines3."""
 
     learning_rate: Positive = 3e-4
     gamma: Share = 0.99
@@ -74,26 +74,26 @@ class Td3Settings(OffPolicySettings, frozen=True, kw_only=True, forbid_unknown_f
 
     learning_rate: Positive = 1e-3
     action_noise: NonNegative = 0.1
-    """Standard deviation of the Gaussian noise that actions are explored with."""
+    """Standard deviation of the Gaussian noise for exploration."""
 
 
 class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What every training profile has."""
+    """Fields of every training profile."""
 
     description: str
     steps: AtLeastOne
-    """Push cycles in all."""
+    """Total number of push cycles."""
     observation: Literal["paper", "relative"]
     reward: Literal["paper", "tuned"]
     normalize_observation: bool = True
-    """By running mean and variance; their values are saved with the policy."""
+    """Whether to normalize by running mean and variance, which are saved with the policy."""
     normalize_reward: bool = True
     network: Network = Network()
     evaluate_every: AtLeastOne = 2500
-    """Steps between two evaluations, after which the best policy so far is kept."""
+    """Steps between two evaluations; the best policy up to then is kept."""
     evaluation_episodes: AtLeastOne = 20
     checkpoint_every: AtLeastOne = 1000
-    """Steps between two checkpoints; an interrupt makes one besides."""
+    """Steps between two checkpoints; an interruption saves an additional one."""
 
 
 class PpoProfile(Profile, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -122,15 +122,16 @@ KINDS: Final[dict[str, type[AnyProfile]]] = {"ppo": PpoProfile, "sac": SacProfil
 
 
 def profile_names() -> tuple[str, ...]:
-    """The built-in profiles, sorted."""
+    """Names of the built-in profiles, sorted."""
     folder = files("agent_proc") / "profiles"
     return tuple(sorted(Path(e.name).stem for e in folder.iterdir() if e.name.endswith(SUFFIX)))
 
 
 def load_profile(name_or_path: str) -> AnyProfile:
-    """A built-in profile by its name, or the one in a file: a text with `/` or `.toml` in it.
+    """Load a built-in profile by its name, or a file; a text with `/` or at its end `.toml` is a path.
 
-    `ConfigError` names the file, the field, and what was expected there.
+    Raises:
+        ConfigError: There is no such profile, or it cannot be used; the message names file and field.
     """
     if "/" in name_or_path or name_or_path.endswith(SUFFIX):
         source: Any = Path(name_or_path)
@@ -149,7 +150,11 @@ def load_profile(name_or_path: str) -> AnyProfile:
 
 
 def read_profile(plain: dict[str, Any], source: str) -> AnyProfile:
-    """The profile in the tables of a file, checked; `ConfigError` says what is wrong at which field of `source`."""
+    """Check the tables of a file called `source`, and make the profile.
+
+    Raises:
+        ConfigError: A field is wrong; the message names it.
+    """
     algorithm = plain.get("algorithm")
     if algorithm not in KINDS:
         raise ConfigError(f"{source}: at `algorithm`: expected one of {', '.join(KINDS)}, got {algorithm!r}")
@@ -161,12 +166,12 @@ def read_profile(plain: dict[str, Any], source: str) -> AnyProfile:
 
 
 def dump_profile(profile: AnyProfile) -> str:
-    """The profile as TOML with every field in it but those without a value; loading it gives an equal record."""
+    """The profile as TOML, without fields that are None; loading it gives an equal profile."""
     return tomli_w.dumps(_without_none(msgspec.to_builtins(profile)))
 
 
 def _without_none(table: dict[str, Any]) -> dict[str, Any]:
-    """TOML has no null."""
+    """Drop values that are None, since TOML has no null."""
     return {
         name: _without_none(value) if isinstance(value, dict) else value
         for name, value in table.items()

@@ -24,11 +24,16 @@ from legpush.service import run_program, stop_on_signals
 
 def main() -> int:
     """Parse the command line and measure; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(CalibrateOptions, prog="legpush calibrate"), Console()))
+    return run_program("calibrate", lambda: run(tyro.cli(CalibrateOptions, prog="legpush calibrate"), Console()))
 
 
 def run(options: CalibrateOptions, console: Console) -> int:
-    """Measure as `options` say, and leave the map."""
+    """Measure the pushes and write the map; returns the exit code.
+
+    Raises:
+        ConfigError: An option cannot be used.
+        StopRequestedError: The user interrupted it; nothing is written.
+    """
     box = _box(options)
     if options.out.exists() or not options.out.parent.is_dir():
         raise ConfigError(f"Expected a new file in an existing folder for --out, got {options.out}")
@@ -59,7 +64,7 @@ def _box(options: CalibrateOptions) -> Box:
 
 
 def _show(push_map: PushMap, console: Console) -> None:
-    """Mean and standard deviation of each effect, and the circles."""
+    """Print mean and standard deviation of each effect, and the circles."""
     table = Table(box=None, padding=(0, 2, 0, 0))
     for title in ("face", "leg", "w1 = w2", "depth [cm]", "forward [cm]", "left [cm]", "turn [deg]", "n"):
         table.add_column(title, justify="left" if title in ("face", "leg") else "right", no_wrap=True)
@@ -88,7 +93,7 @@ def _show(push_map: PushMap, console: Console) -> None:
 
 
 def _bar(console: Console) -> Progress:
-    """Series that are done, and the time that is left."""
+    """A bar with the number of finished series and the remaining time."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
 

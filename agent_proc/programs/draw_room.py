@@ -26,20 +26,24 @@ from legpush.scene.scenario import Scenario
 from legpush.service import run_program, stop_on_signals
 
 BUDGET: Final = 2
-"""A room is solvable where the planner finds a way in so many times the iterations of a mission."""
+"""A room counts as solvable if the planner finds a way within this many times the iterations of a mission."""
 DEADLINE_S: Final = 900.0
-"""For the planner: a room without a way takes minutes on a slow machine."""
+"""Deadline of the planner: a room without a way takes minutes on a slow machine."""
 CHECK_SEED: Final = 1_000_003
-"""Added to a mission's, so that the check is not the mission's own search."""
+"""Offset from the seed of a mission, so that the check is not the search of the mission itself."""
 
 
 def main() -> int:
     """Parse the command line and draw; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
+    return run_program("scenarios", lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
 
 
 def run(options: RandomScenario) -> int:
-    """Draw rooms until a planner process finds a way through one, and write that."""
+    """Draw rooms until a planner process finds a way through one, and write it; returns the exit code.
+
+    Raises:
+        StopRequestedError: The user interrupted it; nothing is written.
+    """
     stop = stop_on_signals()
     with (
         TemporaryDirectory(prefix="legpush-rooms-") as logs,
@@ -57,7 +61,7 @@ def run(options: RandomScenario) -> int:
 
 
 def solvable_by(plan: Callable[[PlanQuery], Plan], seed: int) -> Callable[[Scenario], bool]:
-    """Whether a planner finds a path of the box where it nominally is, and the robot's way to its first face."""
+    """Make a check that a planner finds a path of the nominal box, and one of the robot to its first face."""
 
     def is_solvable(scenario: Scenario) -> bool:
         box, pushing = scenario.box, scenario.pushing

@@ -34,11 +34,16 @@ PLOT_FILE: Final = "evaluation.png"
 
 def main() -> int:
     """Parse the command line and evaluate; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(EvaluateOptions, prog="legpush evaluate"), Console()))
+    return run_program("evaluate", lambda: run(tyro.cli(EvaluateOptions, prog="legpush evaluate"), Console()))
 
 
 def run(options: EvaluateOptions, console: Console) -> int:
-    """Evaluate as `options` say, and leave rows, summary and plot."""
+    """Evaluate the policy and write rows, summary and plot; returns the exit code.
+
+    Raises:
+        ConfigError: An option cannot be used.
+        StopRequestedError: The user interrupted it; nothing is written.
+    """
     from agent_proc.evaluation.plot import save_plot
     from agent_proc.evaluation.table import as_csv, table, write_parquet
 
@@ -90,7 +95,7 @@ def _default_folder(policy: str) -> Path:
 
 
 def _bar(console: Console) -> Progress:
-    """Episodes that are done, and the time that is left."""
+    """A bar with the number of finished episodes and the remaining time."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
 

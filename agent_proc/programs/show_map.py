@@ -14,11 +14,15 @@ from legpush.service import run_program
 
 def main() -> int:
     """Parse the command line and draw; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(MapOptions, prog="legpush map")))
+    return run_program("map", lambda: run(tyro.cli(MapOptions, prog="legpush map")))
 
 
 def run(options: MapOptions) -> int:
-    """Read the map, print what is in it and draw it."""
+    """Read the map, describe and draw it; returns the exit code.
+
+    Raises:
+        ConfigError: The picture cannot be written, or would overwrite another file.
+    """
     picture = options.picture()
     _require_own(picture)
     view = read_view(options)
@@ -32,7 +36,7 @@ def run(options: MapOptions) -> int:
 
 
 def _require_own(picture: Path) -> None:
-    """Raise where a file that this program did not make would be overwritten."""
+    """Require that the picture overwrites no file but one of this program."""
     try:
         if picture.exists() and not is_own_picture(picture):
             raise ConfigError(f"{picture}: expected a new file for --output, or a picture of `legpush map show`")

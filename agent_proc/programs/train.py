@@ -36,11 +36,11 @@ CONFIG_FILE: Final = "config.json"
 
 def main() -> int:
     """Parse the command line and train; returns the exit code."""
-    return run_program(lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
+    return run_program("train", lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
 
 
 def train(options: TrainOptions, console: Console) -> int:
-    """Train as `options` say, or go on; 0 if it came to its end, 130 if it was interrupted."""
+    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted."""
     resumed = options.resume is not None
     folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
     stop, links_stop = stop_on_signals(), threading.Event()
@@ -68,7 +68,7 @@ def train(options: TrainOptions, console: Console) -> int:
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
-    """Resolve the options, and make the folder with what they come to."""
+    """Make the plan from the options, and the folder with the plan in it."""
     profile = load_profile(options.profile)
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
@@ -98,7 +98,11 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
 
 
 def read_plan(folder: Path) -> TrainingPlan:
-    """What a training was begun with; `ConfigError` where the folder is not that of one."""
+    """Read the plan of a training from its folder.
+
+    Raises:
+        ConfigError: It is not the folder of a training.
+    """
     path = folder / CONFIG_FILE
     try:
         plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
@@ -116,16 +120,16 @@ _PLAN_FIELDS: Final[dict[str, Any]] = {
     "command": str,
     "versions": dict[str, str],
 }
-"""All but the profile, whose kind depends on its algorithm."""
+"""Types of all fields but the profile, whose type depends on its algorithm."""
 
 
 N_LINES: Final = 20
-"""Of progress, where there is no terminal to draw a bar on."""
+"""Number of lines of progress if there is no terminal to draw a bar on."""
 
 
 @contextmanager
 def _shown(console: Console) -> Iterator[Any]:
-    """A progress bar with return, success rate and the time that is left; plain lines where there is no terminal."""
+    """A progress bar with return, success rate and remaining time, or plain lines without a terminal."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

@@ -1,4 +1,4 @@
-"""Whether an obstacle that has appeared is in the way of the box, or of the robot behind it."""
+"""Obstacles that appear in the way of the box, or of the robot behind it."""
 
 import numpy as np
 

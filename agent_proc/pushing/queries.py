@@ -11,20 +11,22 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, PushSide
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M
-from legpush.scene.scenario import CALIBRATION_PUSH_M, Face, Scenario
+from legpush.scene.scenario import CALIBRATION_PUSH_M, Scenario
 from legpush.scene.station import stand_off, station
 
 TOLERANCE_SHARE: Final = 0.3
-"""Of the goal's tolerances: what a planned path of the box may leave."""
+"""Share of the goal's tolerances that the end of a planned path may be off."""
 
 
 def query_for_box(
     scenario: Scenario, seed: int, box_pose: Pose2, estimates: Mapping[Face, PushEstimate], present: Face | None
 ) -> BoxPathQuery:
-    """From where the box is to its goal, pushed at the faces that there are estimates for; the robot may stand at one
-    of them already.
+    """Query for a path of the box from where it is to its goal, pushed at the faces of `estimates`.
+
+    `present` is the face that the robot stands at, if it does.
     """
     faces = tuple(estimates)
     pushing = scenario.pushing
@@ -51,7 +53,7 @@ def query_for_box(
 def calibration_query(
     scenario: Scenario, seed: int, box_pose: Pose2, face: Face, estimate: PushEstimate
 ) -> BoxPathQuery:
-    """As far straight ahead as the pushes of a calibration take the box at most, from where the robot stands."""
+    """Query for a straight path of the box, as long as the pushes of a calibration may take it."""
     reach_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
     ahead = pushed_pose(box_pose, face) @ Pose2(x_m=reach_m, y_m=0.0, yaw_rad=-TURN_RAD[face])
     query = query_for_box(scenario, seed, box_pose, {face: estimate}, face)
@@ -59,7 +61,7 @@ def calibration_query(
 
 
 def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:
-    """What pushing a face takes: box and robot, and beforehand the place where the robot's way to it ends."""
+    """What pushing at a face needs: room for box and robot, and for the robot at the stand-off before."""
     box = pushed_box(scenario.box, face)
     here = Pose2(x_m=estimate.axle_m, y_m=0.0, yaw_rad=0.0)
     return PushSide(

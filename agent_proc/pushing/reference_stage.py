@@ -1,4 +1,4 @@
-"""The reference of a scenario as a path to follow: its curve is the centre's, the heading follows as a box can turn."""
+"""The reference of a scenario as a stage: the centre of the box follows its curve, and the heading the centre."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from legpush.scene.reference import Reference, reference_curve
 
 
 def reference_path(reference: Reference, begin: Pose2, axle_m: float) -> Stage:
-    """From the nominal pose of the box on, pushed at its rear face."""
+    """The stage from `begin`, the nominal pose of the box, on, pushed at the rear face."""
     curve = reference_curve(reference, begin)
     headings = trailing(curve, axle_m)
     poses = tuple(

@@ -1,4 +1,4 @@
-"""A stage of the box's path, pushed at one face: where on it a pose is, and how straight it is there."""
+"""A stage of the box's path, pushed at one face: where on it a pose is, and where it is straight."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,37 +12,35 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan
 from legpush.scene.faces import pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.paths import arc_lengths_m, nearest_on_segments
-from legpush.scene.scenario import Face
 
 STRAIGHT_RAD_PER_M: Final = radians(5.0)
-"""What curves less than this is straight."""
+"""A path that curves less than this is straight."""
 SAME_PLACE_M: Final = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
 class Deviation:
-    """Where a pose is relative to a path."""
+    """A pose relative to a path."""
 
     distance_m: float
-    """Along the path, of the point that is nearest."""
+    """Of the nearest point, along the path."""
     left_m: float
-    """Of the path, negative to the right of it."""
+    """Distance to the left of the path, negative to the right."""
     heading_rad: float
-    """Less that of the path."""
+    """Heading minus that of the path."""
 
 
 class Stage:
-    """One end of a stage to the other.
+    """Part of the box's path that is pushed at one face.
 
-    The path is that of the axle, a point behind the box's centre that does not slip sideways; poses that come in and go
-    out are those of the centre, heading in the pushing direction.
+    Inside, the path is that of the axle, a point behind the centre of the box that does not slip sideways. Poses that
+    the methods take and return are those of the centre, heading in the pushing direction.
     """
 
     def __init__(self, face: Face, poses: tuple[Pose2, ...], axle_m: float, end: Pose2 | None = None) -> None:
-        """`poses` are those of the box, at least two, as the planner gave them; `end`, where the box should be at last,
-        if that is not the last one.
-        """
+        """`poses`, at least two, are those of the box in the plan; `end` is where it should end, if not at the last."""
         self.face = face
         self._axle_m = axle_m
         behind = Pose2(x_m=-axle_m, y_m=0.0, yaw_rad=0.0)
@@ -66,7 +64,7 @@ class Stage:
             self._straight_until_m[index] = end_m
 
     def pose(self, at_m: float) -> Pose2:
-        """At a distance along it; straight on beyond its end."""
+        """The pose at a distance along the path; straight on beyond its end."""
         within_m = min(max(at_m, 0.0), self.length_m)
         x_m, y_m = (float(np.interp(within_m, self._at_m, self._xy[:, axis])) for axis in (0, 1))
         yaw_rad = float(np.interp(within_m, self._at_m, self._yaw))
@@ -74,12 +72,12 @@ class Stage:
         return Pose2(x_m=x_m + beyond_m * cos(yaw_rad), y_m=y_m + beyond_m * sin(yaw_rad), yaw_rad=yaw_rad)
 
     def straight_until_m(self, at_m: float) -> float:
-        """Where the straight stretch ends on which a place is; `at_m` itself where it is on an arc."""
+        """Where the straight stretch around a place ends; `at_m` itself if the place is on an arc."""
         index = min(int(np.searchsorted(self._at_m, at_m + SAME_PLACE_M, side="right")) - 1, len(self._at_m) - 1)
         return max(float(self._straight_until_m[max(index, 0)]), at_m)
 
     def deviations(self, poses: Floats, from_m: float, to_m: float) -> tuple[Floats, Floats, Floats]:
-        """Of poses, (n, 3), from the part of the path between two distances: along, left and heading, (n,) each."""
+        """Deviations of poses, (n, 3), from the path between two distances: along, left and heading, (n,) each."""
         low = int(np.searchsorted(self._at_m, from_m, side="right")) - 1
         high = max(int(np.searchsorted(self._at_m, to_m, side="left")) + 1, low + 2)
         low = min(max(low, 0), len(self._at_m) - 2)
@@ -98,13 +96,13 @@ class Stage:
         return along, left, np.arctan2(np.sin(turn), np.cos(turn))
 
     def deviation(self, pose: Pose2, from_m: float, to_m: float) -> Deviation:
-        """Of one pose of the frame that is pushed."""
+        """Deviation of one pose from the path between two distances."""
         along, left, heading = self.deviations(np.array([[pose.x_m, pose.y_m, pose.yaw_rad]]), from_m, to_m)
         return Deviation(distance_m=float(along[0]), left_m=float(left[0]), heading_rad=float(heading[0]))
 
 
 def stages(plan: Plan, axles_m: Mapping[Face, float]) -> list[Stage]:
-    """A planned path of the box, face by face; the faces in the order of the query's sides, each with its axle."""
+    """The stages of a planned path of the box; `axles_m` has the faces in the order of the query's sides."""
     found, faces = [], tuple(axles_m)
     numbered = list(zip(plan.sides, plan.waypoints, strict=True))
     for side, run in groupby(numbered, key=lambda item: item[0]):

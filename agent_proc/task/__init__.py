@@ -1,1 +1,1 @@
-"""The learning task: what a policy observes, does, and is rewarded for."""
+"""The learning task: action, observation, reward and end of an episode."""

@@ -1,4 +1,4 @@
-"""The actions of a learner: their spaces, and the pushes that they mean."""
+"""The actions of a learner: their spaces, and how they become pushes."""
 
 from typing import Any, Final
 
@@ -51,7 +51,7 @@ def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
 
 
 def deepest_push_m(task: TaskConfig, view: PushView) -> float:
-    """Depth that the highest action means: with `limit_depth` no more than what brings the box up to its goal."""
+    """Depth of the highest action; with `limit_depth` at most the depth that brings the box to its goal."""
     if not task.limit_depth:
         return task.max_depth_m
     remaining_m = max(0.0, -view.box_g.x_m)

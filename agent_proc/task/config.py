@@ -1,4 +1,4 @@
-"""What is learned: the action, the observation, the reward and the worlds of a pushing task, as one record."""
+"""The configuration of a pushing task: its action, observation, reward and scenarios, as one record."""
 
 from dataclasses import dataclass, field, fields
 from typing import Literal
@@ -14,9 +14,10 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Domain:
-    """What an episode draws anew, besides the offsets of its scenario; None leaves it as it is there.
+    """What each episode draws in addition to the offsets of its scenario; None keeps the value of the scenario.
 
-    Uniformly, but for the distance: as many episodes between 0.1 and 0.2 m as between 0.5 and 1 m.
+    Draws are uniform, except for the distance, whose logarithm is uniform: as many episodes between 0.1 and 0.2 m as
+    between 0.5 and 1 m.
     """
 
     mass_kg: Interval | None = None
@@ -24,8 +25,8 @@ class Domain:
     friction: Interval | None = None
     """Of the box."""
     distance_m: Interval | None = None
-    """From the box's nominal place to its goal, in the direction that the scenario has: the last pushes are the
-    difficult ones, and an episode that begins nearer has more of them."""
+    """From the box's nominal place to its goal, in the direction of the scenario. The last pushes are the difficult
+    ones, and short distances give more of them."""
 
     def __post_init__(self) -> None:
         for name in (entry.name for entry in fields(self)):
@@ -46,8 +47,8 @@ class TaskConfig:
     """World positions (Eq. 18), or everything relative to goal and box, mirrored so that the box is left of the line;
     the leg of an action is mirrored with it."""
     reward: Literal["paper", "tuned"] = "tuned"
-    """Eqs. 15 to 17, or progress in tolerances. `paper` ends an episode within the tolerances, `tuned` where no push
-    brings the box nearer."""
+    """Eqs. 15 to 17, or progress in tolerances. `paper` ends an episode within the tolerances, `tuned` as soon as no
+    push brings the box nearer."""
     fixed_depth_m: float = 0.05
     """Depth of every push with fixed entry."""
     least_depth_m: float = 0.005
@@ -59,9 +60,9 @@ class TaskConfig:
     max_steps: int = 200
     """Push cycles after which an episode is truncated."""
     scenario: Scenario = field(default_factory=lambda: load_scenario("push"))
-    """Where the robot stands ready to push, the offsets that are drawn, and the goal with its tolerances."""
+    """It starts with the robot at its station, and has the drawn offsets and the goal with its tolerances."""
     domain: Domain = Domain()
-    """What else varies from episode to episode."""
+    """Further quantities that vary from episode to episode."""
 
     def __post_init__(self) -> None:
         if self.action_form == "discrete" and self.entry != "fixed":
@@ -80,10 +81,10 @@ class TaskConfig:
 
     @property
     def mirrored(self) -> bool:
-        """Whether observation and action are those of the mirror image where the box is right of the line."""
+        """Whether observation and action are mirrored if the box is right of the line."""
         return self.observation == "relative"
 
     @property
     def shallowest_m(self) -> float:
-        """Depth of the shallowest push there is."""
+        """Depth of the shallowest push."""
         return self.fixed_depth_m if self.entry == "fixed" else self.least_depth_m

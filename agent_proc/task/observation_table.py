@@ -26,7 +26,7 @@ class Entry:
 
     name: str
     axes: str
-    """What people call the elements."""
+    """Names of the elements for the documentation."""
     size: int
     """Number of elements."""
     read: Callable[[PushView], Floats]
@@ -62,7 +62,7 @@ def element_names(table: Table) -> tuple[str, ...]:
 
 
 def as_markdown(table: Table) -> str:
-    """The table for the documentation."""
+    """The table in Markdown for the documentation."""
     lines = ["| elements | name | axes | unit | frame | meaning |", "| --- | --- | --- | --- | --- | --- |"]
     first = 0
     for entry in table:

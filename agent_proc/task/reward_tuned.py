@@ -1,6 +1,6 @@
-"""The reward profile `tuned`: every tolerance gained is paid, every one lost is taken back, and the end counts.
+"""The reward profile `tuned`: progress in tolerances, positive or negative, and bonuses for the end.
 
-Progress is the difference of a potential, so no way there and back earns anything. Its sum is bounded by the errors at
+Progress is the difference of a potential, so a way there and back earns nothing. Its sum is bounded by the errors at
 the start, and a fall costs more than that: falling never pays.
 """
 
@@ -12,8 +12,7 @@ from agent_proc.frames.push_view import PushView
 POSITION_WEIGHT: Final = 0.1
 """Per tolerance of the position that the error shrinks."""
 STEERING_WEIGHT: Final = 0.3
-"""Per tolerance of the angle that the heading comes nearer to the one that brings the box to the goal's line: right or
-wrong of a leg shows at once."""
+"""Per tolerance of the angle that the steering error shrinks: it shows at once whether the leg was the right one."""
 CYCLE_COST: Final = 0.02
 """Of each push cycle."""
 SUCCESS_BONUS: Final = 3.0
@@ -24,7 +23,7 @@ POSITION_DECAY: Final = 2.0
 ANGLE_DECAY: Final = 3.0
 """Per tolerance of the error."""
 FALL_PENALTY: Final = 20.0
-"""Besides all progress that was made: it is taken back."""
+"""In addition to the loss of all progress."""
 
 
 def errors_in_tolerances(view: PushView) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Better paths while the robot walks: a new one is joined between gait cycles, where that saves enough."""
+"""Better paths while the robot walks: joins a new one between gait cycles if that saves enough."""
 
 from math import ceil
 from typing import Final
@@ -13,15 +13,16 @@ from legpush.scene.paths import arc_lengths_m, path_length_m
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 
 LEAST_GAIN_M: Final = 0.1
-"""What a path has to save, turns counted, to be worth leaving another one for."""
+"""Least length, turns included, that a better path has to save."""
 JOIN_EVERY_M: Final = 0.25
 JOIN_WITHIN_M: Final = 3.0
-"""Places of the new path that the robot may go straight to: from its nearest one so far ahead, one in so much."""
+"""Places of the new path that the robot may go straight to: one every `JOIN_EVERY_M`, from the nearest place on, as far
+as `JOIN_WITHIN_M` ahead of it."""
 SPACING_M: Final = 0.05
 
 
 class BetterPaths:
-    """The improvements of a plan that the robot walks along, one for each gait cycle."""
+    """The revisions of a plan that the robot walks along, one for each gait cycle."""
 
     def __init__(self, query: TrunkPathQuery, plan: Plan) -> None:
         self.query = query
@@ -30,7 +31,7 @@ class BetterPaths:
         self._revision = 0
 
     def next_revision(self) -> int | None:
-        """The number of the next one; None where no more follow."""
+        """Number of the next revision; None after the last one."""
         anytime = self.query.anytime
         if anytime is None or self._revision >= anytime.n_improvements:
             return None
@@ -38,7 +39,10 @@ class BetterPaths:
         return self._revision
 
     def joined(self, plan: Plan, here: Pose2, left_m: float) -> tuple[Pose2, ...]:
-        """The path from here on along a plan, if that is shorter than what is left of the present one; else nothing."""
+        """The path from here to a plan and on along it, or nothing if the present one is about as short.
+
+        `left_m` is the length that is left of the present path, turns included.
+        """
         if plan.status != "exact" or plan.length_m >= self._best_m:
             return ()
         self._best_m = plan.length_m
@@ -49,7 +53,7 @@ class BetterPaths:
         return way if way and path_length_m(way) < left_m - LEAST_GAIN_M else ()
 
     def _way(self, waypoints: tuple[Pose2, ...], k: int, here: Pose2, required_m: float) -> tuple[Pose2, ...]:
-        """From here straight to the k-th waypoint and on, or nothing where that is not free."""
+        """From here straight to the k-th waypoint and on, or nothing if the straight line is not free."""
         there = waypoints[k]
         line = np.array([here.xy(), there.xy()])
         if self._occupied.nearest(line).distance_m < required_m:
@@ -65,7 +69,7 @@ class BetterPaths:
 
 
 def _places(waypoints: tuple[Pose2, ...], here: Pose2) -> list[int]:
-    """Waypoints from the one nearest to here on, `JOIN_EVERY_M` apart."""
+    """Indices of the waypoints that may be joined, in ascending order."""
     points = np.array([waypoint.xy() for waypoint in waypoints])
     nearest = int(np.hypot(*(points - here.xy()).T).argmin())
     ahead_m = arc_lengths_m(points[nearest:])

@@ -1,6 +1,6 @@
-"""Obstacles that appear: the scenario as far as it is known, and whether what has appeared stands in a way.
+"""Obstacles that appear: what is known of the scenario, and whether a new obstacle stands in the way of a walk.
 
-A way is kept where it is free of what is new, with the clearance that it was planned with; else another one is planned.
+A path is kept if a new obstacle leaves it the clearance that it was planned with; else another one is planned.
 """
 
 from collections.abc import Sequence
@@ -19,11 +19,15 @@ from legpush.scene.robot import CONTROL_PERIOD_S
 from legpush.scene.scenario import Rectangle, Scenario
 
 LOOK_STEP_M: Final = 0.05
-"""A way is looked at in places so far apart."""
+"""Distance between the places of a path that are checked."""
 
 
 def known_scenario(scenario: Scenario, state: WorldState) -> Scenario:
-    """Without the obstacles that have not appeared; `PeerError` where one is reported that cannot appear."""
+    """The scenario without the obstacles that have not appeared.
+
+    Raises:
+        PeerError: An obstacle is reported that cannot appear.
+    """
     obstacles = scenario.room.obstacles
     for each in state.appeared:
         if each.obstacle >= len(obstacles) or obstacles[each.obstacle].appears_at_s == 0.0:

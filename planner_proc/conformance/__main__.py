@@ -22,7 +22,7 @@ from planner_proc.conformance.client import RUN, Client, PlannerProcess
 
 def main() -> int:
     """Parse the command line and check; returns the exit code: 0 all passed, 1 not all."""
-    return run_program(lambda: _main(sys.argv[1:]))
+    return run_program("plan-check", lambda: _main(sys.argv[1:]))
 
 
 def _main(argv: list[str]) -> int:

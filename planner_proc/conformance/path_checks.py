@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, TrunkPathQuery
-from legpush.scene.scenario import Steering
+from legpush.scene.names import Steering
 from planner_proc.conformance.bench import EASY, REMARK, Bench
 from planner_proc.conformance.box_truth import box_faults
 from planner_proc.conformance.cases import Case, box_query

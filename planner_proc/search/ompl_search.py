@@ -15,7 +15,7 @@ from legpush.geometry import Point2
 from legpush.messages.common import MAX_WAYPOINTS
 from legpush.messages.planning import TrunkPathQuery
 from legpush.plans.planner import Interrupted, PlanningInterruptedError
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.route import Route
 from planner_proc.search.steering import Curved, Steer, Straight

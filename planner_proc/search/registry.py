@@ -5,7 +5,7 @@ from typing import Final, get_args
 
 from legpush.messages.planning import TrunkPathQuery
 from legpush.plans.planner import Interrupted
-from legpush.scene.scenario import PlannerName, Steering
+from legpush.scene.names import PlannerName, Steering
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.ompl_search import ompl_routes
 from planner_proc.search.roadmap import MOST_SAMPLES, roadmap_routes

@@ -19,7 +19,8 @@ from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin
 from legpush.runs.report import Report
 from legpush.scenarios.file import resolve_scenario
-from legpush.scene.scenario import PlannerName, Scenario, Steering
+from legpush.scene.names import PlannerName, Steering
+from legpush.scene.scenario import Scenario
 from legpush.stepwise import StepwiseWorld
 
 DEFAULT_PLANNER = "ompl"
@@ -36,7 +37,7 @@ class MissionRun:
     report: Report
     """The numbers, as in `report.json`."""
     records: tuple[StepRecord | PlanRecord, ...]
-    """Every step with its motion, outcome and trace, and every plan with its query, in order; the first is the reset."""
+    """Every step with its motion, outcome and trace, and every plan with its query, in order, from the reset on."""
 
     @property
     def success(self) -> bool:
@@ -124,10 +125,13 @@ def world(
     steering: Steering | None = None,
     turning_radius_m: float | None = None,
     changes: Mapping[str, Any] | None = None,
+    trace: bool = False,
     planner_program: str = DEFAULT_PLANNER,
     simulator: str = DEFAULT_SIMULATOR,
 ) -> Iterator[StepwiseWorld]:
-    """Open a world to move step by step; it has been reset already. The arguments are those of `run`.
+    """Open a world to move step by step; it has been reset already.
+
+    The arguments are those of `run`; with `trace`, every outcome has a trace of its ticks.
 
     Raises:
         ScenarioError: The scenario cannot be used.
@@ -141,7 +145,7 @@ def world(
     make_plans = cast(MakePlans, load_plugin("legpush.planners", planner_program))
     make_simulator = load_plugin("legpush.simulators", simulator)
     with threadpool_limits(limits=1):
-        yield StepwiseWorld(LocalWorld(cast(Stepper, make_simulator()), make_plans), resolved, seed)
+        yield StepwiseWorld(LocalWorld(cast(Stepper, make_simulator()), make_plans), resolved, seed, with_trace=trace)
 
 
 @contextmanager

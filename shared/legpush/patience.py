@@ -1,4 +1,4 @@
-"""How long to wait, measured so that the time in which this very process was paused does not count."""
+"""Stopwatch and deadlines that ignore the time in which this process was paused."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from time import monotonic
 from typing import Final
 
 SLICE_S: Final = 0.05
-"""A wait looks around this often: at its stop event, at who is there, at its deadline."""
+"""How often a wait checks its stop event, its peers and its deadline."""
 LONGEST_SLICE_S: Final = 0.5
-"""What one look-around may add to the time waited: more than that was a pause of this process, not a slow peer."""
+"""Most that one check may add to the time waited: more than that was a pause of this process, not a slow peer."""
 
 
 class Stopwatch:
@@ -42,6 +42,6 @@ class Patience:
     resend_at_most_s: float = 0.5
     """Ask again at least this often."""
     max_restarts: int = 5
-    """Give up when the peer was started anew this many times without answering a single time."""
+    """Give up when the peer was restarted this many times without answering once."""
     rival_s: float = 3.0
     """Two live peers of one name are an error after this long: a dead one can linger for a lease."""

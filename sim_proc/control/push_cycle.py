@@ -16,8 +16,9 @@ from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
+from legpush.scene.names import Face
 from legpush.scene.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
-from legpush.scene.scenario import STATION_M, Box, Face
+from legpush.scene.scenario import STATION_M, Box
 from sim_proc.control.gait import MAX_OFF_M, MAX_OFF_RAD, TOUCHDOWN_M, require_within_reach, rest, swing_to
 from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing

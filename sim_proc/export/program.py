@@ -1,8 +1,6 @@
 """The program of `legpush export`: writes a recording as a file for another program."""
 
-import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -14,7 +12,7 @@ import tyro
 
 from legpush.errors import ConfigError, LegpushError
 from legpush.exports import FILMS, Format
-from legpush.files import sha256_of
+from legpush.files import new_file, sha256_of
 from legpush.options.export import ExportOptions
 from legpush.service import one_line
 from sim_proc.export.columns import columns_of
@@ -68,24 +66,10 @@ def whole_file(target: Path) -> Iterator[Path]:
         ConfigError: The file cannot be written, or `target` exists.
     """
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.absolute().parent) as folder:
-            scratch = Path(folder) / f"whole{target.suffix}"
+        with new_file(target) as scratch:
             yield scratch
-            _name(scratch, target)
     except OSError as error:
         raise ConfigError(f"{target}: expected a new file that can be written ({error.strerror or error})") from error
-
-
-def _name(scratch: Path, target: Path) -> None:
-    """Give the file its name by a link, which fails if the name is taken. Without links, check and rename."""
-    try:
-        os.link(scratch, target)
-    except FileExistsError:
-        raise
-    except OSError:
-        if os.path.lexists(target):
-            raise
-        scratch.rename(target)
 
 
 def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:

@@ -13,7 +13,7 @@ import viser
 
 from legpush.errors import ConfigError
 from legpush.geometry import rpy_from_quaternion
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.messages.telemetry import Origin
 from sim_proc.view.panel import CAMERAS, FOLLOW_ROBOT, Panel, PanelCommand, speed_of
@@ -43,7 +43,7 @@ class Source(Protocol):
     def title(self) -> str:
         """Name of the source, for people."""
 
-    def pump(self, timelines: Timelines, budget_s: float) -> None:
+    def pump(self, timelines: RunHistory, budget_s: float) -> None:
         """Add messages that have arrived, for at most `budget_s`."""
 
     def live(self) -> Collection[Origin] | None:
@@ -75,7 +75,7 @@ class Page:
         with panel.add_tab("Plots"):
             self._plots = Plots(self._server)
         panel.dock_left()
-        self.timelines = Timelines()
+        self.timelines = RunHistory()
         self.shown: Timeline | None = None
         self._time_shown_at = self._slow_at = monotonic()
         self.player = Player(follows=source.is_live)

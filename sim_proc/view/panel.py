@@ -1,6 +1,6 @@
 """The controls of the page: the processes and what they do, the moment that is shown, and which layers are visible."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from math import isfinite
@@ -135,10 +135,10 @@ class Panel:
     def _on_click(self, handle: Any, name: str) -> None:
         self._listen(handle.on_click, name)
 
-    def _listen(self, register: Callable[[Callable[[Any], None]], object], name: str) -> None:
-        """Queue a command for each event of a control."""
-
-        def take(event: Any) -> None:
+    def _listen(self, register: Callable[[Callable[[Any], Coroutine[Any, Any, None]]], object], name: str) -> None:
+        # Viser awaits a coroutine at once, but leaves a function to another thread, in which the control may have been
+        # set to the present time again, and what people chose would be lost.
+        async def take(event: Any) -> None:
             # Ignore values that this program set itself, and values that the control does not offer.
             if event.client_id is not None and is_possible(event.target):
                 self._commands.put(PanelCommand(name, event.target.value, event.client))

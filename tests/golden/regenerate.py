@@ -1,4 +1,4 @@
-"""Write the golden messages anew: `python tests/golden/regenerate.py`.
+"""Writes the golden messages again: `python tests/golden/regenerate.py`.
 
 Only on purpose: a change of these bytes is a change of the protocol, and raises its version.
 """

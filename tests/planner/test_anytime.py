@@ -7,7 +7,8 @@ from msgspec.structs import replace
 
 from legpush.messages.planning import PlanQuery
 from legpush.plans.planner import PlanningInterruptedError
-from legpush.scene.scenario import Anytime, PlannerName, Rectangle
+from legpush.scene.names import PlannerName
+from legpush.scene.scenario import Anytime, Rectangle
 from planner_proc.planning import make_plan, make_plans
 from tests.planner import maps
 from tests.planner.test_box_plan import OPEN, pose

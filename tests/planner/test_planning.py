@@ -13,7 +13,7 @@ import pytest
 from legpush.geometry import wrap_angle
 from legpush.messages.codec import decode, encode
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.planning import make_plan
 from tests.planner import maps

@@ -3,7 +3,6 @@
 import json
 import re
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +12,8 @@ from typing import Any
 
 import pytest
 import yaml
+
+from tests.ports import free_ports
 
 VARIABLES = {"SCENARIO": "push", "SEED": "3"}
 """What a user sets: the shortest mission."""
@@ -58,13 +59,6 @@ def stack() -> Iterator[ExitStack]:
     """Ends what a test started."""
     with ExitStack() as stack:
         yield stack
-
-
-def free_ports(n_ports: int) -> list[int]:
-    """Ports of 127.0.0.1 that nobody listens on."""
-    with ExitStack() as stack:
-        sockets = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(n_ports)]
-        return [listener.getsockname()[1] for listener in sockets]
 
 
 def check(path: Path) -> subprocess.CompletedProcess[str]:

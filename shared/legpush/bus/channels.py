@@ -80,7 +80,7 @@ def rewards(run: str, sim: str) -> Channel[Reward]:
 
 
 def statuses(run: str, role: Role | Literal["*"] = "*", name: str = "*") -> Channel[Status]:
-    """What a process, or `*` for all of them, tells people about itself."""
+    """What a process, or `*` for all of them, tells people about its work."""
     return Channel(
         key=keys.status(run, role, name),
         kind=Status,

@@ -48,7 +48,11 @@ def local(role: Role) -> Endpoints:
 
 
 def in_directory(directory: Path, role: Role) -> Endpoints:
-    """Unix sockets in a run's directory; `EndpointError` if others may enter it or its path is too long."""
+    """Return the unix sockets of a role in a run's directory.
+
+    Raises:
+        EndpointError: Other users may enter the directory, or its path is too long.
+    """
     mode = stat.S_IMODE(directory.stat().st_mode)
     if mode & 0o077:
         raise EndpointError(f"Expected a directory with mode 0700 for the sockets, got {mode:04o} of {directory}")

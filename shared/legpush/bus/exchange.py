@@ -1,4 +1,4 @@
-"""Ask one peer and wait for its answer: resend, match, notice restarts, and always know whom one is waiting for."""
+"""Asks one peer and waits for its answer: resends, matches replies, detects restarts, names the peer it waits for."""
 
 import logging
 import threading
@@ -18,10 +18,10 @@ from legpush.patience import SLICE_S, Patience, Stopwatch
 log = logging.getLogger(__name__)
 
 REPORT_EVERY_S: Final = 1.0
-"""A wait is worth mentioning this often, for the first time after this long."""
+"""How often a wait is reported, and after how long for the first time."""
 
 OnWait = Callable[[str], None]
-"""Gets one clause that says who is waited for and why, and an empty one when the wait is over."""
+"""Gets a clause that names the peer and says what it is waited for; an empty one when the wait is over."""
 
 
 def no_report(_: str) -> None:
@@ -81,10 +81,14 @@ class Exchange(Generic[M]):
         self._reported_at: float | None = None
 
     def ask(self, what: str, send: Callable[[], object], fits: Callable[[M], bool]) -> M:
-        """Call `send` until an answer of the peer `fits`; `PeerError` past the deadline, says who and why.
+        """Call `send` until an answer of the peer `fits`, and return that answer.
 
         `what` is the question in words, for messages. Time does not count while this process is paused, and starts
         again with each new incarnation of the peer.
+
+        Raises:
+            PeerError: The deadline has passed, the peer was restarted too often, or two processes have its name.
+            StopRequestedError: The stop event was set.
         """
         watch, rivalry = Stopwatch(self._clock), Stopwatch(self._clock)
         resend = _Resend(self._patience, self._clock)
@@ -121,7 +125,7 @@ class Exchange(Generic[M]):
             self._reported_at = self._clock()
             self._on_wait(f"{what}: {self._state()}")
 
-    def take_in(self, fits: Callable[[M], bool]) -> None:
+    def offer_answers(self, fits: Callable[[M], bool]) -> None:
         """Offer to `fits` what the peer has answered since the last question, without asking anything."""
         for answer in self._answers.drain():
             if answer.header.incarnation != self._peer or not fits(answer):
@@ -131,8 +135,8 @@ class Exchange(Generic[M]):
         late = f"{answer.header.role}/{answer.header.name}: an answer that nobody waits for"
         self._bus.tally.add("late", late, logging.DEBUG)
 
-    def settle(self) -> None:
-        """The peer did what it was asked for: its restarts so far are forgiven."""
+    def forgive_restarts(self) -> None:
+        """Count restarts from zero again, as the peer did what it was asked for."""
         self._n_restarts = 0
 
     @property
@@ -141,13 +145,13 @@ class Exchange(Generic[M]):
         return f"{self._role}/{self._name}" if self._name is not None else f"the {self._role}"
 
     def _meet(self, incarnation: str, what: str) -> None:
-        """From now on this incarnation is asked; `PeerError` if it is one too many."""
+        """Ask this incarnation from now on; `PeerError` if the peer was restarted too often."""
         if self._peer is not None:
             self._n_restarts += 1
-            log.warning("%s was started anew during %s (%s)", self.peer, what, incarnation)
+            log.warning("%s was restarted during %s (%s)", self.peer, what, incarnation)
         if self._n_restarts > self._patience.max_restarts:
             raise PeerError(
-                f"{self.peer} was started anew {self._n_restarts} times without an answer to {what}; giving up"
+                f"{self.peer} was restarted {self._n_restarts} times without an answer to {what}; giving up"
             )
         self._peer = incarnation
 

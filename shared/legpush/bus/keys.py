@@ -71,6 +71,10 @@ class Token(Struct, frozen=True, kw_only=True):
 
 
 def parse_token(key: str) -> Token:
-    """The last three segments of a liveliness key; `MessageError` if they name no process."""
+    """Parse the last three segments of a liveliness key.
+
+    Raises:
+        MessageError: They name no process.
+    """
     role, name, incarnation = key.split("/")[-3:]
     return codec.convert({"role": role, "name": name, "incarnation": incarnation}, Token)

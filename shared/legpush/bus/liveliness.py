@@ -11,7 +11,7 @@ from legpush.messages.common import Role
 LEASE_S: Final = 2.0
 """A link on which nothing came for this long is given up."""
 KEEP_GONE: Final = 16
-"""Incarnations that are gone are remembered up to this number, for the error messages."""
+"""How many incarnations that are gone are remembered, for error messages."""
 
 
 @dataclass
@@ -39,16 +39,16 @@ class Liveliness:
         self._lock = threading.Lock()
         self._sightings: dict[str, Sighting] = {}
 
-    def token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
-        """A liveliness token came up or went down."""
+    def note_token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
+        """Note that a liveliness token came up or went down."""
         with self._lock:
             sighting = self._sighting(role, name, incarnation)
             sighting.alive = alive
             sighting.n_links += alive
             sighting.gone_at = None if alive else self._clock()
 
-    def heard(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
-        """A valid message of this sender came in; `doing` if it said what it is at."""
+    def note_message(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
+        """Note that a valid message of this sender came in, and what it is `doing` if the message says so."""
         with self._lock:
             sighting = self._sighting(role, name, incarnation)
             sighting.heard_at = self._clock()

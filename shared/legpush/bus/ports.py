@@ -1,4 +1,4 @@
-"""What a process sends messages with, and what it takes them from."""
+"""Publishers and subscriptions: what a process sends messages with, and takes them from."""
 
 import queue
 import threading
@@ -11,7 +11,7 @@ from legpush.messages import codec
 from legpush.messages.common import Header
 
 INBOX_SIZE: Final = 1024
-"""Messages that wait to be taken; beyond that they are refused, so that a flood cannot fill the memory."""
+"""Most messages that wait in a subscription; more are refused, so that a flood cannot fill the memory."""
 
 
 class Publisher(Generic[M]):
@@ -31,7 +31,11 @@ class Publisher(Generic[M]):
         self._lock = threading.Lock()
 
     def send(self, build: Callable[[Header], M]) -> M:
-        """Send what `build` makes of the header it is given; a non-finite or oversize message is a `MessageError`."""
+        """Send what `build` makes of the header that it is given.
+
+        Raises:
+            MessageError: The message is too large, or holds a number that is not finite.
+        """
         with self._lock:
             message = build(self._header(self._sequence))
             payload = codec.encode(message)

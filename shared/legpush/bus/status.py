@@ -20,7 +20,7 @@ Said = tuple[str, float | None, str, str]
 
 
 class StatusBeacon:
-    """Publishes what `say` was told last: at once, and every `PERIOD_S` as a heartbeat on a thread of its own."""
+    """Publishes the status of a process: when it changes, and every `PERIOD_S` as a heartbeat, on its own thread."""
 
     def __init__(self, bus: Bus, phase: str = "idle") -> None:
         self._publisher = bus.publisher(channels.statuses(bus.run, bus.role, bus.name))
@@ -38,10 +38,13 @@ class StatusBeacon:
         self._closed.set()
         self._thread.join()
 
-    def say(self, phase: str, fraction: float | None = None, detail: str = "", waiting_for: str = "") -> None:
-        """From now on the process is in this `phase`, done to `fraction` where known.
+    def publish_status(
+        self, phase: str, fraction: float | None = None, detail: str = "", waiting_for: str = ""
+    ) -> None:
+        """Publish that the process is in this `phase`, of which `fraction` is done if known.
 
-        Published from here, so that it is out before a library that holds the interpreter is called.
+        It is sent before this returns, so that it is out before a library that holds the interpreter is called; if the
+        last one was sent less than `SHORTEST_PERIOD_S` ago, the heartbeat sends it.
         """
         self._said = (phase, fraction, detail, waiting_for)
         if monotonic() - self._published_at >= SHORTEST_PERIOD_S:

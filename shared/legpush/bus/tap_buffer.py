@@ -11,11 +11,11 @@ from legpush.messages.common import Header
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published
 
 LIMIT_BYTES: Final = 64 * 1024 * 1024
-"""Notes of a recorder that is away; what comes beyond that is lost to it."""
+"""Most bytes of notes that are kept for a recorder that is away; more are lost to it."""
 BATCH_BYTES: Final = 1024 * 1024
-"""A batch ends when it has as much."""
+"""A batch ends at this size."""
 LARGEST_BYTES: Final = codec.MAX_MESSAGE_BYTES // 2
-"""Of a message that is copied: a batch is a message itself."""
+"""Largest message that is copied: a batch has to fit into a message itself."""
 Build = Callable[[Header], Copies]
 Send = Callable[[Build], Copies]
 
@@ -31,20 +31,20 @@ class TapBuffer:
         self._lock = threading.Lock()
         self._published: dict[str, int] = {}
         self._since: dict[str, int] = {}
-        """By key: the first sequence since notes are taken that no batch has."""
+        """By key, the first sequence since notes are taken that is in no batch yet."""
         self._copies: deque[Copy] = deque()
         self._n_bytes = 0
         self._facts: dict[str, Fact] = {}
         self._new_facts: list[Fact] = []
         self._recorders: set[str] = set()
         self._late: set[str] = set()
-        """Recorders that are not waited for."""
+        """Recorders that missed a batch, and are not waited for until they catch up."""
         self._taken_by: set[str] = set()
         self._n_batches = 0
         self._at_hand: Build | None = None
 
-    def note(self, key: str, sequence: int, payload: bytes) -> None:
-        """A message is being published."""
+    def note_message(self, key: str, sequence: int, payload: bytes) -> None:
+        """Note a message that is being published."""
         with self._lock:
             self._published[key] = sequence + 1
             if not self.active:
@@ -56,13 +56,13 @@ class TapBuffer:
             self._copies.append(Copy(key=key, sequence=sequence, time_ns=time_ns(), payload=payload))
 
     def attach(self, fact: Fact) -> None:
-        """Recordings get this file as well; one of the same name before is replaced."""
+        """Hand over this file as well, in place of an earlier one of its name."""
         with self._lock:
             self._facts[fact.name] = fact
             self._new_facts.append(fact)
 
     def start(self) -> None:
-        """From now on notes are taken."""
+        """Take notes from now on."""
         with self._lock:
             self.active = True
 
@@ -75,8 +75,8 @@ class TapBuffer:
             self._n_bytes = 0
             self._at_hand = None
 
-    def meet(self, recorders: set[str]) -> bool:
-        """These incarnations record now; whether one is new, to whom the batch at hand has to be sent."""
+    def set_recorders(self, recorders: set[str]) -> bool:
+        """Set the incarnations that record now; whether one is new, so that the batch at hand has to be sent to it."""
         with self._lock:
             new = recorders - self._recorders
             self._recorders = set(recorders)
@@ -85,8 +85,8 @@ class TapBuffer:
                 self._new_facts = list(self._facts.values())
             return bool(new)
 
-    def take(self, recorder: str, batch: int) -> bool:
-        """A recorder has this batch; whether it was the one at hand and all who are waited for have it now."""
+    def acknowledge_batch(self, recorder: str, batch: int) -> bool:
+        """Note that a recorder has this batch; whether it is the one at hand, and nobody else is waited for."""
         with self._lock:
             if batch != self._n_batches - 1:
                 return False
@@ -99,10 +99,10 @@ class TapBuffer:
             self._at_hand = None
             return True
 
-    def waive(self) -> bool:
-        """Whoever has not taken the batch at hand goes without, if somebody has; whether that is so.
+    def skip_late_recorders(self) -> bool:
+        """Give up on recorders that do not have the batch at hand, if another one has it; whether that is so.
 
-        They are not waited for any more until they take a batch while it is the last one.
+        They are not waited for until they acknowledge a batch while it is the last one.
         """
         with self._lock:
             if self._at_hand is None or not self._taken_by & self._recorders:
@@ -112,7 +112,7 @@ class TapBuffer:
             return True
 
     def batch(self, *, final: bool = False) -> Build | None:
-        """The batch at hand, else a new one; None where there is nothing to hand over, unless it is the final one."""
+        """The batch at hand, else a new one; None if there is nothing to hand over, unless it is the final one."""
         with self._lock:
             if self._at_hand is None and (self._copies or self._new_facts or final):
                 self._at_hand = self._cut(final)
@@ -120,7 +120,7 @@ class TapBuffer:
 
     @property
     def n_bytes(self) -> int:
-        """Of the copies that wait for their batch."""
+        """Size of the copies that are in no batch yet."""
         return self._n_bytes
 
     @property
@@ -129,12 +129,12 @@ class TapBuffer:
         return self._n_bytes > self._limit_bytes // 2
 
     def is_empty(self) -> bool:
-        """Whether everything has been handed over and taken."""
+        """Whether everything has been handed over and acknowledged."""
         with self._lock:
             return self._at_hand is None and not self._copies and not self._new_facts
 
     def _cut(self, final: bool) -> Build:
-        """A batch of the oldest notes; the final one only where nothing is left behind."""
+        """A batch of the oldest notes; it is the final one only if nothing is left behind."""
         copies: list[Copy] = []
         n_bytes = 0
         while self._copies and (not copies or n_bytes + len(self._copies[0].payload) <= BATCH_BYTES):

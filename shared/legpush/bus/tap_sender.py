@@ -1,8 +1,8 @@
 """The tap of a process: copies of what it publishes, for recorders, on a path that the lockstep never waits for.
 
 A lockstep message that blocks waits for its slowest subscriber, so recorders do not subscribe to lockstep keys. Instead
-each process notes what it publishes, and a thread hands the notes to whoever records: one batch at a time, sent again
-until it is taken. Without a recorder nothing is noted but how much was published.
+each process notes what it publishes, and a thread hands the notes to recorders: one batch at a time, sent again until
+it is acknowledged. Without a recorder, only the number of messages is noted.
 """
 
 import threading
@@ -12,16 +12,16 @@ from typing import Final
 from legpush.bus.tap_buffer import BATCH_BYTES, Send, TapBuffer
 
 PERIOD_S: Final = 0.02
-"""Notes are handed over this often."""
+"""How often notes are handed over."""
 RESEND_S: Final = 0.25
-"""A batch that is not taken is sent again after this long."""
+"""A batch that is not acknowledged is sent again after this long."""
 MAX_SENT: Final = 8
-"""So often a batch is sent; a recorder that has not taken it then goes without if another one has, and is not waited
-for until it has caught up. Where half of `LIMIT_BYTES` is full, once has to do."""
+"""Send a batch at most this many times. After that, a recorder that has not acknowledged it is skipped until it catches
+up, provided that another recorder has the batch. Once half of `LIMIT_BYTES` is full, a batch is sent only once."""
 PATIENCE_S: Final = 60.0
 """Without any recorder for this long, notes are thrown away, and no more are taken until one comes."""
 FAREWELL_S: Final = 2.0
-"""A process that ends waits so long at most for its last notes to be taken."""
+"""Longest time a process waits at exit for its last copies to be acknowledged."""
 
 
 class Tap:
@@ -53,10 +53,10 @@ class Tap:
                 self._thread = threading.Thread(target=self._run, name="tap", daemon=True)
                 self._thread.start()
 
-    def meet(self, recorders: set[str]) -> None:
-        """These incarnations record now."""
+    def set_recorders(self, recorders: set[str]) -> None:
+        """Set the incarnations that record now."""
         with self._changed:
-            if self.buffer.meet(recorders):
+            if self.buffer.set_recorders(recorders):
                 self._resend_at = None
             if self._n_recorders and not recorders:
                 self._alone_since = monotonic()
@@ -65,10 +65,10 @@ class Tap:
         if recorders:
             self.start()
 
-    def take(self, recorder: str, batch: int) -> None:
-        """A recorder has this batch."""
+    def acknowledge_batch(self, recorder: str, batch: int) -> None:
+        """Note that a recorder has this batch."""
         with self._changed:
-            if self.buffer.take(recorder, batch):
+            if self.buffer.acknowledge_batch(recorder, batch):
                 self._resend_at = None
                 if self.buffer.n_bytes > BATCH_BYTES:
                     self._changed.notify()
@@ -96,7 +96,7 @@ class Tap:
                 self._changed.wait(PERIOD_S)
 
     def _hand_over(self, *, final: bool) -> bool:
-        """Send the next batch, or once more the one that is not taken; whether the final one is among the sent."""
+        """Send the next batch, or once more the one that is not acknowledged; whether the final one was sent."""
         with self._changed:
             if not self._n_recorders:
                 if not final and monotonic() - self._alone_since > PATIENCE_S:
@@ -105,7 +105,7 @@ class Tap:
             if self._resend_at is not None and monotonic() < self._resend_at:
                 return False
             is_long = self._n_sent >= MAX_SENT or (self._n_sent > 0 and self.buffer.is_filling)
-            if self._resend_at is None or (is_long and self.buffer.waive()):
+            if self._resend_at is None or (is_long and self.buffer.skip_late_recorders()):
                 self._n_sent = 0
             build = self.buffer.batch(final=final)
             if build is None:

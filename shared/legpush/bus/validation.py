@@ -1,4 +1,4 @@
-"""From bytes to a message: every payload that comes in passes here, and whatever is wrong is counted, never raised."""
+"""From bytes to a message: every payload that comes in passes here, and what is wrong is counted, never raised."""
 
 from typing import Any, Generic
 
@@ -20,8 +20,8 @@ class Validation(Generic[M]):
         self._run = run
         self._tally = tally
 
-    def take(self, key: str, payload: bytes) -> M | None:
-        """The valid message in `payload`, or None if it was counted and refused."""
+    def validate_payload(self, key: str, payload: bytes) -> M | None:
+        """Return the valid message in `payload`; None if it was refused and counted."""
         try:
             plain = codec.unpack(payload)
             version = _protocol_of(plain)

@@ -10,6 +10,7 @@ import logging
 import os
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -19,6 +20,7 @@ from msgspec import Struct
 
 from legpush.errors import JournalError, MessageError
 from legpush.fields import Name
+from legpush.files import new_file
 from legpush.messages import codec
 from legpush.messages.common import Count
 from legpush.messages.planning import Plan, PlanQuery
@@ -97,9 +99,10 @@ class _AnyEntry(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 def read_entries(path: Path) -> Iterator[Entry]:
-    """All entries in order, the first an `Opened`; an incomplete last one is left out.
+    """Yield all entries in order, the first an `Opened`; an incomplete last one is left out.
 
-    `JournalError` for a file that cannot be read, is no journal, is damaged, or is of another version.
+    Raises:
+        JournalError: The file cannot be read, is no journal, is damaged, or is of another version.
     """
     try:
         file = path.open("rb")
@@ -116,7 +119,8 @@ class Journal:
     def __init__(self, path: Path, opened: Opened) -> None:
         """Create the journal at `path`, or open the one that is there, which has to be of the same run.
 
-        `JournalError` if it is another run's, damaged, or in use.
+        Raises:
+            JournalError: It is another run's, damaged, or in use.
         """
         self.path = path
         try:
@@ -173,11 +177,11 @@ class Journal:
 
 
 def _create(path: Path, opened: Opened) -> None:
-    """Put a new journal in place as a whole, so that none without its first entry can be found."""
+    """Put a new journal in place as a whole, so that every journal that is found has its first entry."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    half = path.with_suffix(f".{os.getpid()}.part")
-    half.write_bytes(MAGIC + _frame(opened))
-    half.rename(path)
+    # If another process makes the same journal at this moment, the lock decides between the two.
+    with suppress(FileExistsError), new_file(path) as scratch:
+        scratch.write_bytes(MAGIC + _frame(opened))
 
 
 def _frame(entry: Entry) -> bytes:

@@ -39,6 +39,8 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
         arguments += ["--out", str(place.folder), "--policy", options.policy]
         if options.push_map is not None:
             arguments += ["--push-map", str(options.push_map.absolute())]
+        if not options.picture:
+            arguments += ["--no-picture"]
         if options.record is not None and options.planner_command is not None:
             arguments += ["--witness-planner"]
     return tuple(arguments)
@@ -57,7 +59,7 @@ class Programs:
 
 
 def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
-    """How a process finds its peers, and how badly they hear each other."""
+    """Flags by which a process finds its peers, and those of injected faults and recorders."""
     endpoints = in_directory(place.sockets, role)
     flags = ["--run", place.run, "--listen", *endpoints.listen]
     if endpoints.connect:
@@ -71,6 +73,6 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
 
 
 def flags_again(role: Role, options: RunOptions) -> tuple[str, ...]:
-    """What `bus_flags` lack where a process is started again: somebody may be recording by then."""
+    """Further flags of a process that is started again: somebody may be recording by then."""
     foreign = role == "planner" and options.planner_command is not None
     return () if foreign or options.record is not None else RECORDED

@@ -46,7 +46,7 @@ def replay(options: ReplayOptions) -> int:
 
 
 def publish_again(options: ReplayOptions) -> int:
-    """Hand everything to whoever records or watches; 0 at the end, 130 where it is interrupted before."""
+    """Hand everything to recorders and viewers; 0 at the end, 130 if it is interrupted before."""
     recording = read_recording(options.files)
     from_start(recording, options.start_s)
     stop = stop_on_signals()

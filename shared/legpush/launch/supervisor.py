@@ -19,7 +19,7 @@ BAD_INPUT: Final = 2
 GAVE_UP: Final = 3
 
 FROZEN_EVERY_S: Final = 0.5
-"""How often processes are asked whether they are frozen."""
+"""How often processes are checked for being frozen."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +138,7 @@ class Supervisor:
         return None
 
     def _look_around(self) -> Verdict | None:
-        """Show progress, note who is there, and give up on whom or what takes too long."""
+        """Show progress, note which processes are there, and give up on what takes too long."""
         self._show()
         if self._until_look.tick() >= FROZEN_EVERY_S:
             self._until_look.restart()
@@ -195,7 +195,7 @@ class Supervisor:
 
 
 def _said(process: Process, n_lines: int = TAIL_LINES) -> str:
-    """The end of a process's log, to follow a sentence about it; whom SIGKILL ends has no last words."""
+    """The end of a process's log, to follow a sentence about it; of one that was killed, only where its log is."""
     if process.exit_code == -signal.SIGKILL:
         return f"; its log is {process.command.log}"
     words = process.last_words(n_lines)

@@ -11,7 +11,7 @@ class BusWorld:
 
     An episode is never truncated for that. Its past motions are all that it takes to do it again, bit for bit, so what
     a learner sees does not depend on whether a simulator died. In the same way two worlds may share a link, one at a
-    time: whoever steps after the other has its episode done again first.
+    time: when one steps after the other, its episode is done again first.
     """
 
     def __init__(self, link: SimLink) -> None:
@@ -26,7 +26,12 @@ class BusWorld:
         return BusWorld(self._link)
 
     def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
-        """Carry out one motion; `PeerError` where no simulator answers to the name in time."""
+        """Carry out one motion.
+
+        Raises:
+            MotionError: The motion cannot be carried out; the state is as it was.
+            PeerError: No simulator of this name answers in time.
+        """
         if isinstance(motion, Reset):
             self._past = []
         if isinstance(motion, Reset) or self._link.episode != self._episode:

@@ -60,14 +60,17 @@ class SimLink:
         """What `motion` leads to as the step after `past`, all of the episode's steps up to now.
 
         A simulator that does not have the state after `past` is led there by doing it all again, each state checked.
-        `MotionError` where the simulator cannot carry the motion out, `PeerError` where it does not answer.
+
+        Raises:
+            MotionError: The simulator cannot carry the motion out.
+            PeerError: It does not answer, refuses the step, or computes something else than before.
         """
         led: set[str] = set()
         while True:
             answer = self._ask(len(past), motion, with_trace)
             if not isinstance(answer, Refusal):
                 self._in_step = answer.header.incarnation
-                self._exchange.settle()
+                self._exchange.forgive_restarts()
                 return answer.outcome
             if answer.cause == "invalid":
                 raise MotionError(f"Step {len(past)}: {answer.reason}")

@@ -36,7 +36,11 @@ class Past(Protocol):
     """Carried out where the past ends, before anything new."""
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
-        """What the motion leads to as this step, with its trace if that is known; `MotionError` if it was refused."""
+        """Return what the motion leads to as this step, with its trace if that is known.
+
+        Raises:
+            MotionError: It was refused.
+        """
 
     def plan(self, query: PlanQuery) -> Plan:
         """The answer to a query."""
@@ -74,7 +78,11 @@ class Episode:
         return len(self._past)
 
     def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
-        """What the motion leads to; `MotionError` if it cannot be carried out, then the state is as it was."""
+        """Return what the motion leads to.
+
+        Raises:
+            MotionError: The motion cannot be carried out; the state is as it was.
+        """
         origin = self._origin
         if origin is not None and origin.alter is not None and self.n_steps == origin.n_steps:
             self._step(origin.alter, with_trace=True)

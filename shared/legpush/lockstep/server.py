@@ -20,7 +20,7 @@ from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refu
 log = logging.getLogger(__name__)
 
 IDLE_S = 0.1
-"""The stop event is looked at this often."""
+"""How often the stop event is checked."""
 
 
 class Denial(NamedTuple):
@@ -42,8 +42,8 @@ class Done(NamedTuple):
     outcome: Outcome
 
 
-class ActionDesk:
-    """Decides on actions, without I/O; the state is the last step done."""
+class StepGuard:
+    """Sees that each step is carried out exactly once; works without I/O, and remembers the last step done."""
 
     def __init__(self, stepper: Stepper) -> None:
         self._stepper = stepper
@@ -83,8 +83,8 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
     """Announce this simulator and answer its actions until `stop`; an error of the physics is raised."""
     actions = bus.subscribe(channels.actions(bus.run, bus.name))
     answers = bus.publisher(channels.answers(bus.run, bus.name))
-    desk = ActionDesk(stepper)
-    with StatusBeacon(bus) as status:
+    guard = StepGuard(stepper)
+    with StatusBeacon(bus) as beacon:
         bus.announce()
         waiting: list[Action] = []
         while not stop.is_set():
@@ -94,13 +94,13 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
                     continue
                 waiting = [first]
             action = waiting.pop(0)
-            status.say("stepping", detail=_kind(action.motion))
-            answer = desk.answer(action)
+            beacon.publish_status("stepping", detail=_kind(action.motion))
+            answer = guard.answer(action)
             if isinstance(answer, Denial):
                 bus.tally.add(answer.cause, f"{action.header.role} {action.header.name}: {answer.reason}", logging.INFO)
             answers.send(_address(action, answer))
             waiting = [other for other in (*waiting, *actions.drain()) if not _same_question(other, action)]
-            status.say("idle", detail=f"step {action.step} done")
+            beacon.publish_status("idle", detail=f"step {action.step} done")
 
 
 def _same_question(one: Action, other: Action) -> bool:
@@ -115,7 +115,7 @@ def _same_question(one: Action, other: Action) -> bool:
 
 
 def _address(action: Action, answer: Outcome | Denial) -> Callable[[Header], Observation | Refusal]:
-    """The answer as a message to whoever asked."""
+    """The answer as a message to the agent that asked."""
 
     def build(header: Header) -> Observation | Refusal:
         to, episode, step = action.header.incarnation, action.episode, action.step

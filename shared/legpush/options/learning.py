@@ -1,4 +1,4 @@
-"""What `legpush train`, `evaluate` and `calibrate` can be told, and how their programs are started."""
+"""Options of `legpush train`, `evaluate` and `calibrate`."""
 
 import os
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ import tyro
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require, require_seeds
 from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M
-from legpush.options.run import require_new_file
+from legpush.options.checks import require_new_file
 
 MAX_SIMULATORS: Final = 8
-"""Started at most unless more are asked for."""
+"""Most simulators that are started unless more are asked for."""
 
 
 def default_simulators() -> int:
@@ -73,11 +73,11 @@ class TrainOptions(SimulatorOptions):
     steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Replaces the profile's number of push cycles."""
     mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
-    """Draw the mass of the box anew for each episode."""
+    """Draw the mass of the box for each episode."""
     friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
-    """Draw the friction of the box anew for each episode."""
+    """Draw the friction of the box for each episode."""
     distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
-    """Draw how far the goal is from the box anew for each episode."""
+    """Draw how far the goal is from the box for each episode."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the training, `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None

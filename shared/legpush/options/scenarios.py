@@ -38,7 +38,7 @@ class CopyScenario:
 class RandomScenario(RandomRoom):
     """Draw a room with obstacles, start, box and goal from a seed, and write it to a new file.
 
-    A planner is started and asked whether there is a way to walk and to push; a room without is drawn anew.
+    A planner is started and asked whether there is a way to walk and to push; if not, another room is drawn.
     """
 
     file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]

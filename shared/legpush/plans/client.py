@@ -1,4 +1,4 @@
-"""The agent's end of planning: one query at a time, answered by whichever planner lives."""
+"""The agent's end of planning: one query at a time, answered by the planner that is alive."""
 
 import threading
 from dataclasses import replace
@@ -11,7 +11,7 @@ from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest, 
 from legpush.patience import Patience
 
 RESEND_AT_MOST_S: Final = 2.0
-"""A query carries a map of up to megabytes, and they queue up while the planner plans: not too often."""
+"""A query is sent again at most this often: it carries a map of megabytes, and copies pile up during a search."""
 
 
 class PlanLink:
@@ -32,29 +32,37 @@ class PlanLink:
         self._final = True
 
     def plan(self, query: PlanQuery) -> Plan:
-        """The planner's first answer; `PeerError` past the deadline."""
+        """Return the planner's first answer.
+
+        Raises:
+            PeerError: It did not come by the deadline.
+        """
         self._request_id += 1
         self._query, self._plans, self._final = query, {}, False
         return self._revision(0)
 
     def revision(self, revision: int, query: PlanQuery | None) -> Plan:
-        """The answer with this number to the last query, which is asked again where it was not asked by this process;
-        the last answer if there are no more. `PeerError` past the deadline.
+        """Return the answer with this number to the last query; the last answer if there are no more.
+
+        A query that this process has not asked yet, because an earlier one did, is asked again.
+
+        Raises:
+            PeerError: The answer did not come by the deadline.
         """
         if query is not None and query != self._query:
             self.plan(query)
         return self._revision(revision)
 
     def _revision(self, revision: int) -> Plan:
-        self._exchange.take_in(self._keep)
+        self._exchange.offer_answers(self._keep)
         if not self._has(revision):
             what = f"plan request {self._request_id}" + (f", revision {revision}" if revision else "")
             self._exchange.ask(what, self._send, lambda result: self._keep(result) and self._has(revision))
-            self._exchange.settle()
+            self._exchange.forgive_restarts()
         return self._plans[min(revision, max(self._plans))]
 
     def cancel(self) -> None:
-        """No more answers to the last query are wanted; where the planner misses that, it costs only its time."""
+        """Tell the planner that no more answers to the last query are wanted; if it misses that, only time is lost."""
         if not self._final:
             self._final = True
             self._cancels.send(lambda header: PlanCancel(header=header, request_id=self._request_id))

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from legpush.messages.planning import Plan, PlanQuery
 
 Interrupted = Callable[[], bool]
-"""Asked now and then by whoever plans: whether to stop, by `PlanningInterruptedError`."""
+"""Asked now and then during a search: whether to stop, by raising `PlanningInterruptedError`."""
 MakePlans = Callable[[PlanQuery, Interrupted], Iterator[Plan]]
 """The revisions of a plan, one for a query without `anytime`."""
 

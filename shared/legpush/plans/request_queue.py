@@ -1,8 +1,8 @@
 """Which request a planner works on, and what it answers: decisions alone, without a bus.
 
 A request is answered once and the answers are repeated on demand; a client's newest request wins. First answers come
-before improvements. A search that has to make way is begun anew later: equal queries get equal plans, so what was
-answered already is skipped.
+before improvements. A search that has to make way starts over later: equal queries get equal plans, so the answers that
+were sent already are skipped.
 """
 
 from collections import OrderedDict
@@ -18,7 +18,7 @@ MAX_CLIENTS: Final = 64
 
 
 class Answer(NamedTuple):
-    """What a client is told."""
+    """An answer to a client."""
 
     client: str
     incarnation: str
@@ -41,7 +41,7 @@ class _Case:
     final: bool = False
 
     def answers(self) -> list[Answer]:
-        """What was found so far."""
+        """All answers up to now."""
         return [self.answer(revision) for revision in range(len(self.plans))]
 
     def answer(self, revision: int) -> Answer:
@@ -88,7 +88,7 @@ class RequestQueue:
         return [case.answer(len(case.plans) - 1)]
 
     def next_case(self) -> str:
-        """What there is to work on, in words; nothing if there is nothing."""
+        """The request to work on, in words; empty if there is none."""
         case = self._next()
         return f"request {case.request_id} of {case.client}" if case is not None else ""
 

@@ -7,9 +7,10 @@ from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.clearance import clearance_at
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import Face, Scenario
+from legpush.scene.scenario import Scenario
 from legpush.scene.station import nominal_obstacle, stand_off
 
 SLACK_M: Final = 1e-3

@@ -17,7 +17,7 @@ STOP_STAGES: Final = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKI
 
 @dataclass(frozen=True)
 class Interrupt:
-    """The user, or whoever started the launcher, wants it to end."""
+    """A signal that asks the launcher to end."""
 
     by: signal.Signals
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 RECORDED: Final = ("--recorded",)
-"""Has a process keep copies of what it says from its start on, for a recorder that is about to come."""
+"""Makes a process keep copies of what it publishes from its start on, for a recorder that comes later."""
 ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
 """Arrays here are small: more threads only get in each other's way."""
 

@@ -1,7 +1,6 @@
-"""Run as a script: `leash.py PARENT COMMAND...` becomes COMMAND, which the kernel kills should PARENT die.
+"""Run as a script: `parent_watch.py PARENT COMMAND...` becomes COMMAND, which the kernel kills when PARENT dies.
 
-So no process outlives a launcher that had no time to say goodbye. It stands alone, without the package around it: it
-has to start fast, before anything else does.
+So no process outlives a launcher that was killed. The script imports nothing of the package: it has to start fast.
 """
 
 import ctypes

@@ -24,11 +24,11 @@ from legpush.runs.live_runs import LiveRun, shown, socket_directory
 log = logging.getLogger(__name__)
 
 MAX_RESTARTS: Final = 3
-"""Of each process, in a row."""
+"""Most restarts of a process, in a row."""
 WORDS: Final = {"sim": "simulator", "planner": "planner"}
 """What people call them."""
 LONG_LIFE_S: Final = 10.0
-"""Whoever ran for this long before it died begins a new row."""
+"""A process that ran for this long before it died starts counting its restarts from zero."""
 
 
 class SimPool:
@@ -159,7 +159,7 @@ class _Post:
         self._n_restarts = 0
 
     def refill(self, ended: Process, crew: Crew) -> None:
-        """Start it again after it `ended`; `PeerError` where that does not help."""
+        """Start it again after it `ended`; `PeerError` after too many restarts."""
         if monotonic() - self._started_at >= LONG_LIFE_S:
             self._n_restarts = 0
         what = f"{self._word} {ended.role} {describe_exit(ended.exit_code or 0)}"

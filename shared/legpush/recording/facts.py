@@ -41,7 +41,11 @@ class MissionFiles(NamedTuple):
 
 
 def read_facts(recording: Recording) -> MissionFacts:
-    """Of the recorded mission; `RecordingError` where there was none."""
+    """Return the facts of the recorded mission.
+
+    Raises:
+        RecordingError: It is no recording of a mission.
+    """
     mission = recording.attachment(MISSION_FILE)
     if mission is None:
         raise RecordingError(
@@ -55,13 +59,13 @@ def read_facts(recording: Recording) -> MissionFacts:
 
 
 def scenario_of(recording: Recording) -> Scenario | None:
-    """The one among its files; None where there is none that this version can read."""
+    """The scenario among the files of a recording; None if this version cannot read one."""
     attachment = recording.attachment(SCENARIO_FILE)
     return None if attachment is None else scenario_in(attachment.data)
 
 
 def scenario_in(data: bytes) -> Scenario | None:
-    """The scenario of a mission; None where this version cannot read it."""
+    """The scenario in a file's bytes; None if this version cannot read it."""
     with TemporaryDirectory(prefix="legpush-") as folder:
         file = Path(folder) / SCENARIO_FILE
         file.write_bytes(data)
@@ -74,7 +78,9 @@ def scenario_in(data: bytes) -> Scenario | None:
 def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
     """Write the files of the recorded mission into a folder.
 
-    `RecordingError` where there was none, or where it began in another recording: a branch, or after an interruption.
+    Raises:
+        RecordingError: It is no recording of a mission, or of one that began in another recording: a branch, or one
+            that goes on after an interruption.
     """
     if CONTINUED in recording.about:
         raise RecordingError(

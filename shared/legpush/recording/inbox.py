@@ -9,7 +9,7 @@ from legpush.bus.tally import Tally
 from legpush.messages.telemetry import Copies
 
 LIMIT_BYTES: Final = 128 * 1024 * 1024
-"""Beyond that batches are refused: whoever waits for this recorder sends them again, others' are missing."""
+"""Most bytes of batches that wait. More are refused: a process that waits for this recorder sends them again."""
 
 
 class BatchInbox(Subscription[Copies]):

@@ -8,9 +8,9 @@ from legpush.messages.common import Role
 from legpush.messages.telemetry import Copies, Copy, Origin
 
 WITNESSED: Final[tuple[Role, ...]] = ("planner",)
-"""Of these others may hand over what they hear."""
+"""Roles whose messages other processes may hand over, as they heard them."""
 MAX_HEARD: Final = 10_000
-"""So far a witness may be behind the one it hears, or the other way round, in messages of a key."""
+"""How many messages of a key a witness may lag behind the process that it hears, or the other way round."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +20,7 @@ class Completeness:
     complete: bool
     n_recorded: int
     n_missing: int
-    """As far as the sequences tell."""
+    """According to the sequences."""
     notes: tuple[str, ...]
     """What is missing, or may be, and what came before the recording began, one sentence each."""
 
@@ -66,7 +66,7 @@ class _Source:
     n_batches: dict[str, int] = field(default_factory=dict)
     """By who handed them over: the source itself, or a witness."""
     heard: dict[str, _Heard] = field(default_factory=dict)
-    """By key, of a role that is witnessed: each message counts once, whoever hands it over."""
+    """By key, for a role that is witnessed: each message counts once, no matter who hands it over."""
     final: bool = False
 
 
@@ -77,8 +77,8 @@ class Ledger:
         self._sources: dict[str, _Source] = {}
         self._silent: dict[str, str] = {}
 
-    def seen(self, origin: Origin) -> None:
-        """A process is there, whether it hands over copies or not."""
+    def note_process(self, origin: Origin) -> None:
+        """Note that a process is there, whether it hands over copies or not."""
         if origin.incarnation not in self._sources:
             self._silent[origin.incarnation] = _label(origin)
 
@@ -94,7 +94,7 @@ class Ledger:
             return batch.copies
         return tuple(copy for copy in batch.copies if copy.sequence not in source.heard.get(copy.key, ()))
 
-    def take(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
+    def note_batch(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
         """Note a batch, of which these copies, those under the keys `recorded`, are in the file."""
         origin = batch.origin
         self._silent.pop(origin.incarnation, None)
@@ -116,9 +116,9 @@ class Ledger:
         return {incarnation for incarnation, source in self._sources.items() if not source.final} | self._silent.keys()
 
     def completeness(self, live: Collection[str] = ()) -> Completeness:
-        """As it stands; whoever is among the `live` incarnations need not have said farewell.
+        """What the recording has by now; the `live` incarnations need not have said farewell.
 
-        What was published before the recorder came is not expected of it, but noted.
+        Messages from before the recorder came are not expected of it, but noted.
         """
         losses = [f"{label} hands over no copies: its messages are missing" for label in self._silent.values()]
         before: list[str] = []

@@ -21,7 +21,11 @@ class RecordedPlans:
 
 
 def read_plans(recording: Recording) -> list[RecordedPlans]:
-    """Every query that was answered, in the order of asking; `RecordingError` where a message is damaged."""
+    """Return every query that was answered, in the order of asking.
+
+    Raises:
+        RecordingError: A message is damaged.
+    """
     records: dict[tuple[str, int], RecordedPlans] = {}
     results: list[PlanResult] = []
     for message in recording.messages:
@@ -46,5 +50,5 @@ def read_plans(recording: Recording) -> list[RecordedPlans]:
 
 
 def query_bytes(query: PlanQuery) -> bytes:
-    """What equal queries have in common."""
+    """The bytes of a query, which are the same for equal queries."""
     return msgspec.msgpack.encode(query)

@@ -46,7 +46,12 @@ class RecordedSim:
         self._step = 0
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """The recorded answer; `RecordingError` where nothing of the kind was recorded."""
+        """Return the recorded answer.
+
+        Raises:
+            MotionError: The motion was refused.
+            RecordingError: Nothing of the kind was recorded.
+        """
         step = 0 if isinstance(motion, Reset) else self._step
         among = self._episodes if step == 0 else self._candidates
         fitting = [
@@ -89,7 +94,7 @@ class RecordedPlanner:
         self._plans = {query_bytes(record.query): record.plans for record in records}
 
     def make_plans(self, query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
-        """The recorded answers; more than there are is waited for, as from a planner that takes its time."""
+        """Yield the recorded answers; after the last one it waits, like a planner that takes its time."""
         plans = self._plans.get(query_bytes(query))
         if plans is None:
             raise RecordingError(self.instead(query))

@@ -1,4 +1,4 @@
-"""A recording published again, for recorders and viewers, as fast as it was or otherwise."""
+"""Publishes a recording again, for recorders and viewers, at its own speed or another."""
 
 import threading
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ NAME_LENGTH: Final = 64
 
 
 def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: threading.Event, turn: int = 0) -> int:
-    """Hand everything from `start_s` on to whoever records, in its time divided by `rate`; how many messages.
+    """Hand everything from `start_s` on to recorders, `rate` times as fast as it was; returns how many messages.
 
-    `turn` counts the times that this is done: in each the processes are other incarnations.
+    `turn` counts repetitions: the processes of each are other incarnations.
     """
     messages = from_start(recording, start_s)
     taps: dict[str, Tap] = {}
@@ -30,17 +30,20 @@ def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: t
             origin = message.origin
             if origin.incarnation not in taps:
                 taps[origin.incarnation] = _tap(bus, recording, origin, turn)
-            taps[origin.incarnation].buffer.note(message.copy.key, message.copy.sequence, message.copy.payload)
+            taps[origin.incarnation].buffer.note_message(message.copy.key, message.copy.sequence, message.copy.payload)
     finally:
         for tap in taps.values():
-            bus.taps.leave(tap)
+            bus.taps.close_stand_in(tap)
     return len(messages)
 
 
 def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
-    """All messages from a time after the first one on, in order of time; `RecordingError` where there are none.
+    """Return all messages from a time after the first one on, in order of time.
 
     Those of one sender stay in their order, whatever its clock did.
+
+    Raises:
+        RecordingError: There are no messages, or none from that time on.
     """
     if not recording.messages:
         raise RecordingError("Expected a recording with messages, got one without")
@@ -62,9 +65,9 @@ def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
 
 
 def _tap(bus: Bus, recording: Recording, origin: Origin, turn: int) -> Tap:
-    """The tap of a process that was recorded, with its files but those that are damaged."""
+    """A tap that stands in for a recorded process, with its files except damaged ones."""
     name = f"{origin.incarnation}-{turn}"[-NAME_LENGTH:] if turn else origin.incarnation
-    tap = bus.taps.stand_in(Origin(role=origin.role, name=origin.name, incarnation=name))
+    tap = bus.taps.stand_in_for(Origin(role=origin.role, name=origin.name, incarnation=name))
     for attachment in recording.attachments.values():
         is_whole = attachment.name not in recording.damaged_attachments
         if is_whole and attachment.name.startswith(f"{origin.role}/{origin.name}/"):

@@ -21,14 +21,14 @@ from legpush.recording.mcap_file.writer import Attachment, RecordingFile, topic_
 log = logging.getLogger(__name__)
 
 FLUSH_S: Final = 0.5
-"""What a kill of the recorder loses at most, besides what is on its way."""
+"""A kill of the recorder loses at most this much, and what is on its way."""
 LOOK_S: Final = 0.05
 GATHER_S: Final = 3.0
-"""Once asked to stop, the recorder waits so long at most for processes to end and say farewell."""
+"""Once asked to stop, the recorder waits at most this long for processes to end and say farewell."""
 FAREWELL_S: Final = 2.0
-"""Of one that is gone, this long."""
+"""The same, for a process that has already exited."""
 COPIED: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
-"""Who publishes what is recorded."""
+"""Roles whose messages are recorded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,12 +54,12 @@ class Recorder:
         self.ledger = Ledger()
         self.n_recorded = 0
 
-    def take(self, batch: Copies) -> None:
+    def write_batch(self, batch: Copies) -> None:
         """Write what is new in a batch."""
         if not self.ledger.is_new(batch):
             return
         copies = tuple(copy for copy in self.ledger.fresh(batch) if self._wanted.takes(copy.key))
-        self.ledger.take(batch, copies, {each.key for each in batch.published if self._wanted.takes(each.key)})
+        self.ledger.note_batch(batch, copies, {each.key for each in batch.published if self._wanted.takes(each.key)})
         origin = batch.origin
         for fact in batch.facts:
             self._file.attach(Attachment(f"{origin.role}/{origin.name}/{fact.name}", fact.media_type, fact.data))
@@ -68,7 +68,11 @@ class Recorder:
 
 
 def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event) -> Completeness:
-    """Record until `stop`, or until the time that is wanted is over; `RecordingError` where the file cannot go on."""
+    """Record until `stop`, or until the wanted time is over.
+
+    Raises:
+        RecordingError: The file cannot be written any more.
+    """
     copies = channels.copies(bus.run)
     batches = bus.subscribe(copies, BatchInbox(copies, bus.tally))
     answers: dict[tuple[Role, str], Publisher[Taken]] = {}
@@ -85,7 +89,7 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
                 stopped_at = now
             batch = batches.next(LOOK_S)
             if batch is not None:
-                recorder.take(batch)
+                recorder.write_batch(batch)
                 sender = (batch.header.role, batch.header.name)
                 if sender not in answers:
                     answers[sender] = bus.publisher(channels.taken(bus.run, *sender))
@@ -93,11 +97,11 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
             if now - flushed_at >= FLUSH_S:
                 file.flush()
                 flushed_at = now
-                beacon.say("recording", detail=f"{recorder.n_recorded} messages")
+                beacon.publish_status("recording", detail=f"{recorder.n_recorded} messages")
             peers = _peers(bus)
             live = {origin.incarnation for origin in peers}
             for origin in peers:
-                recorder.ledger.seen(origin)
+                recorder.ledger.note_process(origin)
             seen_at |= dict.fromkeys(live, now)
             if stopped_at is None:
                 continue

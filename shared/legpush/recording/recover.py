@@ -10,13 +10,16 @@ from legpush.recording.mcap_file.reader import RECOVERED_FROM, Recorded, Recordi
 from legpush.recording.mcap_file.writer import RecordingFile
 
 DAMAGED: Final = ".damaged"
-"""What the name of a damaged file gets at its end."""
+"""Ending that is added to the name of a damaged file."""
 
 
 def recover(path: Path, out: Path) -> Recording:
-    """Write to the new file `out` what `path` has, which stays as it is; `RecordingError` if nothing can be read.
+    """Write what can be read of `path`, which stays as it is, to the new file `out`.
 
-    Digests are those that were recorded, so that what is damaged is told as before; a damaged file gets another name.
+    Digests are those that were recorded, so that damage is found as before; a damaged file gets another name.
+
+    Raises:
+        RecordingError: Nothing can be read, or the recording is whole already.
     """
     recording = Recording()
     scan = Scan(path)

@@ -13,7 +13,11 @@ class Perform(Protocol):
     """A simulator; a `Reset` begins a new episode."""
 
     def __call__(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion, or raise `MotionError`."""
+        """Carry out one motion.
+
+        Raises:
+            MotionError: The motion cannot be carried out.
+        """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +49,11 @@ class Verified:
 def verify(
     episodes: Iterable[EpisodeRecord], perform: Perform, progress: Callable[[str], None] = lambda text: None
 ) -> Verified:
-    """Do every step of every episode again, up to the first divergence; `RecordingError` where steps are missing."""
+    """Do every step of every episode again, up to the first divergence.
+
+    Raises:
+        RecordingError: Steps are missing in the recording.
+    """
     n_steps = n_ticks = 0
     for episode in episodes:
         require_steps(episode)
@@ -64,7 +72,11 @@ def verify(
 
 
 def require_steps(episode: EpisodeRecord) -> None:
-    """`RecordingError` unless there is every step from the reset on."""
+    """Check that the episode has every step from its reset on.
+
+    Raises:
+        RecordingError: It has not.
+    """
     damaged = {damage.step for damage in episode.damage}
     for number in range(max(episode.steps, default=-1) + 1):
         if number not in episode.steps and number not in damaged:

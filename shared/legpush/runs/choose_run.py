@@ -43,15 +43,18 @@ class ChosenRun:
 
 
 def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
-    """The run to watch: the live one if there is one, else processes that were, or will be, started by hand.
+    """Return the run to watch: the live one if there is one, else processes that are started by hand.
 
-    `run` and `connect` are what the command line says. `ConfigError` where several are meant, or `run` is no name.
+    `run` and `connect` are what the command line says.
+
+    Raises:
+        ConfigError: Several live runs are meant, or `run` is no name.
     """
     return find_run(run, connect) or by_hand(run)
 
 
 def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun | None:
-    """The same, but None where no launcher has such a run going yet: whoever waits for one asks again."""
+    """Like `choose_run`, but returns None while no such run is live, so that callers can poll."""
     if connect:
         return by_hand(run, connect)
     name, live = _name(run), find_live_runs()
@@ -66,7 +69,10 @@ def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun
 def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
     """Processes that were started by hand, on their fixed ports if no endpoints are given."""
     name = _name(run) or DEFAULT_RUN
-    require(Name, name, f"--run (live: {_list(find_live_runs()) or 'none'})")
+    try:
+        require(Name, name, "--run")
+    except ConfigError as error:
+        raise ConfigError(f"{error}; live: {_list(find_live_runs()) or 'none'}") from error
     return ChosenRun(run=name, endpoints=Endpoints(connect=connect or local("recorder").connect))
 
 

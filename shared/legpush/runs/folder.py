@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError
+from legpush.files import new_file
 from legpush.scenarios.file import dump_scenario
 from legpush.scene.scenario import Scenario
 
@@ -39,8 +40,10 @@ def run_name(folder: Path) -> str:
 def run_folder(folder: Path, scenario: Scenario) -> Iterator[None]:
     """Make the folder, with the resolved scenario and a place for logs in it, and keep other launchers out meanwhile.
 
-    The folder of an earlier run of the same scenario may be used again: that run goes on where it ended. Any other
-    folder with something in it is a `ConfigError`.
+    The folder of an earlier run of the same scenario may be used again: that run goes on where it ended.
+
+    Raises:
+        ConfigError: The folder has something else in it, cannot be written to, or is used by another launcher.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -73,7 +76,8 @@ def _fill(folder: Path, scenario: bytes) -> None:
         elif any(folder.iterdir()):
             raise ConfigError(f"{folder}: expected a new or empty folder, or that of a run, got one with other files")
         else:
-            file.write_bytes(scenario)
+            with new_file(file) as scratch:
+                scratch.write_bytes(scenario)
         (folder / LOGS).mkdir(exist_ok=True)
     except OSError as error:
         raise _unusable(folder, error) from error
@@ -85,7 +89,11 @@ def _unusable(folder: Path, error: OSError) -> ConfigError:
 
 @contextmanager
 def own_folder(folder: Path) -> Iterator[None]:
-    """Keep other programs out of the folder meanwhile; `ConfigError` where one is in it."""
+    """Keep other programs out of the folder until the context is left.
+
+    Raises:
+        ConfigError: Another program is using it.
+    """
     lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

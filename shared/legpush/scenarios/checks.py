@@ -23,6 +23,7 @@ from legpush.scene.footprints import (
     distance_to_point_m,
     obstacle_footprint,
 )
+from legpush.scene.names import Face
 from legpush.scene.occupancy import MAX_CELLS, clearance_m, grid_shape
 from legpush.scene.reference import Reference, first_straight_m, reference_curve
 from legpush.scene.robot import (
@@ -33,16 +34,7 @@ from legpush.scene.robot import (
     FOOT_RECTANGLE_RADIUS_M,
     FOOT_RECTANGLE_WIDTH_M,
 )
-from legpush.scene.scenario import (
-    CALIBRATION_PUSH_M,
-    STAND_OFF_M,
-    STATION_M,
-    Face,
-    PlanSettings,
-    Rectangle,
-    Room,
-    Scenario,
-)
+from legpush.scene.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, PlanSettings, Rectangle, Room, Scenario
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5

@@ -14,11 +14,13 @@ import msgspec
 import tomli_w
 
 from legpush.errors import MessageError, ScenarioError
+from legpush.files import new_file
 from legpush.messages.codec import convert
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
 from legpush.scenarios.map_files import OccupancyMap
-from legpush.scene.scenario import PlannerName, Scenario, Steering
+from legpush.scene.names import PlannerName, Steering
+from legpush.scene.scenario import Scenario
 from legpush.schema_errors import explain
 
 SUFFIX: Final = ".toml"
@@ -84,7 +86,11 @@ def resolve_scenario(
 
 
 def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
-    """The scenario with other values at paths such as `box.mass_kg`; `ScenarioError` where one cannot be used."""
+    """Return the scenario with other values at paths such as `box.mass_kg`.
+
+    Raises:
+        ScenarioError: A value cannot be used.
+    """
     changed = change_fields(scenario, changes)
     check_scenario(changed, "command line")
     return changed
@@ -113,7 +119,11 @@ def scenario_names() -> tuple[str, ...]:
 
 
 def scenario_source(name_or_path: str | Path) -> Traversable:
-    """The file behind a name or path; an unknown name is a `ScenarioError` that lists the valid ones."""
+    """Find the file of a scenario by its name or path.
+
+    Raises:
+        ScenarioError: The name is unknown; lists the valid ones.
+    """
     text = str(name_or_path)
     if isinstance(name_or_path, Path) or "/" in text or text.endswith(SUFFIX):
         return Path(name_or_path)
@@ -130,7 +140,8 @@ def scenario_source(name_or_path: str | Path) -> Traversable:
 def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
     """Write a built-in scenario, comments and all, to `target`, and its grid file beside it; returns what it wrote.
 
-    `ScenarioError` where one of the files exists or cannot be written.
+    Raises:
+        ScenarioError: One of the files exists or cannot be written.
     """
     source = scenario_source(name)
     copies = {target: source.read_bytes()}
@@ -143,7 +154,11 @@ def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
 
 
 def write_scenario(scenario: Scenario, target: Path) -> Path:
-    """Write every field to a new file; `ScenarioError` where it exists or cannot be written."""
+    """Write every field to a new file.
+
+    Raises:
+        ScenarioError: The file exists or cannot be written.
+    """
     _write_new(target, dump_scenario(scenario).encode())
     return target
 
@@ -159,8 +174,8 @@ def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
 
 def _write_new(path: Path, content: bytes) -> None:
     try:
-        with path.open("xb") as file:
-            file.write(content)
+        with new_file(path) as scratch:
+            scratch.write_bytes(content)
     except OSError as error:
         raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
 

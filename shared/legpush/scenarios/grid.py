@@ -10,15 +10,8 @@ from msgspec.structs import fields, replace
 from legpush.arrays import Flags, Indices
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
-from legpush.scenarios.map_files import (
-    CELL_SUFFIXES,
-    IMAGE_SUFFIXES,
-    MAP_SERVER_SUFFIXES,
-    FirstRow,
-    OccupancyMap,
-    read_cells,
-    suffix_of,
-)
+from legpush.scenarios.map_files import OccupancyMap, read_cells
+from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 from legpush.scene.scenario import MAX_OBSTACLES, PoseDeg, Positive, Rectangle, Scenario
 from legpush.schema_errors import explain
 
@@ -76,7 +69,11 @@ def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
 
 
 def read_grid(grid: GridSource, folder: Traversable) -> OccupancyMap:
-    """The map in the file; `ScenarioError` names the file and what is wrong in it."""
+    """Read the map in a file.
+
+    Raises:
+        ScenarioError: Names the file and what is wrong in it.
+    """
     if isinstance(grid, CellSource):
         return read_cells(folder / grid.grid_file, grid.cell_m, grid.first_row)
     from legpush.scenarios.map_server import read_map_server

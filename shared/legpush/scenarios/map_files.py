@@ -4,27 +4,19 @@ import csv
 from dataclasses import dataclass
 from importlib.resources.abc import Traversable
 from io import BytesIO, StringIO
-from pathlib import PurePath
 from tokenize import TokenError
-from typing import Final, Literal
+from typing import Final
 from zipfile import BadZipFile
 
 import numpy as np
 
 from legpush.arrays import Flags
 from legpush.errors import ScenarioError
+from legpush.scenarios.map_formats import FirstRow, suffix_of
 
-CELL_SUFFIXES: Final = (".csv", ".npy")
-"""Files of nothing but cells: how large a cell is, and where the first row lies, has to be said beside them."""
-MAP_SERVER_SUFFIXES: Final = (".yaml", ".yml")
-"""Files that say all of it."""
-IMAGE_SUFFIXES: Final = (".pgm", ".png")
-"""What they name as their image."""
 MAX_MAP_SIDE: Final = 4096
 NO_ARRAY: Final = (ValueError, TypeError, OverflowError, OSError, EOFError, MemoryError, TokenError, BadZipFile)
 """What NumPy raises for a file that is none of its own, or a damaged one."""
-FirstRow = Literal["top", "bottom"]
-"""Where the first row of a file lies: at the highest y, as in a picture, or at y = 0."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,13 +38,12 @@ class OccupancyMap:
         return n_columns * self.cell_m, n_rows * self.cell_m
 
 
-def suffix_of(name: str) -> str:
-    """The end of a file's name by which its kind is known, in lower case."""
-    return PurePath(name).suffix.lower()
-
-
 def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> OccupancyMap:
-    """The map in a CSV or NumPy file; `ScenarioError` names the file, row and column that is wrong."""
+    """Read the map in a CSV or NumPy file.
+
+    Raises:
+        ScenarioError: Names the file, row and column that is wrong.
+    """
     try:
         content = source.read_bytes()
     except OSError as error:

@@ -27,7 +27,7 @@ from legpush.schema_errors import explain
 
 Probability = Annotated[float, Meta(ge=0.0, le=1.0)]
 YAW_TOLERANCE_RAD: Final = 1e-6
-"""Less is the rounding of whoever wrote the file."""
+"""A smaller difference is rounding by the program that wrote the file."""
 DEEP_MODES: Final = ("I", "I;16", "I;16B", "I;16L", "I;16N")
 """Of Pillow, for grey values of 16 bits."""
 DEEP_WHITE: Final = 65535
@@ -63,7 +63,11 @@ class MapServerFile(Struct, frozen=True, kw_only=True):
 
 
 def read_map_server(folder: Traversable, name: str) -> OccupancyMap:
-    """The map of a YAML file; `ScenarioError` names the file and the field that is wrong."""
+    """Read the map of a YAML file.
+
+    Raises:
+        ScenarioError: Names the file and the field that is wrong.
+    """
     fields = _read_yaml(folder / name)
     image = folder / str(PurePath(name).parent / fields.image)
     values, white, clear = _read_image(image, f"{folder / name}: at `image`: {image}", fields.mode)

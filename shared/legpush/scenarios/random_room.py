@@ -32,7 +32,11 @@ class RandomRoom:
     angle_tolerance_deg: float = 3.0
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be drawn (`ConfigError`)."""
+        """Refuse what cannot be drawn.
+
+        Raises:
+            ConfigError: Names the flag.
+        """
         for name, most in (("size_m", MOST_SIZE_M), ("obstacle_m", MOST_SIZE_M), ("corridor_m", MOST_SIZE_M)):
             values = getattr(self, name)
             for value in values if isinstance(values, tuple) else (values,):

@@ -22,7 +22,7 @@ N_ROOMS: Final = 200
 N_PLACES: Final = 100
 """Starts, boxes and goals that are tried in each."""
 N_UNSOLVABLE: Final = 20
-"""Rooms that are drawn anew at most because they turned out to be unsolvable."""
+"""Most rooms that are drawn before giving up because none could be solved."""
 CELL_M: Final = 0.1
 """Of the grid that the disc moves on."""
 MAX_PUSH_CYCLES: Final = 600
@@ -32,7 +32,11 @@ LEAST_WALK_M: Final = 1.5
 
 
 def random_scenario(options: RandomRoom, seed: int, is_solvable: Callable[[Scenario], bool]) -> Scenario:
-    """The first room of the seed that `is_solvable`: equal seeds, equal rooms. `ConfigError` where there is none."""
+    """Return the first room of the seed that `is_solvable`; equal seeds give equal rooms.
+
+    Raises:
+        ConfigError: None of them is.
+    """
     random = np.random.default_rng(seed)
     n_asked = 0
     for _ in range(N_ROOMS):

@@ -10,7 +10,8 @@ from typing import Final
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2
-from legpush.scene.scenario import Box, BoxShape, Face
+from legpush.scene.names import BoxShape, Face
+from legpush.scene.scenario import Box
 
 FACES: Final[tuple[Face, ...]] = ("rear", "right", "front", "left")
 TURN_RAD: Final[dict[Face, float]] = {"rear": 0.0, "right": pi / 2, "front": pi, "left": -pi / 2}

@@ -56,7 +56,7 @@ def test_a_robot_that_starts_elsewhere_stays_there_whatever_the_size() -> None:
         (["box.mass_kg=0.1,,2"], ConfigError, "FIELD=VALUE"),
         (["box.mass_kg=-1"], ScenarioError, "box.mass_kg"),
         (["box.colour=1"], ScenarioError, "unknown field"),
-        (["crate.mass_kg=1"], ConfigError, r"a field of the scenario for --sweep, got crate.mass_kg"),
+        (["crate.mass_kg=1"], ScenarioError, r"expected the path of a field, such as box.mass_kg, got crate.mass_kg"),
         (["box.shape=ball"], ScenarioError, r"box.shape.*expected one of cuboid, cylinder, l_shape, wedge, got 'ball'"),
         (["box.shape=cylinder"], ScenarioError, "equal length and width of a cylinder"),
         (["box.mass_kg=1", "box.mass_kg=2"], ConfigError, "each field once in --sweep, got box.mass_kg twice"),

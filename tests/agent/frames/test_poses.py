@@ -7,10 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, moved_m, pose_error
-from legpush.geometry import Pose2, distance_m
+from agent_proc.frames.poses import BoxError, box_error, box_tilt_rad, pose_error
+from legpush.geometry import Pose2
 from legpush.messages.poses import planar_pose
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Goal, PoseDeg
 from tests.agent.fake_world import make_scenario, make_state
 
@@ -36,14 +35,6 @@ def test_the_tilt_is_the_angle_to_the_vertical_in_any_direction() -> None:
     seen = [box_tilt_rad(replace(state, box=replace(state.box, orientation_wxyz=tilt))) for tilt in tilts]
 
     assert seen == pytest.approx([0.2, 0.2, 0.0])
-
-
-def test_turning_counts_by_the_arc_of_the_feet_and_the_short_way_around() -> None:
-    before = Pose2(x_m=1.0, y_m=1.0, yaw_rad=pi - 0.1)
-    after = Pose2(x_m=1.3, y_m=1.4, yaw_rad=-pi + 0.1)
-
-    assert distance_m(before, after) == pytest.approx(0.5)
-    assert moved_m(before, after) == pytest.approx(0.5 + 0.2 * FOOT_RECTANGLE_RADIUS_M)
 
 
 @given(box=poses, goal=poses)

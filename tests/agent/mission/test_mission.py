@@ -12,7 +12,7 @@ from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
-from agent_proc.walking.actor import STILL_CYCLES
+from agent_proc.walking.walker import STILL_CYCLES
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery

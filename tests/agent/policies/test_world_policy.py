@@ -12,7 +12,8 @@ from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, WorldState
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
-from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Scenario
+from legpush.scene.names import Face
+from legpush.scene.scenario import Box, Goal, PoseDeg, Scenario
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario(box=Box(pose=PoseDeg(x_m=6.0, y_m=3.0, yaw_deg=0.0), size_m=(0.3, 0.6, 0.4)))

@@ -1,9 +1,7 @@
-"""Push maps: what is measured, its file, and missions that go by it or measure for themselves."""
+"""Calibration: series of pushes, and missions that use a map or measure for themselves."""
 
 import threading
-from collections.abc import Callable
 from math import degrees
-from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
@@ -11,27 +9,19 @@ from msgspec.structs import replace
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.calibration import SERIES, CalibrationError, calibrate, cells, open_floor
-from agent_proc.push_model.estimate import PushEstimate
-from agent_proc.push_model.map import PushMap, load_push_map, make_push_map, measured_faces, write_push_map
-from agent_proc.push_model.model import NOMINAL, PushModel
-from legpush.errors import ConfigError, StopRequestedError
+from agent_proc.push_model.map import PushMap
+from agent_proc.push_model.model import NOMINAL
+from legpush.errors import StopRequestedError
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Push
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.reference import Arcs, Left, Straight, reference_curve
-from legpush.scene.scenario import Box, Face, Goal, PoseDeg, PushSettings, Room
+from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Room
 from legpush.scene.station import at_station
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
-
-DEPTHS_M = (0.02, 0.05)
-
-
-def measured(box: Box = NOMINAL, push_scale: float = 1.0, curves: tuple[float, ...] = (0.5,)) -> PushMap:
-    """A map of what the fake world does."""
-    worlds = [FakeWorld(push_scale=push_scale) for _ in range(2)]
-    planned = cells(measured_faces(box), [(w, w) for w in curves], DEPTHS_M, (1, 2))
-    return make_push_map(box, calibrate(worlds, box, planned), "test")
+from tests.agent.push_model.maps import measured
 
 
 @pytest.mark.parametrize("face", FACES)
@@ -43,71 +33,17 @@ def test_the_robot_stands_ready_at_the_face_that_is_measured(face: Face) -> None
     assert degrees(pushed_pose(pose, face).yaw_rad) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_map_has_what_pushes_did_by_face_leg_and_depth() -> None:
-    push_map = measured()
-    truth = PushModel()
-
-    assert {(e.face, e.leg, e.depth_m) for e in push_map.effects} == {
-        (face, leg, depth_m) for face in ("rear", "right") for leg in ("FL", "FR") for depth_m in DEPTHS_M
-    }
-    assert all(effect.n == len(SERIES) for effect in push_map.effects)
-    model = push_map.model("rear")
-    for depth_m in DEPTHS_M:
-        index, expected = model.depth_m.index(depth_m), truth.depth_m.index(depth_m)
-        assert model.forward_m[index] == pytest.approx(truth.forward_m[expected], abs=1e-4)
-        assert model.left_m[index] == pytest.approx(truth.left_m[expected], abs=1e-4)
-        assert model.turn_deg[index] == pytest.approx(truth.turn_deg[expected], abs=1e-2)
-    assert push_map.model("front") == replace_box(model, pushed_box(NOMINAL, "front"))
-    assert push_map.model("left").forward_m == push_map.model("right").forward_m
-    assert (model.depth_m[0], model.forward_m[0], model.turn_deg[0]) == (0.0, 0.0, 0.0)
-
-
-def replace_box(model: PushModel, box: Box) -> PushModel:
-    return PushModel(**{**{name: getattr(model, name) for name in model.__dataclass_fields__}, "box": box})
-
-
-def test_circles_are_those_of_an_estimate_and_their_intervals_hold_them() -> None:
-    push_map = measured()
-
-    for circle in push_map.circles:
-        estimate = PushEstimate(pushed_box(NOMINAL, circle.face))
-        assert circle.radius_m.value == pytest.approx(estimate.turning_radius_m, rel=1e-3)
-        assert circle.axle_m.value == pytest.approx(estimate.axle_m, rel=1e-3)
-        assert circle.radius_m.low <= circle.radius_m.value <= circle.radius_m.high
-
-
-def test_by_the_map_of_a_box_an_estimate_knows_it_at_once() -> None:
-    push_map = measured(push_scale=0.8)
-
-    by_map = PushEstimate(NOMINAL, push_map.model("rear"))
-    assert by_map.after(NOMINAL.pose.pose(), Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)).x_m == pytest.approx(
-        0.8 * PushEstimate(NOMINAL).after(NOMINAL.pose.pose(), Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)).x_m,
-        rel=1e-3,
+def test_samples_come_in_the_order_of_the_cells_however_many_worlds_there_are() -> None:
+    planned = cells(("rear", "right"), ((0.5, 0.5),), (0.02, 0.05), (1, 2))
+    n_done: list[int] = []
+    one, three = (
+        calibrate([FakeWorld() for _ in range(n)], NOMINAL, planned, on_cell=lambda: n_done.append(1)) for n in (1, 3)
     )
 
-
-@pytest.mark.parametrize(
-    ("box", "faces"),
-    [
-        (NOMINAL, ("rear", "right")),
-        (replace(NOMINAL, size_m=(0.4, 0.4, 0.4)), ("rear",)),
-        (replace(NOMINAL, size_m=(0.4, 0.4, 0.4), shape="cylinder"), ("rear",)),
-        (replace(NOMINAL, shape="l_shape"), ("rear", "left")),
-        (replace(NOMINAL, shape="wedge"), ("rear",)),
-    ],
-)
-def test_only_faces_that_differ_are_measured(box: Box, faces: tuple[Face, ...]) -> None:
-    assert measured_faces(box) == faces
-    square = box.size_m[0] == box.size_m[1]
-    assert measured(box).model("rear").box.size_m == box.size_m
-    if square:
-        assert measured(box).model("left").forward_m == measured(box).model("rear").forward_m
-
-
-def test_the_first_curve_is_what_missions_push_by() -> None:
-    model = measured(curves=(0.2, 0.8)).model("rear")
-
-    assert (model.w1, model.w2) == (0.2, 0.2)
+    assert one == three
+    assert [(s.face, s.depth_m) for s in one] == [(c.face, c.depth_m) for c in planned for _ in SERIES]
+    assert [s.leg for s in one[: len(SERIES)]] == ["FL", "FR", "FL", "FL", "FR", "FR", "FL", "FR"]
+    assert len(n_done) == 2 * len(planned)
 
 
 def test_a_fall_ends_a_calibration_and_a_stop_too() -> None:
@@ -119,37 +55,6 @@ def test_a_fall_ends_a_calibration_and_a_stop_too() -> None:
     stop.set()
     with pytest.raises(StopRequestedError):
         calibrate([FakeWorld()], NOMINAL, planned, stop=stop)
-
-
-def test_a_file_gives_the_map_again(tmp_path: Path) -> None:
-    push_map, path = measured(), tmp_path / "map.json"
-    write_push_map(push_map, path)
-
-    assert load_push_map(path, replace(NOMINAL, mass_kg=0.9)) == push_map
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda text: "{", "expected a push map that `legpush calibrate` wrote"),
-        (lambda text: text.replace("push map 1", "push map 7"), "expected a push map.*format"),
-        (lambda text: text.replace('"face": "right"', '"face": "left"'), "at rear, right, none at right"),
-        (lambda text: text.replace("0.5,\n   0.4", "0.6,\n   0.4"), "of a cuboid of 0.4 x 0.5 x 0.4 m, got that of a"),
-    ],
-)
-def test_a_file_that_is_no_map_of_the_box_is_refused(
-    change: Callable[[str], str], message: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "map.json"
-    write_push_map(measured(), path)
-    text = change(path.read_text())
-    assert text != path.read_text()
-    path.write_text(text)
-
-    with pytest.raises(ConfigError, match=message):
-        load_push_map(path, NOMINAL)
-    with pytest.raises(ConfigError, match="No such file"):
-        load_push_map(tmp_path / "none.json", NOMINAL)
 
 
 def test_a_mission_plans_by_the_map() -> None:

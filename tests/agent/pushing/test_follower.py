@@ -21,8 +21,9 @@ from legpush.geometry import Pose2
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box
+from legpush.scene.names import Face
 from legpush.scene.reference import Arcs, Left, Reference, Right, Sine, Straight, reference_curve
-from legpush.scene.scenario import Face, Goal, PoseDeg, PushSettings, Room, Scenario
+from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station
 

@@ -4,8 +4,6 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from time import monotonic
@@ -18,6 +16,7 @@ from legpush.messages.common import PROTOCOL_VERSION, Header
 from legpush.messages.telemetry import Status
 from legpush.processes.child import Command
 from legpush.processes.crew import STOP_STAGES, Crew
+from tests.legpush.launch.notebook import Notebook
 
 SCRIPT = r"""
 import os, pathlib, signal, subprocess, sys, time
@@ -67,27 +66,6 @@ for order in orders:
 while True:
     signal.pause()
 """
-
-
-@dataclass
-class Notebook(AbstractContextManager["Notebook"]):
-    """A display that remembers; `on_notice` and `on_progress` may act."""
-
-    notices: list[str] = field(default_factory=list)
-    shown: list[tuple[str, float | None, str, str]] = field(default_factory=list)
-    on_notice: Callable[[str], None] = lambda text: None
-    on_progress: Callable[[], None] = lambda: None
-
-    def __exit__(self, *_: object) -> None:
-        return None
-
-    def progress(self, phase: str, fraction: float | None, detail: str, waiting_for: str) -> None:
-        self.shown.append((phase, fraction, detail, waiting_for))
-        self.on_progress()
-
-    def notice(self, text: str) -> None:
-        self.notices.append(text)
-        self.on_notice(text)
 
 
 def is_gone(pid: int) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scene.scenario import PlannerName
+from legpush.scene.names import PlannerName
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.registry import routes
 from planner_proc.search.route import Route

@@ -11,8 +11,9 @@ import pytest
 
 from legpush.geometry import wrap_angle
 from legpush.messages.planning import Plan, TrunkPathQuery
+from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime, PlannerName, Steering
+from legpush.scene.scenario import Anytime
 from planner_proc import planning
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.planning import make_plan

@@ -12,8 +12,9 @@ from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
+from legpush.scene.names import Face
 from legpush.scene.robot import FOOT_RADIUS_M, FRONT_LEGS, LEGS, FrontLeg, foot_rectangle_b
-from legpush.scene.scenario import STATION_M, Face, PoseDeg, Scenario
+from legpush.scene.scenario import STATION_M, PoseDeg, Scenario
 from sim_proc.control.posture import Posture
 from sim_proc.control.push_cycle import Pusher, contact_point
 from sim_proc.control.steps import Steps

@@ -7,8 +7,9 @@ from msgspec.structs import replace
 
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push, Reset
+from legpush.scene.names import BoxShape
 from legpush.scene.robot import FOOT_RADIUS_M
-from legpush.scene.scenario import Box, BoxShape, PoseDeg, Scenario
+from legpush.scene.scenario import Box, PoseDeg, Scenario
 from sim_proc.control.push_cycle import contact_point
 from sim_proc.model.world import build_model
 from sim_proc.simulator import Simulator

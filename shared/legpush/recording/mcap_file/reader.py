@@ -76,7 +76,11 @@ class Recording:
         return sum(not self.is_as_recorded(message) for message in self.messages)
 
     def attachment(self, name: str) -> Attachment | None:
-        """The first file of this name, of whichever process; `RecordingError` where it is damaged."""
+        """Return the first file of this name, no matter of which process.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
         found = next((a for a in self.attachments.values() if a.name.rpartition("/")[2] == name), None)
         if found is not None and found.name in self.damaged_attachments:
             raise RecordingError(
@@ -95,9 +99,10 @@ class Recording:
 
 
 def read_recording(paths: Sequence[Path]) -> Recording:
-    """All of a recording; `RecordingError` where a file is empty, foreign, of another version, cut off or damaged.
+    """Read all of a recording; parts may be given in any order.
 
-    Parts may be given in any order.
+    Raises:
+        RecordingError: A file is empty, foreign, of another version, cut off or damaged.
     """
     if not paths:
         raise RecordingError("Expected the file of a recording, or the files of its parts, got none")
@@ -135,9 +140,10 @@ class Scan:
         self._senders: dict[int, _Sender] = {}
 
     def part(self) -> int:
-        """Its number among the parts of its recording as it says; 0 where it does not.
+        """Return its number among the parts of its recording, as it says; 0 if it does not.
 
-        `RecordingError` where there is no MCAP file.
+        Raises:
+            RecordingError: It is no MCAP file.
         """
         with self._opened() as file:
             for opcode, data in self._frames(file):
@@ -150,7 +156,11 @@ class Scan:
         return 0
 
     def read_into(self, recording: Recording) -> None:
-        """Add what the file has; `RecordingError` where it is no recording of this protocol."""
+        """Add what the file has.
+
+        Raises:
+            RecordingError: It is no recording of this protocol.
+        """
         with self._opened() as file:
             for opcode, data in self._frames(file):
                 self._take(opcode, data, recording)

@@ -1,0 +1,56 @@
+"""One push: approach if need be, push, count it, publish its reward, and learn from it."""
+
+from collections.abc import Callable, Mapping
+
+from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.push_model.map import PushMap
+from agent_proc.task.reward_tuned import tuned_reward
+from agent_proc.walking.actor import Actor
+from agent_proc.walking.walker import Walker
+from legpush.messages.stepping import Push
+from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.names import Face
+
+PublishReward = Callable[[Mapping[str, float]], None]
+"""Gets what a push earned, term by term."""
+
+
+class Pushes:
+    """The pushes of a mission, and what they do at each face of the box."""
+
+    def __init__(
+        self, actor: Actor, walker: Walker, publish_reward: PublishReward, push_map: PushMap | None = None
+    ) -> None:
+        """`push_map` is the measured effect of pushes; without it, that on the nearest known box is assumed."""
+        self._actor = actor
+        self._walker = walker
+        self._publish_reward = publish_reward
+        self.estimates: Mapping[Face, PushEstimate] = {
+            face: PushEstimate(pushed_box(actor.scenario.box, face), None if push_map is None else push_map.model(face))
+            for face in actor.faces()
+        }
+        """What pushes do, by the face that is pushed."""
+        self.n_cycles = 0
+        """Number of pushes."""
+        self._first: PushView | None = None
+        """Before the first push."""
+
+    def push(self, push: Push, *, learn: bool) -> None:
+        """Push once, from the station of the face; with `learn`, its estimate learns from the push.
+
+        Raises:
+            MissionEndedError: The station cannot be reached, or what a motion raises.
+        """
+        face = push.face
+        if not self._actor.at_station(face):
+            self._walker.approach(face)
+        self.n_cycles += 1
+        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.state, self._actor.scenario)
+        self._first = self._first or view
+        self._actor.step(push)
+        after = push_view(self._actor.state, self._actor.scenario)
+        # What the same push earns in training; policies do not see it here.
+        self._publish_reward(tuned_reward(self._first, view, after, arrived=False))
+        if learn:
+            self.estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))

@@ -1,0 +1,106 @@
+"""Asks the planner for paths, refuses plans that cannot be followed, and keeps the better paths of the last plan."""
+
+from itertools import groupby
+
+from agent_proc.endings import MissionEndedError
+from agent_proc.walking.actor import Actor
+from agent_proc.walking.better_paths import BetterPaths
+from agent_proc.walking.obstacles import in_words
+from legpush.errors import PeerError
+from legpush.geometry import Pose2, distance_m
+from legpush.lockstep.world import World
+from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.scene.paths import path_length_m
+
+
+class RoutePlanner:
+    """The planner, as a mission asks it."""
+
+    def __init__(self, world: World, actor: Actor, seed: int) -> None:
+        self._world = world
+        self._actor = actor
+        self.seed = seed
+        """Part of every query, so that a mission can be repeated."""
+        self.n_better_paths = 0
+        """How often a better path was taken."""
+        self.n_replans = 0
+        """How often a path was given up because an obstacle appeared in it."""
+        self._better: BetterPaths | None = None
+        """Of the last plan that was asked for."""
+
+    def ask(self, query: PlanQuery, what: str) -> Plan:
+        """The planner's answer, whatever its status; `what` names the path for people.
+
+        Raises:
+            PeerError: The plan is called exact, but it cannot be followed.
+        """
+        self._actor.tell("planning", None, what)
+        plan = self._world.plan(query)
+        _require_followable(query, plan, what)
+        self._better = BetterPaths(query, plan) if isinstance(query, TrunkPathQuery) and query.anytime else None
+        return plan
+
+    def better_path(
+        self, waypoints: tuple[Pose2, ...], travelled_m: float, last_stretch: tuple[Pose2, ...]
+    ) -> tuple[Pose2, ...]:
+        """A path from here on that is shorter than what is left of the present one, or nothing.
+
+        The planner's next revision is waited for at each call but those at the beginning of the path, so that a mission
+        can be repeated. `waypoints` end with the `last_stretch`, which no plan has, and so does the path returned.
+
+        Raises:
+            PeerError: The revision is called exact, but it cannot be followed.
+        """
+        if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
+            return ()
+        left_m = path_length_m(waypoints) - travelled_m - path_length_m(last_stretch)
+        plan = self._world.revision(revision)
+        _require_followable(self._better.query, plan, f"revision {revision} of the way")
+        joined = self._better.joined(plan, self._actor.trunk(), left_m)
+        if not joined:
+            return ()
+        self.n_better_paths += 1
+        return joined + last_stretch
+
+    def forget_better_paths(self) -> None:
+        """Wait for no more revisions of the last plan: its map is out of date."""
+        self._better = None
+
+    def cancel(self) -> None:
+        """Stop the planner from improving its last plan."""
+        self.forget_better_paths()
+        self._world.cancel_plan()
+
+    def give_up(self, what: str, n_known: int) -> None:
+        """Count that a path of robot or box is given up, and tell what has appeared beyond the first `n_known`."""
+        self.n_replans += 1
+        appeared = in_words(self._actor.state.appeared[n_known:])
+        self._actor.tell("giving up a path", None, f"of {what}; appeared: {appeared}")
+
+    def no_path(self, what: str, plan: Plan) -> MissionEndedError:
+        """The error to raise if a plan is not exact and the mission cannot go on without it."""
+        state = self._actor.state
+        appeared = f"; appeared: {in_words(state.appeared)}" if state.appeared else ""
+        return MissionEndedError("no_path", f"{what}: the planner's answer is {plan.status}: {plan.reason}{appeared}")
+
+
+def plan_fault(query: PlanQuery, plan: Plan) -> str:
+    """Why an exact plan cannot be followed, or nothing; any program may be the planner."""
+    if not plan.waypoints:
+        return "it has no waypoints"
+    if isinstance(query, TrunkPathQuery):
+        return ""
+    if len(plan.sides) != len(plan.waypoints):
+        return f"it has {len(plan.waypoints)} waypoints and {len(plan.sides)} sides"
+    if max(plan.sides) >= len(query.sides):
+        return f"it names side {max(plan.sides)} of {len(query.sides)}"
+    for _, stage in groupby(zip(plan.sides, plan.waypoints, strict=True), key=lambda item: item[0]):
+        poses = [pose for _, pose in stage]
+        if all(distance_m(pose, poses[0]) == 0.0 for pose in poses):
+            return f"the box does not move in the stage at ({poses[0].x_m:g}, {poses[0].y_m:g})"
+    return ""
+
+
+def _require_followable(query: PlanQuery, plan: Plan, what: str) -> None:
+    if plan.status == "exact" and (fault := plan_fault(query, plan)):
+        raise PeerError(f"{what}: expected a plan that can be followed, but {fault}")

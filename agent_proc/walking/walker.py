@@ -1,0 +1,146 @@
+"""Walks along a path, behind a face of the box, and back from it."""
+
+from collections import deque
+from typing import Final
+
+from agent_proc.endings import MissionEndedError
+from agent_proc.walking.actor import Actor
+from agent_proc.walking.obstacles import is_in_walk
+from agent_proc.walking.route_planner import RoutePlanner
+from legpush.errors import PeerError
+from legpush.geometry import Pose2
+from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Follow, PathProgress, Walk
+from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_box
+from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.scene.names import Face
+from legpush.scene.paths import path_length_m
+from legpush.scene.station import can_turn, last_stretch, way_back
+
+STILL_CYCLES: Final = 5
+"""The robot is stuck if this many cycles in a row change too little."""
+LEAST_WALK_M: Final = 0.02
+"""It is too little if the trunk, or its place on the path, moves less than this in all of them together."""
+
+
+class Walker:
+    """Walks, gait cycle by gait cycle, and takes better paths as the planner finds them."""
+
+    def __init__(self, actor: Actor, planner: RoutePlanner) -> None:
+        self._actor = actor
+        self._planner = planner
+
+    def walk_plan(self, phase: str, plan: Plan, *, last_stretch: tuple[Pose2, ...] = (), until_m: float = 0.0) -> bool:
+        """Walk along the last plan that was asked for and on along `last_stretch`, as `walk` does."""
+        done = self.walk(phase, plan.waypoints + last_stretch, until_m, last_stretch)
+        self._planner.cancel()
+        return done
+
+    def walk(
+        self, phase: str, waypoints: tuple[Pose2, ...], until_m: float = 0.0, last_stretch: tuple[Pose2, ...] = ()
+    ) -> bool:
+        """Walk to the end of a path, or until the box is nearer than `until_m`.
+
+        Returns False if an obstacle has appeared in what is left of the path. `last_stretch` is the part at the end of
+        the path that a better path has to end with.
+
+        Raises:
+            MissionEndedError: The robot is stuck, or what a motion raises.
+            PeerError: The world reports no progress on the path.
+        """
+        self._actor.step(Follow(waypoints=waypoints))
+        n_known = self._actor.n_appeared()
+        past: deque[tuple[Pose2, float]] = deque(maxlen=STILL_CYCLES + 1)
+        while True:
+            path = self._progress()
+            share = min(path.travelled_m / path.length_m, 1.0) if path.length_m > 0.0 else 1.0
+            self._actor.tell(phase, share, f"{path.travelled_m:.1f} of {path.length_m:.1f} m")
+            if path.done or self._actor.box_distance_m() <= until_m:
+                return True
+            new = self._actor.appeared_since(n_known)
+            if any(is_in_walk(each, self._actor.scenario, waypoints, path.travelled_m) for each in new):
+                self._planner.give_up("the robot", n_known)
+                return False
+            if new:
+                self._planner.forget_better_paths()
+            n_known = self._actor.n_appeared()
+            if better := self._planner.better_path(waypoints, path.travelled_m, last_stretch):
+                waypoints = better
+                self._actor.step(Follow(waypoints=waypoints))
+                past.clear()
+                continue
+            past.append((self._actor.trunk(), path.travelled_m))
+            if _is_stuck(past):
+                raise MissionEndedError(
+                    "stuck", f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it"
+                )
+            self._actor.step(Walk())
+
+    def query_behind_nominal(self, face: Face) -> PlanQuery:
+        """Query for the way from here to behind a face of the box at its nominal pose, wherever the box really is."""
+        return query_to_nominal_box(self._actor.scenario, self._planner.seed, self._actor.trunk(), face)
+
+    def query_behind(self, face: Face) -> PlanQuery:
+        """Query for the way from here to the stand-off behind a face of the measured box."""
+        actor = self._actor
+        return query_to_measured_box(actor.scenario, self._planner.seed, actor.trunk(), actor.box(), face)
+
+    def walk_behind(self, face: Face, plan: Plan) -> bool:
+        """Walk along the planned path to the stand-off behind a face, and on to the station.
+
+        Returns False if an obstacle has appeared in the way; the robot then has space to turn.
+
+        Raises:
+            MissionEndedError: The walk ended, but not at the station.
+        """
+        scenario, box = self._actor.scenario, self._actor.box()
+        stretch = last_stretch(scenario, pushed_box(scenario.box, face), pushed_pose(box, face))
+        if not self.walk_plan("approaching", plan, last_stretch=stretch):
+            if not can_turn(self._actor.scenario, self._actor.trunk(), self._actor.box()):
+                self._walk_back()
+            return False
+        if not self._actor.at_station(face):
+            distance_m = self._actor.box_distance_m()
+            raise MissionEndedError(
+                "missed_station", f"the approach ended {distance_m:.2f} m from the box, not at the station"
+            )
+        return True
+
+    def approach(self, face: Face) -> None:
+        """Walk to the station behind a face of the measured box.
+
+        Raises:
+            MissionEndedError: There is no path.
+        """
+        while True:
+            plan = self._planner.ask(self.query_behind(face), "the way behind the box")
+            if plan.status != "exact":
+                raise self._planner.no_path("the way behind the box", plan)
+            if self.walk_behind(face, plan):
+                return
+
+    def change_face(self, face: Face) -> bool:
+        """Walk around the box to the station behind another face; returns whether the robot came there."""
+        self.back_off()
+        plan = self._planner.ask(self.query_behind(face), "the way to another face of the box")
+        return plan.status == "exact" and self.walk_behind(face, plan)
+
+    def back_off(self) -> None:
+        """Walk straight back from the box, if the robot stands at a station, until it has space to turn."""
+        if self._actor.standing_at() is not None:
+            self._walk_back()
+
+    def _walk_back(self) -> None:
+        self.walk("backing off", way_back(self._actor.scenario, self._actor.trunk(), self._actor.box()))
+
+    def _progress(self) -> PathProgress:
+        state = self._actor.state
+        if state.path is None:
+            raise PeerError(f"Expected `path` in the state of the world at tick {state.tick}, got none")
+        return state.path
+
+
+def _is_stuck(past: deque[tuple[Pose2, float]]) -> bool:
+    """Whether the robot is where it was `STILL_CYCLES` gait cycles ago, by its trunk or by its place on the path."""
+    (then, then_m), (now, now_m) = past[0], past[-1]
+    return len(past) > STILL_CYCLES and min(path_length_m((then, now)), now_m - then_m) < LEAST_WALK_M
