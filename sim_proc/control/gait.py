@@ -66,12 +66,12 @@ class PathWalk:
             ahead[0] = replace(ahead[0], shift_ticks=FIRST_SHIFT_TICKS)
         logs = []
         for index in range(len(GAIT_ORDER)):
-            logs.append(self._steps.take(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
+            logs.append(self._steps.take_step(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
             if posture.plant.fallen:
                 return logs
         self._travelled = this.travelled_m
         if self.progress().done:
-            logs.append(self._steps.take([self._rest()], None))
+            logs.append(self._steps.take_step([self._rest()], None))
             posture.com_state[1:] = 0.0
         return logs
 

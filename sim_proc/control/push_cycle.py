@@ -85,14 +85,14 @@ class Pusher:
             self._push_step(push.leg, here, posture.yaw_rad),
             *self._return_steps(push.leg, behind_box(box, pose @ expected, STATION_M))[:2],
         ]
-        logs = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
+        logs = [self._steps.take_step(ahead, self._bezier_swing(push, goal), lands=False)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen:
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
-                logs.append(self._steps.take(follow[index : index + 4], swing))
+                logs.append(self._steps.take_step(follow[index : index + 4], swing))
                 if plant.fallen:
                     break
         return PushLog(logs=logs, peak_force_n=peak)

@@ -71,7 +71,7 @@ class Steps:
         """Index of the leg that the last step put down."""
         self.n_footsteps = 0
 
-    def take(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
+    def take_step(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
         """Carry out `ahead[0]`. The other steps are those expected to follow.
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.

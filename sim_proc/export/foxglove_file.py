@@ -163,16 +163,16 @@ class _Writer:
         def at(row: int, write: Callable[..., None], *about: object) -> None:
             events.setdefault(row, []).append(partial(write, row, *about))
 
-        timeline, timelines = self._timeline, self._source.timelines
+        timeline, history = self._timeline, self._source.history
         for step in timeline.steps:
             at(max(0, min(step.first_row, timeline.n_rows) - 1), self._write_step, step)
         for appearance in timeline.steps[-1].world.appeared:
             row = int(np.searchsorted(timeline.tick, appearance.tick))
             at(min(row, timeline.n_rows - 1), self._write_appeared)
-        for row, planned in timelines.plans_of(timeline):
+        for row, planned in history.plans_of(timeline):
             at(row, self._write_plan, planned)
-        began, ended = timelines.span_ns(timeline)
-        for said in timelines.said:
+        began, ended = history.span_ns(timeline)
+        for said in history.said:
             if began <= said.time_ns <= ended:
                 at(timeline.row_at(said.time_ns), self._write_said, said)
         return events

@@ -29,7 +29,7 @@ class Source:
 
     paths: tuple[Path, ...]
     recording: Recording
-    timelines: RunHistory
+    history: RunHistory
     episodes: list[Exported]
     """The episodes to export."""
 
@@ -61,17 +61,17 @@ def read_source(paths: Sequence[Path], index: int | None, *, partial: bool) -> S
             choices = ", ".join(str(record.index) for record in records)
             raise RecordingError(f"{where}: expected one of its episodes, {choices}, for --episode, got {index}")
         records = records[index : index + 1]
-    timelines = _timelines(recording)
+    history = _history(recording)
     episodes = []
     for record in records:
-        timeline = timelines.episodes.get((record.sim, record.number))
+        timeline = history.episodes.get((record.sim, record.number))
         if not partial:
             _require_whole(record, timeline, where)
         if timeline is not None:
             episodes.append(Exported(index=record.index, sim=record.sim, timeline=timeline))
     if not episodes:
         raise RecordingError(f"{where}: expected an episode with a step that was carried out, got none")
-    return Source(paths=tuple(paths), recording=recording, timelines=timelines, episodes=episodes)
+    return Source(paths=tuple(paths), recording=recording, history=history, episodes=episodes)
 
 
 def longest(episodes: Sequence[Exported]) -> Exported:
@@ -92,14 +92,14 @@ def notes(source: Source) -> Iterator[str]:
             yield f"episode {each.index} begins with step {first.number}: earlier steps were not recorded"
 
 
-def _timelines(recording: Recording) -> RunHistory:
-    """RunHistory of all undamaged messages."""
-    timelines = RunHistory()
-    timelines.scenario = scenario_of(recording)
+def _history(recording: Recording) -> RunHistory:
+    """The history that all undamaged messages tell."""
+    history = RunHistory()
+    history.scenario = scenario_of(recording)
     for message in recording.messages:
         if recording.is_as_recorded(message):
-            timelines.take_message(message.topic, message.origin, message.copy)
-    return timelines
+            history.take_message(message.topic, message.origin, message.copy)
+    return history
 
 
 def _require_whole(record: EpisodeRecord, timeline: Timeline | None, where: str) -> None:

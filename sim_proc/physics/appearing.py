@@ -38,7 +38,7 @@ class Waiting:
         self.next_tick = self._next_tick()
         """When the first waiting obstacle is due; `NEVER` if none is left."""
 
-    def take(self, tick: int, trunk: Pose2, box: Pose2) -> list[int]:
+    def take_due(self, tick: int, trunk: Pose2, box: Pose2) -> list[int]:
         """Remove and return the obstacles that appear at the end of a tick.
 
         They are due, and robot and box are far enough away.

@@ -110,7 +110,7 @@ class Physics:
 
     def _let_appear(self, tick: int) -> None:
         """Put obstacles in their places that can appear at the end of a tick."""
-        for index in self._waiting.take(tick, self.trunk_pose(), self.box_pose()):
+        for index in self._waiting.take_due(tick, self.trunk_pose(), self.box_pose()):
             self.data.mocap_pos[self._wall(index)] = self.model.body(wall_name(index)).pos
             self.appeared += (Appearance(obstacle=index, tick=tick),)
 

@@ -44,7 +44,7 @@ class Listener:
         self._closed.set()
         self._thread.join()
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
+    def pump(self, history: RunHistory, budget_s: float) -> None:
         """Add the batches that have arrived, for at most `budget_s`."""
         until = monotonic() + budget_s
         while monotonic() < until:
@@ -52,17 +52,17 @@ class Listener:
                 batch = self._batches.get_nowait()
             except queue.Empty:
                 return
-            self.take(batch, timelines)
+            self.take_batch(batch, history)
 
-    def take(self, batch: Copies, timelines: RunHistory) -> None:
+    def take_batch(self, batch: Copies, history: RunHistory) -> None:
         """Add the contents of a batch."""
         if batch.header.role == "launcher":
             self._played[batch.origin.role, batch.origin.name] = (batch.origin, batch.header.incarnation)
         for fact in batch.facts:
             if fact.name == SCENARIO_FILE:
-                timelines.scenario = scenario_in(fact.data)
+                history.scenario = scenario_in(fact.data)
         for copy in self._ledger.fresh(batch):
-            timelines.take_message(topic_of(copy.key), batch.origin, copy)
+            history.take_message(topic_of(copy.key), batch.origin, copy)
         self._ledger.note_batch(batch, batch.copies, set())
 
     def live(self) -> list[Origin]:

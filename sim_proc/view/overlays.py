@@ -107,12 +107,12 @@ def followed_path(timeline: Timeline, row: int) -> Floats:
     return _waypoints(next(paths, ()))
 
 
-def plan_at(timelines: RunHistory, timeline: Timeline, row: int, kind: str) -> Plan | None:
+def plan_at(history: RunHistory, timeline: Timeline, row: int, kind: str) -> Plan | None:
     """The last plan with a path for the `box` or the `trunk` that existed at a row; None without one."""
-    if not timelines.plans:
+    if not history.plans:
         return None
-    began, ended = timelines.span_ns(timeline)
-    for planned in reversed(timelines.plans):
+    began, ended = history.span_ns(timeline)
+    for planned in reversed(history.plans):
         is_wanted = isinstance(planned.query, BoxPathQuery) == (kind == "box") and planned.plan.waypoints
         if is_wanted and began <= planned.time_ns <= ended and timeline.row_at(planned.time_ns) <= row:
             return planned.plan

@@ -33,7 +33,7 @@ PUMP_S: Final = 0.02
 
 
 class Source(Protocol):
-    """Where the timelines of the page come from."""
+    """Where the page gets the history of a run from."""
 
     is_live: bool
     is_reading: bool
@@ -43,7 +43,7 @@ class Source(Protocol):
     def title(self) -> str:
         """Name of the source, for people."""
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
+    def pump(self, history: RunHistory, budget_s: float) -> None:
         """Add messages that have arrived, for at most `budget_s`."""
 
     def live(self) -> Collection[Origin] | None:
@@ -75,7 +75,7 @@ class Page:
         with panel.add_tab("Plots"):
             self._plots = Plots(self._server)
         panel.dock_left()
-        self.timelines = RunHistory()
+        self.history = RunHistory()
         self.shown: Timeline | None = None
         self._time_shown_at = self._slow_at = monotonic()
         self.player = Player(follows=source.is_live)
@@ -100,7 +100,7 @@ class Page:
 
     def update(self, seconds: float) -> None:
         """Take new messages and commands and show the present row, `seconds` after the last update."""
-        self._source.pump(self.timelines, PUMP_S)
+        self._source.pump(self.history, PUMP_S)
         for command in self._panel.commands():
             self.obey(command)
         self._choose()
@@ -109,7 +109,7 @@ class Page:
             self.player.advance(seconds, self.shown, grows=self._source.is_reading)
             row = self.player.row(self.shown)
             if self._server.get_clients():
-                self._scene.show(self.timelines, self.shown, row, follow=self._follows_robot)
+                self._scene.show(self.history, self.shown, row, follow=self._follows_robot)
             if now - self._time_shown_at >= TIME_PERIOD_S:
                 self._time_shown_at = now
                 self._panel.show_time(self.shown, row, self.player)
@@ -129,11 +129,11 @@ class Page:
         if self.shown is None:
             self._panel.show_waiting(live=self._source.is_live, reading=self._source.is_reading)
         self._show_episodes()
-        self._panel.show_processes(self._source.title, conditions(self.timelines.said, at_ns, live))
+        self._panel.show_processes(self._source.title, conditions(self.history.said, at_ns, live))
 
     def _choose(self) -> None:
         """Choose the episode to show: the newest of a live run, until a user chooses another one."""
-        episodes = self.timelines.episodes
+        episodes = self.history.episodes
         if not episodes:
             return
         newest = next(reversed(episodes.values()) if self._source.is_live else iter(episodes.values()))
@@ -142,7 +142,7 @@ class Page:
 
     def _show_episodes(self) -> None:
         """List the episodes that a user can choose."""
-        episodes, indices = self.timelines.episodes, self.timelines.indices
+        episodes, indices = self.history.episodes, self.history.indices
         if self.shown is not None:
             labels = {key: f"{indices[key]}: simulator {key[0]}" for key in episodes}
             chosen = next(label for key, label in labels.items() if episodes[key] is self.shown)
@@ -150,10 +150,10 @@ class Page:
 
     def _begin(self, timeline: Timeline) -> None:
         """Show another episode from its beginning."""
-        self.shown = self.timelines.held = timeline
+        self.shown = self.history.held = timeline
         self.player.restart()
         self._scene.begin(timeline)
-        self._scene.show(self.timelines, timeline, self.player.row(timeline), follow=self._follows_robot)
+        self._scene.show(self.history, timeline, self.player.row(timeline), follow=self._follows_robot)
 
     def obey(self, command: PanelCommand) -> None:
         """Carry out the command of a user."""
@@ -195,11 +195,11 @@ class Page:
 
     def _begin_chosen(self, index: int) -> None:
         """Show an episode that a user chose, unless it has been forgotten meanwhile."""
-        for key, each in self.timelines.indices.items():
+        for key, each in self.history.indices.items():
             if each == index:
-                self._begin(self.timelines.episodes[key])
+                self._begin(self.history.episodes[key])
                 if self.player.follows:
-                    self.player.play(self.timelines.episodes[key])
+                    self.player.play(self.history.episodes[key])
 
     def _aim(self, command: PanelCommand) -> None:
         """Aim the camera of the user who asked for it."""

@@ -136,8 +136,10 @@ class Panel:
         self._listen(handle.on_click, name)
 
     def _listen(self, register: Callable[[Callable[[Any], Coroutine[Any, Any, None]]], object], name: str) -> None:
-        # Viser awaits a coroutine at once, but leaves a function to another thread, in which the control may have been
-        # set to the present time again, and what people chose would be lost.
+        """Queue a command for each event of a control."""
+
+        # Viser awaits a coroutine at once, but runs a function in another thread. By then the control may have been set
+        # to the present time again, and the choice of the user would be lost.
         async def take(event: Any) -> None:
             # Ignore values that this program set itself, and values that the control does not offer.
             if event.client_id is not None and is_possible(event.target):

@@ -108,13 +108,13 @@ class Scene:
                 self._layers[name].visible = shown
             self._add_fast_overlays()
 
-    def show(self, timelines: RunHistory, timeline: Timeline, row: int, *, follow: bool) -> None:
+    def show(self, history: RunHistory, timeline: Timeline, row: int, *, follow: bool) -> None:
         """Draw a row."""
         with self._server.atomic():
             self._move_bodies(timeline, row)
             self._follow(timeline.qpos[row, TRUNK][:2] if follow else np.zeros(2))
             self._show_push(timeline, row)
-            self._show_paths(timelines, timeline, row)
+            self._show_paths(history, timeline, row)
             self._box_trace(timeline, row)
             for layer, show in (
                 ("traces", self._show_traces),
@@ -211,10 +211,10 @@ class Scene:
             elif draw:
                 self._forget("curve/curve", "curve/polygon", "curve/points")
 
-    def _show_paths(self, timelines: RunHistory, timeline: Timeline, row: int) -> None:
+    def _show_paths(self, history: RunHistory, timeline: Timeline, row: int) -> None:
         """Draw the plans that exist at a row, and the path that is followed."""
         for kind, color in (("trunk", TRUNK_GREEN), ("box", BOX_PURPLE)):
-            plan = overlays.plan_at(timelines, timeline, row, kind)
+            plan = overlays.plan_at(history, timeline, row, kind)
             with self._redrawn(f"{kind} plan", id(plan)) as draw:
                 if draw:
                     tree = None if plan is None else overlays.plan_tree(plan)

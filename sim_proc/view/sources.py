@@ -1,4 +1,4 @@
-"""Sources of the timelines of the page: a recording, or a live run."""
+"""Sources of the history that the page shows: a recording, or a live run."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -47,12 +47,12 @@ class RecordedSource:
     def __exit__(self, *_: object) -> None:
         return None
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
+    def pump(self, history: RunHistory, budget_s: float) -> None:
         """Add messages, for at most `budget_s`."""
-        timelines.scenario = self._scenario
+        history.scenario = self._scenario
         until = monotonic() + budget_s
         for message in self._left:
-            timelines.take_message(message.topic, message.origin, message.copy)
+            history.take_message(message.topic, message.origin, message.copy)
             if monotonic() >= until:
                 return
         self.is_reading = False
@@ -100,18 +100,18 @@ class LiveSource:
         """Name of the source, for people."""
         return f"Run {self._watched.run}"
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
+    def pump(self, history: RunHistory, budget_s: float) -> None:
         """Add messages that have arrived, for at most `budget_s`, and go on with the next run if this one is over."""
-        self._listener.pump(timelines, budget_s)
-        timelines.keep_newest(KEEP_EPISODES)
+        self._listener.pump(history, budget_s)
+        history.keep_newest(KEEP_EPISODES)
         if monotonic() - self._looked_at >= LOOK_S and not self._connect:
             following = self._next_run()
             self._looked_at = monotonic()
             if following is not None:
                 self._open.close()
                 self._watched = following
-                timelines.said.clear()
-                timelines.scenario = None
+                history.said.clear()
+                history.scenario = None
                 self._attach()
 
     def live(self) -> list[Origin]:
