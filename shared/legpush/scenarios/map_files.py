@@ -1,4 +1,4 @@
-"""Occupancy maps in files: CSV, NumPy, and what they have in common with those of ROS `map_server`."""
+"""Reads occupancy maps from CSV and NumPy files; also the parts that they share with maps of ROS `map_server`."""
 
 import csv
 from dataclasses import dataclass
@@ -15,16 +15,16 @@ from legpush.arrays import Flags
 from legpush.errors import ScenarioError
 
 CELL_SUFFIXES: Final = (".csv", ".npy")
-"""Files of nothing but cells: how large a cell is, and where the first row lies, has to be said beside them."""
+"""Files that have only cells: the size of a cell and the place of the first row must be given besides."""
 MAP_SERVER_SUFFIXES: Final = (".yaml", ".yml")
-"""Files that say all of it."""
+"""Files that have the size of a cell, and whose first row is the top one."""
 IMAGE_SUFFIXES: Final = (".pgm", ".png")
-"""What they name as their image."""
+"""The images of these files."""
 MAX_MAP_SIDE: Final = 4096
 NO_ARRAY: Final = (ValueError, TypeError, OverflowError, OSError, EOFError, MemoryError, TokenError, BadZipFile)
-"""What NumPy raises for a file that is none of its own, or a damaged one."""
+"""Errors that NumPy raises for a damaged file, or a file of another kind."""
 FirstRow = Literal["top", "bottom"]
-"""Where the first row of a file lies: at the highest y, as in a picture, or at y = 0."""
+"""Place of the first row of a file: at the highest y, as in a picture, or at y = 0."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,12 +32,12 @@ class OccupancyMap:
     """Square cells, (rows, columns); row 0 lies at the lowest y, column 0 at the lowest x."""
 
     occupied: Flags
-    """Walls, and what is unknown."""
+    """Occupied or unknown cells."""
     unknown: Flags
-    """Those of them that the file calls neither occupied nor free."""
+    """Cells that the file calls neither occupied nor free."""
     cell_m: float
     origin_m: tuple[float, float] = (0.0, 0.0)
-    """Lower left corner of the map in the file's own frame; in the room that it makes, the same corner is (0, 0)."""
+    """Lower left corner of the map in the file's own frame; in the room, this corner is (0, 0)."""
 
     @property
     def size_m(self) -> tuple[float, float]:
@@ -47,12 +47,16 @@ class OccupancyMap:
 
 
 def suffix_of(name: str) -> str:
-    """The end of a file's name by which its kind is known, in lower case."""
+    """Return the ending of a file's name, in lower case."""
     return PurePath(name).suffix.lower()
 
 
 def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> OccupancyMap:
-    """The map in a CSV or NumPy file; `ScenarioError` names the file, row and column that is wrong."""
+    """Return the map in a CSV or NumPy file.
+
+    Raises:
+        ScenarioError: The file cannot be used; names the file, and the row and column that are wrong.
+    """
     try:
         content = source.read_bytes()
     except OSError as error:
@@ -65,14 +69,18 @@ def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> Occup
 
 
 def require_side(n_rows: int, n_columns: int, where: str) -> None:
-    """Raise where a map has no cells or too many."""
+    """Check that a map has cells, and not too many.
+
+    Raises:
+        ScenarioError: It has none, or too many.
+    """
     if not (1 <= n_rows <= MAX_MAP_SIDE and 1 <= n_columns <= MAX_MAP_SIDE):
         size = f"{n_rows} rows of {n_columns}" if n_rows and n_columns else "none"
         raise ScenarioError(f"{where}: expected 1 to {MAX_MAP_SIDE} rows and columns of cells, got {size}")
 
 
 def _read_csv(content: bytes, where: str) -> Flags:
-    """Cells as in the file, (rows, columns)."""
+    """Return the cells in the order of the file, (rows, columns)."""
     try:
         rows = [row for row in csv.reader(StringIO(content.decode("utf-8"))) if row]
     except (UnicodeDecodeError, csv.Error) as error:
@@ -88,7 +96,7 @@ def _read_csv(content: bytes, where: str) -> Flags:
 
 
 def _read_npy(content: bytes, where: str) -> Flags:
-    """Cells as in the file, (rows, columns)."""
+    """Return the cells in the order of the file, (rows, columns)."""
     try:
         cells = np.load(BytesIO(content), allow_pickle=False)
     except NO_ARRAY as error:
