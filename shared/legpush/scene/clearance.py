@@ -76,7 +76,7 @@ def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) ->
 
 
 def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> Flags:
-    """Return whether a segment and each square overlap, (n,), by the axes of the square and the normal of the segment."""
+    """Return whether a segment and each square overlap, (n,): no axis of either separates them."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     boxes = ((centres + half_m >= low) & (centres - half_m <= high)).all(axis=1)
     normal = np.array([a[1] - b[1], b[0] - a[0]])
