@@ -85,7 +85,7 @@ def smooth(polyline_m: Floats, tube: Tube, options: Smoothing, min_turning_radiu
 
 
 def _splines(polyline_m: Floats, at_m: Floats, tube: Tube, options: Smoothing, limits: "_Limits") -> Iterator[Floats]:
-    """Candidates as points, (n, 2), at arc lengths of the polyline, (n,), each fitted to the faults of the last one."""
+    """Candidates as points, (n, 2), at arc lengths of the polyline, (n,), each fitted better than the last."""
     if options.method == "spline" and len(polyline_m) > 2:
         yield CubicSpline(arc_lengths_m(polyline_m), polyline_m, bc_type="natural")(at_m)
     elif options.method == "spline":
