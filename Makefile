@@ -4,6 +4,9 @@ PYTHON ?= python3
 VENV ?= .venv
 ARGS ?=
 
+# Tests run in a few processes, each file in one of them. ARGS come later and win: -n0 runs them one after the other.
+PYTEST := -m pytest -q -n auto --maxprocesses 4 --dist loadfile
+
 BIN := $(VENV)/bin
 TORCH := $(shell sed -n 's/^torch==//p' constraints.txt)
 INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check -c constraints.txt
@@ -25,7 +28,7 @@ run: $(VENV)/.run ## Run the default mission: report, picture and video in runs/
 
 test: lint ## Check style, types and import contracts, then run all tests
 	@echo '==> tests'
-	@$(BIN)/python -m pytest $(ARGS)
+	@$(BIN)/python $(PYTEST) $(ARGS)
 
 lint: $(VENV)/.test ## Check style, types and import contracts
 	@echo '==> style'

@@ -1,1 +1,1 @@
-"""What to do: the mission and the pushing policy."""
+"""The agent: it runs the mission and decides about each push."""

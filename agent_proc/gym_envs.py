@@ -1,4 +1,4 @@
-"""The former address of `legpush.gym`, which registers the environments with Gymnasium."""
+"""Former address of `legpush.gym`, which registers the environments with Gymnasium."""
 
 from legpush.gym import PUSH_ID
 

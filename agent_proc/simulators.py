@@ -1,4 +1,4 @@
-"""Where a learner's simulators come from: it starts its own, or joins those that run already."""
+"""Starts simulators for a learner, or joins running ones."""
 
 import threading
 from collections.abc import Iterator
@@ -25,10 +25,10 @@ def own_simulators(
     kind: str = "simulators",
     folder: Path | None = None,
 ) -> Iterator[list[BusWorld]]:
-    """Worlds of `n` simulators that are started here, and end here; one that dies is replaced. What is said is recorded
-    into the new file `record`, if there is one. `kind` and `folder` are those of the `SimPool`.
+    """Start `n` simulators and give a world for each; they end with the context, and one that dies is replaced.
 
-    They are there at once; each waits for its simulator when it is first stepped.
+    The worlds are ready at once: each waits for its simulator when it is first stepped. The messages are recorded into
+    the new file `record`, if it is given. `kind` and `folder` are those of the `SimPool`.
     """
     from legpush.processes.pool import SimPool
 
@@ -43,9 +43,11 @@ def own_simulators(
 def joined_simulators(
     n: int, run: str, endpoints: Endpoints, stop: threading.Event, patience: Patience | None = None
 ) -> Iterator[list[BusWorld]]:
-    """Worlds of the first `n` simulators, by name, that run at these endpoints; whoever runs them replaces the dead.
+    """Give a world for each of the first `n` simulators, by name, of a running run; its owner replaces dead ones.
 
-    `PeerError` where there are not as many within the deadline.
+    Raises:
+        PeerError: Fewer than `n` simulators were found within the deadline.
+        StopRequestedError: `stop` was set.
     """
     with Bus(run, "agent", "main", endpoints) as bus:
         names = find_simulators(bus, n, stop, (patience or Patience()).deadline_s)
@@ -53,7 +55,12 @@ def joined_simulators(
 
 
 def find_simulators(bus: Bus, n: int, stop: threading.Event, deadline_s: float) -> tuple[str, ...]:
-    """Names of the live simulators, sorted, as soon as there are `n`; `PeerError` past the deadline."""
+    """Wait until there are `n` live simulators, and return the names of all live ones, sorted.
+
+    Raises:
+        PeerError: Fewer than `n` simulators were found within the deadline.
+        StopRequestedError: `stop` was set.
+    """
     waited = Stopwatch()
     while not stop.is_set():
         names = tuple(sorted({peer.name for peer in bus.liveliness.live("sim")}))
@@ -78,9 +85,9 @@ def _worlds(bus: Bus, names: tuple[str, ...], stop: threading.Event, patience: P
 def simulators(
     options: SimulatorOptions, logs: Path, stop: threading.Event, *, kind: str, folder: Path | None = None
 ) -> AbstractContextManager[list[BusWorld]]:
-    """Worlds of simulators that are started, or joined where the options say so.
+    """Start simulators, or join running ones if the options say so, and give a world for each.
 
-    `kind` of work and its `folder` are what a recorder or viewer is told about those that are started.
+    `kind` and `folder` are the kind of work and its folder, for the recorders and viewers of started simulators.
     """
     if options.join is None:
         return own_simulators(options.n_simulators, logs, stop, record=options.record, kind=kind, folder=folder)

@@ -1,8 +1,8 @@
-"""`python -m benchmarks.box_paths`: how long the planner takes for a path of the box in a room with ten obstacles.
+"""`python -m benchmarks.box_paths`: measures how long the planner takes for a path of the box among ten obstacles.
 
-One query per random room that a way through is known for, as a mission asks it, in this process, with the scenario's
-budget of iterations. Every path that is called exact is checked again by other means: distances of the box's and the
-robot's rectangle, at every waypoint, to the obstacles themselves and to the walls.
+The rooms are random and known to have a way through. Each gets one query as a mission asks it, in this process and with
+the scenario's budget of iterations. Every exact path is checked again by other means: the distances from the rectangles
+of box and robot, at every waypoint, to the obstacles themselves and to the walls.
 """
 
 from collections import Counter
@@ -31,7 +31,7 @@ ROUNDING_M: Final = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """Which rooms."""
+    """Which rooms are planned in."""
 
     first_seed: int = 80_000
     n_rooms: int = 100
@@ -39,7 +39,7 @@ class Config:
 
 
 def main(config: Config) -> None:
-    """Plan, check, print."""
+    """Plan in every room, check the paths and print times and clearances."""
     times_s, statuses, clearances_m = [], Counter[str](), []
     for seed in track(range(config.first_seed, config.first_seed + config.n_rooms), description="planning"):
         scenario = random_scenario(RandomRoom(obstacles=config.obstacles), seed, solvable_by(make_plan, seed))
@@ -55,13 +55,13 @@ def main(config: Config) -> None:
     print(f"{config.n_rooms} rooms with {config.obstacles} obstacles: {dict(statuses)}")
     print(f"planning: median {median:.2f} s, 5 to 95 % {low:.2f} to {high:.2f} s, longest {max(times_s):.2f} s")
     n_bad = sum(clearance_m < -ROUNDING_M for clearance_m in clearances_m)
-    print(f"exact paths that box or robot cannot keep the clearance on: {n_bad} of {len(clearances_m)}")
+    print(f"exact paths on which box or robot loses the clearance: {n_bad} of {len(clearances_m)}")
     if clearances_m:
         print(f"least clearance beyond what was asked for: {100 * min(clearances_m):.2f} cm")
 
 
 def least_clearance_m(query: BoxPathQuery, plan: Plan, room: Room) -> float:
-    """Of box and robot, anywhere on the path."""
+    """Return the least distance from box and robot to an obstacle or wall, anywhere on the path."""
     solid = [obstacle_footprint(obstacle) for obstacle in room.obstacles]
     least_m = np.inf
     for index, waypoint in zip(plan.sides, plan.waypoints, strict=True):

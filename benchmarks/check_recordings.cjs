@@ -1,5 +1,5 @@
-// Reads recordings with another implementation of MCAP than the one that writes them, @mcap/core for JavaScript, and
-// checks everything that it can check: every CRC, every index against the records, the statistics against counts.
+// Checks recordings with an independent implementation of MCAP, @mcap/core for JavaScript: every CRC, every index
+// against the records, and the statistics against counts.
 //
 //   npm install --prefix /tmp/mcap @mcap/core@2.2.2
 //   NODE_PATH=/tmp/mcap/node_modules node benchmarks/check_recordings.cjs FILE...
@@ -10,7 +10,7 @@
 const { readFileSync } = require("node:fs");
 const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
 
-/** What the records of a file are, read from its beginning to its end. */
+/** Counts the records of a file, reading it from beginning to end. */
 function readAll(bytes) {
   const reader = new McapStreamReader({ validateCrcs: true, includeChunks: true });
   reader.append(bytes);
@@ -43,7 +43,7 @@ function readAll(bytes) {
   return found;
 }
 
-/** Problems of a file, as sentences. */
+/** Finds the problems of a file, as sentences. */
 async function check(path) {
   const bytes = new Uint8Array(readFileSync(path));
   const all = readAll(bytes);

@@ -1,7 +1,7 @@
 """`python benchmarks/interactions.py`: interactions per second in one process, and on the bus with 1 and 2 simulators.
 
-An interaction is one push cycle, with the resets that fall between. All three take the same actions in the same
-episodes, in turn, so that what else the machine does hits all alike; that the observations are equal is checked.
+An interaction is one push cycle, including the resets between episodes. All three settings take turns with the same
+actions in the same episodes, so that other work on the machine affects them equally. The observations must be equal.
 """
 
 import tempfile
@@ -26,16 +26,16 @@ from sim_proc.simulator import Simulator
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """How much to measure."""
+    """Length of the measurement."""
 
     n_steps: int = 60
     """Push cycles of each simulator in a round."""
     n_rounds: int = 7
-    """Each has all three in turn; the medians are reported."""
+    """Number of rounds, each with all three settings in turn; medians are reported."""
 
 
 def main(config: Config) -> None:
-    """Measure and print."""
+    """Measure all settings and print their rates."""
     with ExitStack() as stack:
         logs = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="legpush-interactions-")))
         bus_worlds = stack.enter_context(own_simulators(2, logs, threading.Event()))
@@ -51,7 +51,7 @@ def main(config: Config) -> None:
                 rate, seen[name] = measure(worlds, abs(round_seed), config.n_steps)
                 rates[name] += [rate] if round_seed >= 0 else []
             if not np.array_equal(seen["in one process"], seen["bus, 1 simulator"]):
-                raise RuntimeError("The bus and one process ended with other observations: the comparison is void")
+                raise RuntimeError("The observations on the bus and in one process differ: the comparison is void")
     local = np.array(rates["in one process"])
     one = np.array(rates["bus, 1 simulator"])
     for name, values in rates.items():
@@ -61,7 +61,7 @@ def main(config: Config) -> None:
 
 
 def measure(worlds: Sequence[SteppingWorld], seed: int, n_steps: int) -> tuple[float, NDArray[np.float32]]:
-    """Interactions per second, and the observations of the first simulator."""
+    """Return the interactions per second and the observations of the first simulator."""
     vec = PushVecEnv(TaskConfig(), worlds, seed=seed)
     rng = np.random.default_rng(seed)
     vec.reset()

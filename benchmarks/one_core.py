@@ -1,4 +1,4 @@
-"""`python benchmarks/one_core.py`: whole missions in three processes that share one core, against real time."""
+"""`python benchmarks/one_core.py`: speed of whole missions in three processes that share one core, over real time."""
 
 import json
 import os
@@ -14,16 +14,16 @@ import tyro
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """Which mission, how often."""
+    """Which mission to run, and how often."""
 
     scenario: str = "default"
     """A built-in scenario or a scenario file."""
     missions: int = 5
-    """Seeds 0 to this, exclusive."""
+    """Number of missions; their seeds count from 0."""
 
 
 def main(config: Config) -> None:
-    """Pin this process, and so all that it starts, to one core; run and print."""
+    """Pin this process and its children to one core, run the missions, and print their speed."""
     core = min(os.sched_getaffinity(0))
     os.sched_setaffinity(0, {core})
     factors, simulated = [], []

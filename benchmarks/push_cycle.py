@@ -1,7 +1,7 @@
-"""`python benchmarks/push_cycle.py`: what control adds to physics in a push cycle, and both against real time.
+"""`python benchmarks/push_cycle.py`: time that control adds to physics in a push cycle, and speed over real time.
 
-Side by side in one process, in turn: the simulator's whole push cycle (planning, kinematics, feed-forward, recording)
-and the bare `mj_step` calls that it contains, from the same states with the same controls.
+Two measurements take turns in one process: the simulator's whole push cycle (planning, kinematics, feed-forward,
+recording), and the bare `mj_step` calls that it contains, from the same states with the same controls.
 """
 
 import time
@@ -23,18 +23,18 @@ STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """How often to measure."""
+    """Length of the measurement."""
 
     n_cycles: int = 60
-    """Push cycles, each measured both ways."""
+    """Number of push cycles, each measured both ways."""
 
 
 def main(config: Config) -> None:
-    """Measure and print."""
+    """Measure both and print their ratio."""
     simulator = Simulator()
     simulator.perform(Reset(scenario=load_scenario("push"), seed=0), with_trace=False)
     if simulator.episode is None:
-        raise RuntimeError("The simulator has no episode after its reset")
+        raise RuntimeError("Expected an episode after the reset, got none")
     world = simulator.episode.physics
     controls: list[np.ndarray] = []
     _collect_controls(controls)
@@ -56,7 +56,7 @@ def main(config: Config) -> None:
             mujoco.mj_step(world.model, bare_data, physics.STEPS_PER_TICK)
         bare_s.append(time.perf_counter() - began)
         if not np.array_equal(bare_data.qpos, world.data.qpos):
-            raise RuntimeError("The bare steps did not end in the same state: the comparison is void")
+            raise RuntimeError("The bare steps ended in another state: the comparison is void")
         n_ticks.append(sum(len(part) for part in controls))
     ratio = np.array(cycle_s) / np.array(bare_s)
     real_time = np.array(n_ticks) * CONTROL_PERIOD_S / np.array(cycle_s)
@@ -67,7 +67,7 @@ def main(config: Config) -> None:
 
 
 def _collect_controls(controls: list[np.ndarray]) -> None:
-    """From now on, whatever runs leaves its servo commands in the list."""
+    """Make `Physics.run` append its servo commands to the list from now on."""
     run = physics.Physics.run
 
     def run_and_collect(self: physics.Physics, commands: np.ndarray, torques: np.ndarray) -> TickLog:

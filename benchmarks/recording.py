@@ -1,7 +1,7 @@
-"""`python benchmarks/recording.py`: what a recording costs, and whether it has everything.
+"""`python benchmarks/recording.py`: measures what a recording costs, and whether it is complete.
 
-Side by side: whole missions with and without a recorder, in turn; and a lockstep without physics, as fast as it goes,
-with no recorder, with one, and with one that is frozen. Simulator and recorder are processes of their own.
+Whole missions with and without a recorder take turns. Then a lockstep without physics runs as fast as it can: without a
+recorder, with one, and with a frozen one. Simulator and recorder are processes of their own.
 """
 
 import signal
@@ -32,17 +32,17 @@ CLI = "import sys; from legpush.cli import main; sys.exit(main())"
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """How much to measure."""
+    """Length of the measurement."""
 
     missions: int = 5
-    """With and without recording, each; 0 for none."""
+    """Number of missions with recording, and of missions without; 0 skips them."""
     scenario: str = "default"
     messages: int = 100_000
-    """Of the lockstep without physics: half of them actions."""
+    """Number of messages of the lockstep without physics; half of them are actions."""
 
 
 def main(config: Config) -> None:
-    """Measure and print."""
+    """Measure missions and lockstep, and print the results."""
     if config.missions:
         measure_missions(config.missions, config.scenario)
     with tempfile.TemporaryDirectory(prefix="legpush-recording-") as folder:
@@ -50,7 +50,7 @@ def main(config: Config) -> None:
 
 
 def measure_missions(n: int, scenario: str) -> None:
-    """Wall time of missions, from the first to the last entry of their journals."""
+    """Compare the wall times of missions, from the first to the last entry of their journals."""
     seconds: dict[bool, list[float]] = {False: [], True: []}
     crcs = set()
     with tempfile.TemporaryDirectory(prefix="legpush-recording-") as folder:
@@ -74,7 +74,7 @@ def measure_missions(n: int, scenario: str) -> None:
 
 
 def measure_lockstep(n_steps: int, folder: Path) -> None:
-    """Steps per second, and what is in the file."""
+    """Compare steps per second, and count the messages in the file."""
     folder.chmod(0o700)
     with ExitStack() as stack:
         stack.enter_context(process("sim", folder))
@@ -110,7 +110,7 @@ def measure_lockstep(n_steps: int, folder: Path) -> None:
 
 
 class Lockstep:
-    """Steps that move nothing."""
+    """An agent's end of a lockstep whose steps move nothing."""
 
     def __init__(self, link: SimLink) -> None:
         self._link = link
@@ -118,15 +118,15 @@ class Lockstep:
         link.begin()
         self._step(Reset(scenario=load_scenario("push"), seed=0))
         self.longest_s = 0.0
-        """Of the last run."""
+        """Longest step of the last run."""
 
     @property
     def n_steps(self) -> int:
-        """Up to now."""
+        """Number of steps up to now."""
         return len(self._past)
 
     def run(self, n: int) -> float:
-        """Steps per second."""
+        """Do n steps; return the steps per second."""
         self.longest_s = 0.0
         began = time.perf_counter()
         for _ in range(n):
@@ -163,7 +163,7 @@ with Bus("benchmark", "sim", "main", in_directory(Path(sys.argv[1]), "sim")) as 
 
 @contextmanager
 def process(role: str, folder: Path, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
-    """A simulator that answers at once, or a recorder."""
+    """Start a simulator that answers at once, or a recorder."""
     if role == "sim":
         command = [sys.executable, "-c", SIM, str(folder)]
     else:

@@ -1,7 +1,7 @@
-"""`python -m benchmarks.view`: what a page costs, and how fast it is, in a Chromium that draws without a GPU.
+"""`python -m benchmarks.view`: measures the speed and the cost of a page, in a Chromium that draws without a GPU.
 
-How long the first picture takes; how many frames are drawn of a recording that plays and of missions that go on; whom
-the page asks; and, in turn, missions with and without such a page open.
+Measured are the time to the first picture, the frames per second of a recording and of live missions, the hosts that
+the page contacts, and the wall times of missions with and without an open page, in turn.
 """
 
 import os
@@ -28,26 +28,26 @@ CLI = "import sys; from legpush.cli import main; sys.exit(main())"
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """How much to measure."""
+    """Length of the measurement."""
 
     query: str = "?fixedDpr=0.5"
-    """Of the address: half the pixels each way; empty for all of them."""
+    """Query of the address; by default half the pixels each way, empty for all pixels."""
     openings: int = 5
-    """Of a page, until the robot is there."""
+    """How often to open a page and wait for the robot."""
     seconds: float = 10.0
-    """Of playing, for frames per second."""
+    """How long to play for a count of frames."""
     missions: int = 5
-    """With and without a page, each."""
+    """Number of missions with a page, and of missions without."""
     scenario: str = "default"
     seed: int = 0
-    """Of the missions."""
+    """Seed of the missions."""
 
 
 def main(config: Config) -> None:
-    """Measure and print."""
+    """Measure everything and print the results."""
     with tempfile.TemporaryDirectory(prefix="bench-view-") as name:
         folder = Path(name)
-        os.environ["TMPDIR"] = name  # nobody else's runs
+        os.environ["TMPDIR"] = name  # so that no other runs are found
         recording = folder / "mission.mcap"
         run(folder / "recorded", config, "--record", str(recording))
         with browser() as chrome, viewer(str(recording)) as url:
@@ -58,7 +58,7 @@ def main(config: Config) -> None:
 
 
 def measure_openings(chrome: Browser, url: str, n: int) -> None:
-    """Seconds until what can be seen is drawn, from before the window opens."""
+    """Measure the time from before the window opens until the scene is drawn."""
     seconds = []
     for _ in range(n):
         began = monotonic()
@@ -67,13 +67,13 @@ def measure_openings(chrome: Browser, url: str, n: int) -> None:
             seconds.append(monotonic() - began)
             hosts = {urlsplit(each).netloc for each in page.requests if not each.startswith(("data:", "blob:"))}
         if hosts != {urlsplit(url).netloc}:
-            raise RuntimeError(f"The page asked {hosts}")
+            raise RuntimeError(f"Expected requests to {url} only, the page contacted {hosts}")
     print(f"first picture: {statistics.median(seconds):.2f} s ({min(seconds):.2f} to {max(seconds):.2f}, n {n})")
-    print(f"hosts that the page asked: {', '.join(hosts)}")
+    print(f"hosts that the page contacted: {', '.join(hosts)}")
 
 
 def measure_frames(chrome: Browser, url: str, seconds: float) -> None:
-    """Frames per second of a recording that plays."""
+    """Measure the frames per second of a playing recording."""
     with chrome.page(url) as page:
         until_drawn(page)
         sleep(3.0)
@@ -81,7 +81,8 @@ def measure_frames(chrome: Browser, url: str, seconds: float) -> None:
 
 
 def measure_missions(folder: Path, config: Config, niceness: int) -> None:
-    """Wall time of missions, by turns with a page that follows and without one; frames while the robot moves."""
+    """Measure wall times of missions with a following page and without one, in turn, and frames while the robot
+    moves."""
     pairs, rates, crcs = [], [], set()
     with browser(niceness=niceness) as chrome:
         for index in range(config.missions):
@@ -106,7 +107,7 @@ def measure_missions(folder: Path, config: Config, niceness: int) -> None:
 
 
 def frames_while_moving(page: Page, run_of: "Future[dict[str, float]]") -> float:
-    """Frames per second between the first and the last change of the simulated time that the page shows."""
+    """Return the frames per second between the first and the last change of the displayed simulated time."""
     seen: list[tuple[float, int, str]] = []
     while not run_of.done():
         n, shown = page.js("[window.__nFrames, document.querySelector('.mantine-NumberInput-input')?.value ?? '0']")
@@ -114,25 +115,25 @@ def frames_while_moving(page: Page, run_of: "Future[dict[str, float]]") -> float
             seen.append((monotonic(), n, shown))
         sleep(0.05)
     if len(seen) < 2:
-        raise RuntimeError("The page showed nothing of the mission while it lasted")
+        raise RuntimeError("Expected a page that shows the mission while it runs, but nothing changed")
     (began, first, _), (ended, last, _) = seen[0], seen[-1]
     return (last - first) / (ended - began)
 
 
 def frames_per_second(page: Page, seconds: float) -> float:
-    """What WebGL draws."""
+    """Return the frames that WebGL draws per second."""
     first, began = page.js("window.__nFrames"), monotonic()
     sleep(seconds)
     return float((page.js("window.__nFrames") - first) / (monotonic() - began))
 
 
 def until_drawn(page: Page) -> None:
-    """Wait until WebGL has drawn the robot, or what there is before a run."""
+    """Wait until WebGL has drawn the robot, or the empty scene before a run."""
     page.until("window.__nFrames > 2 && /box error|Nothing has moved/.test(document.body.innerText)")
 
 
 def run(out: Path, config: Config, *flags: str) -> dict[str, float]:
-    """The report of a mission."""
+    """Run a mission and return its report."""
     command = [sys.executable, "-c", CLI, "run", "--scenario", config.scenario, "--seed", str(config.seed)]
     subprocess.run([*command, "--out", str(out), "--no-video", *flags], check=True, capture_output=True)
     report: dict[str, float] = read_report(out)
@@ -141,7 +142,7 @@ def run(out: Path, config: Config, *flags: str) -> dict[str, float]:
 
 @contextmanager
 def viewer(*arguments: str) -> Iterator[str]:
-    """The address of a page that is served."""
+    """Start `legpush view`; yields the address of its page."""
     command = [sys.executable, "-c", CLI, "view", "--port", "0", *arguments]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:

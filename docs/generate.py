@@ -1,14 +1,15 @@
-"""`python docs/generate.py`: the field tables of `protocol.md` and the JSON Schemas, from the message types themselves.
+"""`python docs/generate.py`: writes the generated parts of the documentation.
 
-Between the lines `<!-- generated: NAME -->` and `<!-- end -->` of `protocol.md` everything is written anew; the rest is
-written by hand. Schemas go to `schemas/`. A test fails where either is not what the message types say.
+These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types, and the tables
+of `architecture.md`, from docstrings and import contracts. Everything between the lines `<!-- generated: NAME -->` and
+`<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a generated part is stale.
 """
 
 import ast
 import inspect as python_inspect
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from textwrap import dedent
 from typing import Final
@@ -16,16 +17,16 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
+from docs import source_tree
 from legpush import geometry
-from legpush.messages import common, planning, stepping
-from legpush.messages import telemetry as tap
+from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
-from legpush.scene import footprints as room_shapes
-from legpush.scene import occupancy, reference, scenario
+from legpush.scene import footprints, occupancy, reference, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
+ARCHITECTURE: Final = DOCS / "architecture.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     "planning": (
@@ -59,14 +60,21 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         stepping.Trace,
     ),
     "copies": (
-        tap.Copies,
-        tap.Origin,
-        tap.Copy,
-        tap.Published,
-        tap.Fact,
-        tap.Taken,
+        telemetry.Copies,
+        telemetry.Origin,
+        telemetry.Copy,
+        telemetry.Published,
+        telemetry.Fact,
+        telemetry.Taken,
     ),
-    "common": (common.Header, tap.Status, tap.Reward, tap.RewardTerm, geometry.Pose2, room_shapes.Footprint),
+    "common": (
+        common.Header,
+        telemetry.Status,
+        telemetry.Reward,
+        telemetry.RewardTerm,
+        geometry.Pose2,
+        footprints.Footprint,
+    ),
     "scenario": (
         scenario.Scenario,
         scenario.Room,
@@ -87,27 +95,34 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         reference.Right,
     ),
 }
-"""What stands in each generated part, in this order."""
+"""Records of each generated part of `protocol.md`, in the order of their tables."""
 _BLOCK: Final = re.compile(r"(?<=<!-- generated: )(?P<name>\w+)(?P<open> -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
 def main() -> None:
-    """Write everything anew."""
-    PROTOCOL.write_text(protocol(PROTOCOL.read_text()))
+    """Write all generated parts."""
+    for page, parts in ((PROTOCOL, protocol_parts()), (ARCHITECTURE, architecture_parts())):
+        page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)
     for name, text in schemas().items():
         (SCHEMAS / name).write_text(text)
 
 
-def protocol(text: str) -> str:
-    """The document with its generated parts as the message types are now."""
+def filled(text: str, parts: Mapping[str, str]) -> str:
+    """The page with its generated parts replaced."""
+    return _BLOCK.sub(lambda found: f"{found['name']}{found['open']}\n{parts[found['name']]}\n", text)
 
-    def fill(found: re.Match[str]) -> str:
-        name = found["name"]
-        parts = [f"{PROTOCOL_VERSION}\n"] if name == "version" else [_table(record) for record in SECTIONS[name]]
-        return name + found["open"] + "\n" + "\n".join(parts) + "\n"
 
-    return _BLOCK.sub(fill, text)
+def protocol_parts() -> dict[str, str]:
+    """The generated parts of `protocol.md`: the version and the tables of records."""
+    tables = {name: "\n".join(map(_table, records)) for name, records in SECTIONS.items()}
+    return {"version": f"{PROTOCOL_VERSION}\n", **tables}
+
+
+def architecture_parts() -> dict[str, str]:
+    """The generated parts of `architecture.md`: a table of each package, and the imports that are forbidden."""
+    tables = {name: source_tree.package_table(name) for name in source_tree.FOLDERS}
+    return {"rules": source_tree.shared_rules(), **tables}
 
 
 def schemas() -> dict[str, str]:
@@ -130,7 +145,7 @@ def _table(record: type[msgspec.Struct]) -> str:
         (field.encode_name, _words(field.type), _default(field), meanings.get(field.name, "")) for field in info.fields
     ]
     if info.tag_field is not None:
-        rows.insert(0, (info.tag_field, f'"{info.tag}"', "", "Tells this record from the others that may stand here."))
+        rows.insert(0, (info.tag_field, f'"{info.tag}"', "", "Says which kind of record this is."))
     if not rows:
         return "\n".join([*lines, "No fields.", ""])
     lines += ["| field | type | default | meaning |", "| --- | --- | --- | --- |"]
@@ -164,7 +179,7 @@ def _flat(text: str) -> str:
 
 
 def _default(field: inspect.Field) -> str:
-    """What holds where the field is left out."""
+    """The value that an omitted field has."""
     if field.required:
         return "required"
     value = field.default if field.default is not msgspec.NODEFAULT else field.default_factory()
@@ -173,7 +188,7 @@ def _default(field: inspect.Field) -> str:
 
 
 def _words(kind: inspect.Type) -> str:
-    """A type, in words of MessagePack."""
+    """A type in the words of MessagePack."""
     match kind:
         case inspect.FloatType():
             return f"number{_bounds(kind)}"
@@ -203,7 +218,7 @@ def _words(kind: inspect.Type) -> str:
             size = f" {low} to {high}" if low and high and low != high else f" {low}" if low == high and low else ""
             size = size or (f" at most {high}" if high else f" at least {low}" if low else "")
             return f"array of{size} x {_words(kind.item_type)}" if size else f"array of {_words(kind.item_type)}"
-    raise TypeError(f"Expected a type that has words, got {kind}")
+    raise TypeError(f"Expected a type of a message field, got {kind}")
 
 
 def _bounds(kind: inspect.FloatType | inspect.IntType) -> str:

@@ -1,6 +1,7 @@
-"""Paths of the box for grid_planner.py: pushed from one side all the way, on an arc, a line and an arc.
+"""Paths of the box for grid_planner.py: an arc, a line and an arc, pushed from the same side all the way.
 
-A point is a complex number, x + iy, and a heading one of length 1: adding moves, multiplying turns. A place is both.
+A point is a complex number, x + iy, and a heading is one of length 1: adding moves, multiplying turns. A place is a
+pair of both.
 """
 
 from cmath import phase, rect
@@ -11,9 +12,9 @@ STEP_M = 0.025  # between two places of a path
 
 
 def plan_box(query, fits):
-    """The shortest path of one side on which `fits` finds that the discs about box and robot touch nothing.
+    """Return a plan with the shortest path of one side on which the discs around box and robot touch nothing.
 
-    The run-in, straight to the goal, is left out only where that saves more than its length.
+    `fits` tests a disc. The straight run-in before the goal is left out only if that saves more than its length.
     """
     paths = []
     for (index, side), run_in_m in product(enumerate(query["sides"]), (query["run_in_m"], 0.0)):
@@ -36,21 +37,21 @@ def plan_box(query, fits):
 
 
 def arcs_and_lines(begin, end, radius_m):
-    """The paths of Dubins that are made of an arc, a line and an arc; each part is (curvature, length)."""
+    """Yield the Dubins paths that are an arc, a line and an arc; each part is (curvature, length)."""
     (start, start_heading), (goal, goal_heading) = begin, end
-    for first, last in product((1, -1), repeat=2):  # 1 turns left, -1 right, about a centre on that side
+    for first, last in product((1, -1), repeat=2):  # 1 turns left, -1 turns right
         apart = goal + 1j * last * radius_m * goal_heading - start - 1j * first * radius_m * start_heading
         across_m = (last - first) * radius_m
         if abs(apart) > abs(across_m):
-            line_m = sqrt(abs(apart) ** 2 - across_m**2)  # it touches both circles
+            line_m = sqrt(abs(apart) ** 2 - across_m**2)  # a tangent of both circles
             heading = apart / complex(line_m, across_m)
             turns = first * phase(heading / start_heading), last * phase(goal_heading / heading)
-            arcs_m = [radius_m * max(0.0, (turn + 1e-9) % tau - 1e-9) for turn in turns]  # rounding is no full turn
+            arcs_m = [radius_m * max(0.0, (turn + 1e-9) % tau - 1e-9) for turn in turns]  # no full turn by rounding
             yield [(first / radius_m, arcs_m[0]), (0.0, line_m), (last / radius_m, arcs_m[1])]
 
 
 def driven(begin, curvature, length_m):
-    """Places along an arc or a line, without the first."""
+    """Yield places along an arc or a line, without the first."""
     n = ceil(length_m / STEP_M)
     for at_m in [length_m * k / n for k in range(1, n + 1)]:
         turn = rect(1.0, curvature * at_m)
@@ -58,7 +59,8 @@ def driven(begin, curvature, length_m):
 
 
 def is_clear(query, fits, footprints, at):
-    """Whether the discs about the footprints keep their clearance, and a step more for what lies between two places."""
+    """Whether the discs around the footprints keep the clearance, and one step more for the stretch to the next
+    place."""
     for footprint in footprints:
         centre, _ = moved(at, place(footprint["pose"]))
         radius_m = hypot(footprint["length_m"], footprint["width_m"]) / 2
@@ -72,7 +74,7 @@ def place(pose):
 
 
 def moved(frame, at):
-    """The place, in the world, of one that is given in a frame."""
+    """Return the place in the world of a place that is given in a frame."""
     return frame[0] + frame[1] * at[0], frame[1] * at[1]
 
 

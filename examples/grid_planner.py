@@ -1,9 +1,9 @@
-"""A planner for legpush with nothing but zenoh and msgpack: A* for the trunk; box_paths.py beside it adds the box.
+"""A planner for legpush that needs only zenoh and msgpack: A* for the trunk; box_paths.py beside it adds the box.
 
     legpush run --planner-command "python examples/grid_planner.py"
 
-Written from docs/protocol.md, to be copied and changed; docs/write_a_planner.md leads there step by step. Points are
-complex numbers, x + iy, and so are directions: adding moves, multiplying turns.
+It follows docs/protocol.md; copy and change it. docs/write_a_planner.md builds such a planner step by step. Points and
+directions are complex numbers, x + iy: adding moves, multiplying turns.
 """
 
 import argparse
@@ -23,11 +23,11 @@ import zenoh
 from box_paths import plan_box
 
 VERSION = 6
-LATTICE_M, WAYPOINT_M, CHECK_M = 0.1, 0.05, 0.025  # steps of A*, of a path, and of what is checked
+LATTICE_M, WAYPOINT_M, CHECK_M = 0.1, 0.05, 0.025  # steps of A*, of a path, and of its check
 
 
 def fits(grid, point, radius_m):
-    """Whether a disc touches nothing occupied: row by row of cells, the part of the row that is under it."""
+    """Whether a disc touches no occupied cell; looks at the part of each row of cells that the disc covers."""
     at, radius = (point - complex(*grid["origin_m"])) / grid["resolution_m"], radius_m / grid["resolution_m"]
     x, y, n_columns = at.real, at.imag, grid["n_columns"]
     if not (radius <= x <= n_columns - radius and radius <= y <= grid["n_rows"] - radius):
@@ -41,23 +41,23 @@ def fits(grid, point, radius_m):
 
 def plan_trunk(query):
     if query["steering"] != "straight" or query["min_turning_radius_m"] > 0.0:
-        return {"status": "invalid", "reason": "this planner turns on the spot: it knows no turning radius"}
+        return {"status": "invalid", "reason": "this planner only turns on the spot: it supports no turning radius"}
     start, goal = (complex(query[name]["x_m"], query[name]["y_m"]) for name in ("start", "goal"))
     clearance_m = query["clearance_m"]
     for name, point in (("start", start), ("goal", goal)):
         if not fits(query["grid"], point, clearance_m):
-            reason = f"the {name} ({point.real}, {point.imag}) is nearer to something than {clearance_m} m"
+            reason = f"the {name} ({point.real}, {point.imag}) is less than {clearance_m} m from an obstacle"
             return {"status": "invalid", "reason": reason}
-    radius_m = hypot(clearance_m, CHECK_M / 2)  # discs so large, one at every step, cover all that is near a line
+    radius_m = hypot(clearance_m, CHECK_M / 2)  # such discs, one at every step, cover the clearance of a line
 
     def is_free(a, b):
         return all(fits(query["grid"], point, radius_m) for point in line(a, b, CHECK_M))
 
     points = shortest(start, goal, is_free)
     if points is None:
-        return {"status": "failed", "reason": f"no way from point to point of a lattice of {LATTICE_M} m"}
+        return {"status": "failed", "reason": f"no path on a lattice of {LATTICE_M} m"}
     corners, waypoints = [start], [query["start"]]
-    while corners[-1] != goal:  # on to the farthest point that a straight line leads to
+    while corners[-1] != goal:  # go on to the farthest point on a free straight line
         corners.append(next(point for point in reversed(points) if is_free(corners[-1], point)))
     for a, b in pairwise(corners):
         yaw_rad = phase(b - a)
@@ -72,8 +72,8 @@ def plan_trunk(query):
 
 
 def shortest(start, goal, is_free):
-    """A* over the points of a lattice about the start, and the goal; None where no way is found."""
-    end = (goal - start) / LATTICE_M  # nodes are counted in lattice steps from the start
+    """Return the path of A* over a lattice around the start, and the goal; None if there is no path."""
+    end = (goal - start) / LATTICE_M  # nodes are lattice steps from the start
     steps = [complex(x, y) for x, y in product((-1, 0, 1), repeat=2) if x or y]
     costs, came_from, order = {0j: 0.0}, {}, count()
     waiting = [(abs(end), next(order), 0j)]
@@ -99,7 +99,7 @@ def line(a, b, step_m):
 
 
 def answer(client, asker, number, query, answered):
-    """The plan for a query, or for None where it is cancelled; the same when it is repeated, None when it is old."""
+    """Return the plan for a query (None: it is cancelled); the same plan if it is repeated, None if it is old."""
     last_asker, last_number, last_query, last_plan = answered.get(client, (None, None, None, None))
     if asker == last_asker and number < last_number:
         return None
@@ -141,13 +141,13 @@ def main():
             client, kind = str(sample.key_expr).split("/")[-2:]
             try:
                 message = msgpack.unpackb(sample.payload.to_bytes())
-                json.dumps(message, allow_nan=False, default=len)  # an error where a number is not finite
+                json.dumps(message, allow_nan=False, default=len)  # refuses numbers that are not finite
                 header, number = message["header"], message["request_id"]
                 if (header["protocol"], header["run"], header["name"]) != (VERSION, options.run, client):
                     raise ValueError(f"expected another sender than {header}")
                 query = message["query"] if kind == "request" else None
                 plan = answer(client, header["incarnation"], number, query, answered)
-            except Exception as error:  # a message that is not valid harms nobody
+            except Exception as error:  # an invalid message gets no answer and does no harm
                 print(f"not answered: {error!r}", file=sys.stderr)
                 continue
             if plan is not None:

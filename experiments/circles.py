@@ -1,9 +1,9 @@
-"""`python -m experiments.circles`: one fixed action over and over pushes the box along a circle (Figs. 18 to 20).
+"""`python -m experiments.circles`: repeats one action, which pushes the box along a circle (Figs. 18 to 20).
 
-Left and right, at several depths and frictions, one simulator in this process, two turns each. As in the paper the
-steady part of a coordinate is fitted by q(t) = A sin(omega t + phi) + c: of x and y, whichever fits worse. A row per
-circle goes to `results/circles.csv`, the box after each cycle to `results/circles_series.csv.gz`, the picture beside
-the published series to `results/circles.png`.
+Each circle is two turns, to the left or right, at one of several depths and frictions, with a simulator in this
+process. As in the paper, q(t) = A sin(omega t + phi) + c is fitted to the steady part of a coordinate; of x and y, the
+one that fits worse is reported. A row per circle goes to `results/circles.csv`, the box after each cycle to
+`results/circles_series.csv.gz`, and the picture, beside the published series, to `results/circles.png`.
 """
 
 import sys
@@ -19,7 +19,7 @@ import tyro
 from rich.progress import track
 from scipy.optimize import curve_fit, least_squares
 
-from experiments.circles_plot import draw
+from experiments.plots.circles import draw
 from experiments.evaluations import RESULTS, write_table
 from legpush.arrays import Floats
 from legpush.messages.poses import planar_pose
@@ -30,25 +30,25 @@ from sim_proc.simulator import Simulator
 
 Direction = Literal["left", "right"]
 PUSHED_BY: Final[dict[Direction, FrontLeg]] = {"left": "FR", "right": "FL"}
-"""A foot right of the middle turns the box to the left."""
+"""The leg for each direction: a foot right of the middle turns the box to the left."""
 DEPTHS_M: Final = (0.03, 0.05, 0.08)
 FRICTIONS: Final = (0.3, 0.5, 0.8)
 USUAL: Final = (0.05, 0.5)
-"""Depth and friction that more than one start is measured at."""
+"""Depth and friction that are measured from several starts."""
 SEEDS: Final = (40_000, 40_001, 40_002, 40_003, 40_004)
 N_TURNS: Final = 2.0
 STEADY_FROM_CYCLE: Final = 5
 W: Final = 0.5
-"""Both control points of the curve: at the top of their locus."""
+"""Both inner control points of the curve lie at the top of their locus."""
 MOST_CYCLES: Final = 600
 SAMPLE_TICKS: Final = 10
-"""Between two points of the series that is fitted."""
+"""Ticks between two points of the fitted series."""
 SIDE_M: Final = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Circle:
-    """What is measured."""
+    """One circle to measure."""
 
     direction: Direction
     depth_m: float
@@ -58,7 +58,7 @@ class Circle:
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
-    """Where the box went."""
+    """The motion of the box along a circle."""
 
     cycles: Floats
     """Time, x, y and heading (continuous) after each push cycle and before the first, (n + 1, 4)."""
@@ -71,13 +71,13 @@ class Course:
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """How to run it."""
+    """How to run the study."""
 
-    jobs: Annotated[int, tyro.conf.arg(help="Circles at once.")] = 2
+    jobs: Annotated[int, tyro.conf.arg(help="How many circles to measure at once.")] = 2
 
 
 def circles() -> list[Circle]:
-    """All of them: every depth and friction once, the usual ones from several starts."""
+    """Return all circles: every depth and friction once, the usual ones from several starts."""
     cases = product(PUSHED_BY, DEPTHS_M, FRICTIONS)
     return [
         Circle(direction=direction, depth_m=depth_m, friction=friction, seed=seed)
@@ -87,7 +87,7 @@ def circles() -> list[Circle]:
 
 
 def main(config: Config) -> int:
-    """Measure, tabulate, draw."""
+    """Measure all circles, write the tables and draw."""
     planned = circles()
     with ProcessPoolExecutor(config.jobs) as pool:
         courses = list(track(pool.map(push_around, planned), total=len(planned), description="circles"))
@@ -118,7 +118,7 @@ def push_around(circle: Circle) -> Course:
         outcome = simulator.perform(push, with_trace=True)
         trace = outcome.trace
         if trace is None or outcome.world.fallen or len(cycles) > MOST_CYCLES:
-            raise RuntimeError(f"{circle}: fell, or did not come around in {MOST_CYCLES} cycles")
+            raise RuntimeError(f"{circle}: the robot fell, or the box did not turn around in {MOST_CYCLES} cycles")
         moved = box.inverse() @ planar_pose(outcome.world.box)
         box = planar_pose(outcome.world.box)
         heading_rad += moved.yaw_rad
@@ -137,7 +137,7 @@ def push_around(circle: Circle) -> Course:
 
 
 def _scenario(friction: float) -> Scenario:
-    """A wide floor with the box, offset by the seed, in its middle."""
+    """Return a wide floor with the box in its middle, offset by the seed."""
     box = Box(pose=PoseDeg(x_m=SIDE_M / 2, y_m=SIDE_M / 2, yaw_deg=0.0), friction=friction)
     return Scenario(
         name="circle",
@@ -150,7 +150,8 @@ def _scenario(friction: float) -> Scenario:
 
 
 def row(circle: Circle, course: Course) -> dict[str, Any]:
-    """Circle and sines that fit the steady part, and how nearly the box comes back after a turn."""
+    """Return the fitted circle and sine of the steady part, and how far from its first place the box is after a
+    turn."""
     steady = course.cycles[STEADY_FROM_CYCLE:]
     time_s, heading_rad = steady[:, 0], steady[:, 3]
     samples = course.samples[course.samples[:, 0] >= time_s[0]]
@@ -181,7 +182,7 @@ def row(circle: Circle, course: Course) -> dict[str, Any]:
 
 
 def fit_circle(points_m: Floats) -> tuple[tuple[float, float], float, float]:
-    """Centre, radius and RMS radial distance of the circle that comes nearest to the points, (n, 2)."""
+    """Return centre, radius and RMS radial distance of the circle that fits the points, (n, 2), best."""
 
     def radial(parameters: Floats) -> Floats:
         distance: Floats = np.hypot(*(points_m - parameters[:2]).T) - parameters[2]
@@ -194,7 +195,7 @@ def fit_circle(points_m: Floats) -> tuple[tuple[float, float], float, float]:
 
 
 def fit_sine(time_s: Floats, value_m: Floats, omega_rad_s: float) -> dict[str, float]:
-    """q(t) = A sin(omega t + phi) + c by least squares, from about this omega on, with R2 and RMSE."""
+    """Fit q(t) = A sin(omega t + phi) + c by least squares, starting at this omega; returns parameters, R2 and RMSE."""
     basis = np.column_stack([np.sin(omega_rad_s * time_s), np.cos(omega_rad_s * time_s), np.ones_like(time_s)])
     a, b, c = np.linalg.lstsq(basis, value_m, rcond=None)[0]
     begin = (np.hypot(a, b), omega_rad_s, np.arctan2(b, a), c)
@@ -211,20 +212,20 @@ def fit_sine(time_s: Floats, value_m: Floats, omega_rad_s: float) -> dict[str, f
 
 
 def sine(time_s: Floats, amplitude_m: float, omega_rad_s: float, phi_rad: float, offset_m: float) -> Floats:
-    """q(t) = A sin(omega t + phi) + c."""
+    """Return q(t) = A sin(omega t + phi) + c."""
     value: Floats = amplitude_m * np.sin(omega_rad_s * time_s + phi_rad) + offset_m
     return value
 
 
 def closing_m(steady: Floats) -> float:
-    """How far from its first place the box is when its heading has come around once, interpolated between cycles."""
+    """Return the distance of the box from its first place after one turn, interpolated between cycles."""
     turned = np.abs(steady[:, 3] - steady[0, 3])
     end = np.array([np.interp(2 * pi, turned, steady[:, axis]) for axis in (1, 2)])
     return float(np.hypot(*(end - steady[0, 1:3])))
 
 
 def _series(planned: list[Circle], courses: list[Course]) -> Iterator[dict[str, Any]]:
-    """The box after each cycle of each circle."""
+    """Yield a row for the box after each cycle of each circle."""
     for circle, course in zip(planned, courses, strict=True):
         for time_s, x_m, y_m, heading_rad in course.cycles.tolist():
             yield {

@@ -1,4 +1,4 @@
-"""Evaluations that the studies share: each is one `legpush evaluate`, and its rows stay in `results/evaluations/`."""
+"""Evaluations for the studies: each is one `legpush evaluate`, and its rows stay in `results/evaluations/`."""
 
 import csv
 import gzip
@@ -24,18 +24,18 @@ EVALUATIONS: Final = RESULTS / "evaluations"
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluation:
-    """What is evaluated; `name` is what its files are called."""
+    """One evaluation; `name` names its files."""
 
     name: str
     policy: str
     sweeps: tuple[str, ...] = ()
     grid: bool = False
     episodes: int
-    """For each case."""
+    """Number of episodes for each case."""
     first_seed: int
 
     def command(self, out: Path) -> list[str]:
-        """The arguments of `legpush`."""
+        """Return the arguments of `legpush`."""
         arguments = ["evaluate", self.policy, "--episodes", str(self.episodes), "--first-seed", str(self.first_seed)]
         for sweep in self.sweeps:
             arguments += ["--sweep", sweep]
@@ -43,7 +43,7 @@ class Evaluation:
 
 
 def run_missing(evaluations: Sequence[Evaluation], *, again: bool = False) -> None:
-    """Carry out those that have no rows yet, one after the other, or all of them `again`."""
+    """Carry out the evaluations that have no rows yet, one after the other; with `again`, all of them."""
     EVALUATIONS.mkdir(parents=True, exist_ok=True)
     for evaluation in evaluations:
         if again or not (EVALUATIONS / f"{evaluation.name}.csv").exists():
@@ -64,7 +64,7 @@ def _run(evaluation: Evaluation) -> None:
 
 
 def read_rows(name: str) -> list[dict[str, Any]]:
-    """The episodes of an evaluation, numbers as numbers."""
+    """Return the episodes of an evaluation, with numbers as floats."""
     return [{key: _value(value) for key, value in row.items()} for row in read_table(EVALUATIONS / f"{name}.csv")]
 
 
@@ -78,7 +78,7 @@ def _value(text: str) -> float | str | bool:
 
 
 def summary_columns(episodes: Sequence[dict[str, Any]]) -> dict[str, float]:
-    """What the episodes of one case come to: means with 95 % intervals, counts and extremes."""
+    """Summarize the episodes of one case: means with 95 % intervals, counts and extremes."""
     n = len(episodes)
     return {
         "n": n,
@@ -99,7 +99,7 @@ def _estimate(name: str, estimate: Estimate, n_digits: int) -> dict[str, float]:
 
 
 def write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
-    """As CSV, with the keys of the first row as columns; compressed where the path ends with `.gz`."""
+    """Write rows as CSV, with the keys of the first row as columns; compress if the path ends in `.gz`."""
     text = io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     writer.writeheader()
@@ -109,7 +109,7 @@ def write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
-    """The rows of a table as text, none where there is no file."""
+    """Return the rows of a table as text; no rows if the file does not exist."""
     if not path.exists():
         return []
     data = path.read_bytes()
@@ -118,7 +118,8 @@ def read_table(path: Path) -> list[dict[str, str]]:
 
 
 def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[list[float], list[list[float]]]:
-    """Means of a measure, and how far its interval reaches below and above them: what `errorbar` draws."""
+    """Return the means of a measure, and how far its interval reaches below and above them, as `errorbar` takes
+    them."""
     mean = [scale * row[key] for row in rows]
     low = [scale * (row[key] - row[f"{key}_low"]) for row in rows]
     high = [scale * (row[f"{key}_high"] - row[key]) for row in rows]
@@ -126,7 +127,7 @@ def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[l
 
 
 def plain_ticks(axis: Axes) -> None:
-    """A logarithmic y axis that reads 0.1, 0.2, 0.5, 1, ..."""
+    """Label a logarithmic y axis with 0.1, 0.2, 0.5, 1, ..."""
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.yaxis.set_major_formatter("{x:g}")
     axis.yaxis.set_minor_formatter(NullFormatter())

@@ -1,8 +1,8 @@
-"""`python -m experiments.handover`: whole missions in the same random rooms, handed over at other distances.
+"""`python -m experiments.handover`: runs missions in the same random rooms with different hand-over distances.
 
-The paper leaves open from how far away the robot should stop walking along the map and go by the box that it sees.
-Rooms are the first ones of `python -m experiments.random_rooms`, whose own missions hand over at 3 m. A row per mission
-goes to `results/handover.csv`, the picture to `results/handover.png`; what is in the table already is not run again.
+The paper leaves open at which distance the robot should stop following the map and use the measured box instead. The
+rooms are the first ones of `python -m experiments.random_rooms`, whose own missions hand over at 3 m. A row per mission
+goes to `results/handover.csv`, the picture to `results/handover.png`. Missions in the table are not run again.
 """
 
 import sys
@@ -33,16 +33,16 @@ BLUE: Final = "#3a6ea5"
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """Which rooms."""
+    """Which rooms to use."""
 
     first_seed: int = 63_000
     n_rooms: int = 24
     jobs: int = 2
-    """Missions at once."""
+    """How many missions to run at once."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, tabulate, draw."""
+    """Run the missing missions, write the table and draw."""
     rows = {(float(row["handover_m"]), int(row["seed"])): dict(row) for row in read_table(TABLE)}
     seeds = range(config.first_seed, config.first_seed + config.n_rooms)
     missing = [key for key in product(DISTANCES_M, seeds) if key not in rows]
@@ -72,7 +72,7 @@ def _mean(rows: list[dict[str, Any]], name: str) -> Any:
 
 
 def draw(here: dict[float, list[dict[str, Any]]]) -> None:
-    """Each measure over the distance: missions as dots, means with their intervals."""
+    """Draw each measure over the distance: missions as dots, means with intervals."""
     figure = Figure(figsize=(10.0, 5.6), layout="constrained")
     for axis, (name, label, scale) in zip(figure.subplots(2, 2).ravel(), MEASURES, strict=True):
         jitter = np.random.default_rng(0)

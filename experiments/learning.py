@@ -1,9 +1,9 @@
-"""`python -m experiments.learning`: pictures of what `python -m experiments.trainings` measured.
+"""`python -m experiments.learning`: draws what `python -m experiments.trainings` measured.
 
-`results/learning_curves.png` is the counterpart of Figs. 14 and 15: the return of each episode as a moving average over
-30, mean over the training seeds with its 95 % interval, for the published and the tuned profile, fixed and variable
-entry. `results/learning_comparison.png` compares network sizes, algorithms and randomization by the errors at the ends
-of episodes. How fast the fixed entry learns goes to `results/learning_speed.csv`.
+`results/learning_curves.png` is the counterpart of Figs. 14 and 15: the return of episodes as a moving average over 30,
+as mean over the training seeds with its 95 % interval, for the published and the tuned profile and for fixed and
+variable entry. `results/learning_comparison.png` compares network sizes, algorithms and randomization by the errors at
+the ends of episodes. `results/learning_speed.csv` says how fast each training of the tuned profile learns.
 """
 
 import csv
@@ -22,11 +22,11 @@ from legpush.arrays import Floats
 WINDOW: Final = 30
 """Episodes of the moving average, as published."""
 SHARE: Final = 0.9
-"""Of the final value, for the speed of learning."""
+"""Share of the final value that defines the speed of learning."""
 GRID: Final = 64
-"""Pushes between the points of a curve over steps."""
+"""Pushes between two points of a curve over steps."""
 LEAST_SEEDS: Final = 3
-"""An interval is drawn of no fewer."""
+"""Fewest seeds for which an interval is drawn."""
 SHOWN: Final = {"position_error_m": (0.1, 20.0), "angle_error_deg": (0.05, 20.0)}
 """Limits of the axes, in cm and degrees."""
 COMPARED: Final = {
@@ -38,11 +38,11 @@ COMPARED: Final = {
     "TD3": "td3",
     "PPO, randomized": "randomized",
 }
-"""Label and variant."""
+"""Variant of each label."""
 
 
 def main() -> None:
-    """Draw and tabulate."""
+    """Write the table and draw both pictures."""
     by_variant = _by_variant()
     speeds = speed_rows(by_variant)
     with (RESULTS / "learning_speed.csv").open("w", newline="") as file:
@@ -56,7 +56,7 @@ def main() -> None:
 
 
 def _by_variant() -> dict[str, dict[int, list[dict[str, float]]]]:
-    """Episodes of each seed of each variant, in order."""
+    """Return the episodes of each seed of each variant, in order."""
     found: dict[str, dict[int, list[dict[str, float]]]] = {}
     for row in read_episodes():
         numbers = {key: float(value) for key, value in row.items() if key not in ("study", "variant")}
@@ -65,13 +65,14 @@ def _by_variant() -> dict[str, dict[int, list[dict[str, float]]]]:
 
 
 def moving_average(values: Sequence[float]) -> Floats:
-    """Means of the last `WINDOW` values, from the first full window on, (n - WINDOW + 1,)."""
+    """Return the means of the last `WINDOW` values, from the first full window on, (n - WINDOW + 1,)."""
     means: Floats = np.convolve(np.array(values), np.full(WINDOW, 1 / WINDOW), mode="valid")
     return means
 
 
 def speed_rows(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> list[dict[str, Any]]:
-    """Per training of the tuned profile: after how many episodes the average has `SHARE` of its final value."""
+    """Return, for each training of the tuned profile, after how many episodes the average has `SHARE` of its final
+    value."""
     rows = []
     for variant in ("tuned-fixed", "tuned-variable"):
         for seed, episodes in by_variant.get(variant, {}).items():
@@ -92,7 +93,7 @@ def speed_rows(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -
 
 
 def draw_curves(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> None:
-    """A panel per profile and entry."""
+    """Draw a panel for each profile and entry."""
     figure = Figure(figsize=(10.0, 6.4), layout="constrained")
     for row, profile in zip(figure.subplots(2, 2), ("paper", "tuned"), strict=True):
         for axis, entry in zip(row, ("fixed", "variable"), strict=True):
@@ -121,7 +122,7 @@ def _draw_panel(axis: Axes, seeds: Mapping[int, list[dict[str, float]]]) -> None
 
 
 def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> None:
-    """Median errors of the last `WINDOW` episodes over the pushes that were spent, geometric mean over seeds."""
+    """Draw the median errors of the last `WINDOW` episodes over push cycles, as geometric mean over seeds."""
     figure = Figure(figsize=(12.0, 7.0), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True, sharey="row")
     groups = (
@@ -156,7 +157,7 @@ def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]
 
 
 def _over_steps(seeds: Mapping[int, list[dict[str, float]]], key: str, scale: float) -> tuple[Floats, Floats]:
-    """A curve per seed over a common grid of steps."""
+    """Return a grid of steps and, for each seed, a curve over it."""
     ends, begins, curves = [], [], []
     for rows in seeds.values():
         steps = np.array([row["step"] for row in rows[WINDOW - 1 :]])
@@ -169,7 +170,7 @@ def _over_steps(seeds: Mapping[int, list[dict[str, float]]], key: str, scale: fl
 
 
 def _mean_interval(curves: Floats) -> tuple[Floats, Floats]:
-    """Mean over the rows, and the half width of its 95 % interval by Student's t."""
+    """Return the mean over the rows, and the half width of its 95 % interval by Student's t."""
     n = len(curves)
     if n < len(("a", "b")):
         return curves.mean(axis=0), np.zeros(curves.shape[1])

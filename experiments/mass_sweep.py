@@ -1,7 +1,8 @@
-"""`python -m experiments.mass_sweep`: straight pushes of 1 m at 0.1 to 0.9 kg, beside the published ones (Fig. 16).
+"""`python -m experiments.mass_sweep`: compares straight pushes of 1 m at 0.1 to 0.9 kg with published ones (Fig. 16).
 
-The shipped policies and the scripted one from the same unseen starts (offsets of 5 cm and 5 degrees). The episodes are
-in `results/evaluations/mass_*.csv`, the table in `results/mass_sweep.csv`, the picture in `results/mass_sweep.png`.
+The shipped policies and the scripted policy push from the same unseen starts, with offsets of up to 5 cm and 5 degrees.
+The episodes are in `results/evaluations/mass_*.csv`, the table in `results/mass_sweep.csv`, the picture in
+`results/mass_sweep.png`.
 """
 
 import csv
@@ -33,7 +34,7 @@ EVALUATIONS: Final = (
     Evaluation(name="mass_scripted", policy="scripted", sweeps=(SWEEP,), episodes=20, first_seed=FIRST_SEED),
     Evaluation(name="mass_fixed", policy="fixed", sweeps=(SWEEP,), episodes=20, first_seed=FIRST_SEED),
 )
-"""With more than 1000 episodes of the policy that missions use."""
+"""The evaluations; that of the policy that missions use has more than 1000 episodes."""
 LOOKS: Final = {"variable": ("tab:blue", "o"), "fixed": ("tab:orange", "s"), "scripted": ("tab:gray", "^")}
 
 
@@ -42,11 +43,11 @@ class Config:
     """What to run."""
 
     again: bool = False
-    """Evaluate again what has results already, such as after a change of a policy."""
+    """Repeat evaluations that have results, for example after a policy changed."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, tabulate, draw."""
+    """Run the missing evaluations, write the table and draw."""
     run_missing(EVALUATIONS, again=config.again)
     rows = [row for evaluation in EVALUATIONS for row in table(evaluation)]
     write_table(rows, RESULTS / "mass_sweep.csv")
@@ -60,7 +61,7 @@ def main(config: Config) -> int:
 
 
 def table(evaluation: Evaluation) -> list[dict[str, Any]]:
-    """A row per mass: means with 95 % intervals."""
+    """Return a row for each mass: means with 95 % intervals."""
     episodes = read_rows(evaluation.name)
     by_mass = {mass_kg: [row for row in episodes if row["box.mass_kg"] == mass_kg] for mass_kg in MASSES_KG}
     return [
@@ -69,7 +70,8 @@ def table(evaluation: Evaluation) -> list[dict[str, Any]]:
 
 
 def draw(rows: list[dict[str, Any]], path: Path) -> None:
-    """Both errors over the mass, on a logarithmic scale: the published ones are up to a hundred times as large."""
+    """Draw both errors over the mass; on a logarithmic scale, as the published ones are up to a hundred times as
+    large."""
     with PUBLISHED.open(newline="") as file:
         published = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")

@@ -1,4 +1,4 @@
-"""One mission as a user runs it: `legpush run` in three processes, its report and what was recorded."""
+"""Runs one mission as a user does, with `legpush run` in three processes."""
 
 import json
 import shutil
@@ -16,7 +16,11 @@ from legpush.scene.scenario import Scenario
 
 
 def run_scenario(scenario: Scenario, seed: int, failed: Path | None = None) -> tuple[dict[str, Any], MissionRecord]:
-    """Run it; where it fails, its picture goes to the folder `failed`. `SystemExit` where there is no result."""
+    """Run a mission and return its report and its record; if it fails, copy its picture to the folder `failed`.
+
+    Raises:
+        SystemExit: The mission has no result.
+    """
     with tempfile.TemporaryDirectory(prefix="legpush-mission-") as scratch:
         file, out = Path(scratch) / "scenario.toml", Path(scratch) / "run"
         write_scenario(scenario, file)

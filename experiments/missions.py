@@ -1,7 +1,7 @@
-"""`python experiments/missions.py`: whole missions over seeds, each in three processes, and what they achieved.
+"""`python experiments/missions.py`: runs whole missions with many seeds, each in three processes.
 
-Every seed is one `legpush run`; a row per mission goes to `results/missions_<scenario>_<policy>.csv`, the summary
-(mean, 95 % interval by Student's t, worst) beside it as JSON.
+Each seed is one `legpush run`. A row per mission goes to `results/missions_<scenario>_<policy>.csv`, and the summary
+(mean, 95 % interval by Student's t, worst value) to a JSON file beside it.
 """
 
 import csv
@@ -33,7 +33,7 @@ MEASURES: Final = (
 )
 COLUMNS: Final = ("seed", "success", "reason", "handover_distance_m", *MEASURES, "state_crc")
 LARGEST: Final = {"min_support_margin_m": np.min, "real_time_factor": np.min}
-"""The worst is the largest, but for these."""
+"""The worst value is the largest one, except for these measures."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,16 +43,16 @@ class Config:
     scenario: str = "default"
     """A built-in scenario or a scenario file."""
     policy: str = "variable"
-    """What chooses the pushes, as for `legpush run`."""
+    """The policy, as for `legpush run`."""
     first_seed: int = 500
     n_seeds: int = 20
-    """Seeds that nothing was tuned on."""
+    """Number of seeds; nothing was tuned on the default ones."""
     keep: bool = False
-    """Run only the seeds that have no row yet, such as after an interruption."""
+    """Run only the seeds that have no row yet, for example after an interruption."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, then sum up; 1 if a mission failed."""
+    """Run the missing missions and summarize all; returns 1 if a mission failed."""
     RESULTS.mkdir(exist_ok=True)
     table = RESULTS / f"missions_{Path(config.scenario).stem}_{Path(config.policy).name}.csv"
     rows = _read(table) if config.keep else {}
@@ -80,7 +80,7 @@ def _mission(config: Config, seed: int) -> dict[str, Any]:
 
 
 def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Counts, and mean, 95 % interval of the mean and worst value of each measure that was taken."""
+    """Return counts, and the mean, its 95 % interval and the worst value of each measure."""
     summary: dict[str, Any] = {
         "n": len(rows),
         "seeds": [int(row["seed"]) for row in rows],

@@ -1,8 +1,9 @@
-"""`python -m experiments.out_of_distribution`: boxes and floors that no training has seen, with three policies.
+"""`python -m experiments.out_of_distribution`: evaluates three policies on boxes and floors that no training has seen.
 
-The shipped policy, one that was trained with mass and friction drawn anew for each episode, and the scripted one, on:
-friction 0.2 to 1.0, mass up to 5 kg, an oblong, a cylinder, a wedge, an L shape, and slopes up to 5 degrees in three
-directions. Episodes in `results/evaluations/ood_*.csv`, table and picture in `results/out_of_distribution.*`.
+The policies are the shipped one, one that was trained with a random mass and friction in each episode, and the scripted
+one. The cases are friction 0.2 to 1.0, mass up to 5 kg, an oblong, a cylinder, a wedge, an L shape, and slopes up to
+5 degrees in three directions. The episodes are in `results/evaluations/ood_*.csv`, table and picture in
+`results/out_of_distribution.*`.
 """
 
 import sys
@@ -40,13 +41,13 @@ class Config:
     """What to run."""
 
     randomized: str = "runs/trainings/randomized-seed1/last"
-    """The policy that was trained with drawn masses and frictions."""
+    """The policy that was trained with random masses and frictions."""
     again: bool = False
-    """Evaluate again what has results already."""
+    """Repeat evaluations that have results."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, tabulate, draw."""
+    """Run the missing evaluations, write the table and draw."""
     policies = {"variable": "variable", "randomized": config.randomized, "scripted": "scripted"}
     evaluations = {
         (label, policy): Evaluation(
@@ -74,7 +75,7 @@ def _table(policy: str, evaluation: Evaluation) -> list[dict[str, Any]]:
 
 
 def _draw(rows: list[dict[str, Any]], policies: tuple[str, ...], path: Path) -> None:
-    """Both errors of every case, a mark per policy."""
+    """Draw both errors of every case, with a mark for each policy."""
     cases = list(dict.fromkeys(row["case"] for row in rows))
     figure = Figure(figsize=(11.0, 7.5), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)

@@ -1,9 +1,9 @@
-"""`python experiments/push_effect.py`: what one push cycle does to the box, by depth, curve, size, mass and friction.
+"""`python experiments/push_effect.py`: measures what a push cycle does to the box.
 
-One simulator in this process, on an open floor. Each row of `results/push_effect.csv` is over the same series of
-left and right pushes from three drawn starts; right pushes are mirrored. The rows at 0.1 kg, friction 0.5 and
-w1 = w2 = 0.5 are what `PushModel` holds: those of the default box as it is pushed at its rear or front face, 0.4 m long
-and 0.5 m wide, and as it is pushed at its left or right one.
+The pushes vary in depth and curve, the boxes in size, mass and friction. One simulator in this process pushes on an
+open floor. Each row of `results/push_effect.csv` is over the same series of left and right pushes from three random
+starts; right pushes are mirrored. `PushModel` contains the rows at 0.1 kg, friction 0.5 and w1 = w2 = 0.5: those of the
+default box, 0.4 m long and 0.5 m wide, pushed at its rear or front face, and pushed at its left or right face.
 """
 
 import csv
@@ -35,7 +35,7 @@ BOXES: Final = (
     (0.5, 0.4, 0.1, 0.3),
     (0.5, 0.4, 0.1, 0.8),
 )
-"""Length and width in m, mass in kg and friction coefficient."""
+"""Length and width in m, mass in kg, and friction coefficient."""
 SEEDS: Final = (1000, 1001, 1002)
 
 
@@ -52,7 +52,7 @@ def main() -> None:
 
 
 def measure(of: tuple[float, float, float, float], curve: tuple[float, float], depth_m: float) -> dict[str, Any]:
-    """One row: means and standard deviations over the series."""
+    """Return one row: means and standard deviations over the series."""
     length_m, width_m, mass_kg, friction = of
     box = replace(NOMINAL, size_m=(length_m, width_m, NOMINAL.size_m[2]), mass_kg=mass_kg, friction=friction)
     planned = cells(("rear",), (curve,), (depth_m,), SEEDS)
@@ -80,7 +80,8 @@ def measure(of: tuple[float, float, float, float], curve: tuple[float, float], d
 
 
 def push_samples(box: Box, cell: Cell) -> Iterator[tuple[float, float, float, float, float, float]]:
-    """Per push: forward and left [m], turn [deg] as of FL; tilt [deg], support margin [m], duration [s]."""
+    """Yield for each push: forward and left [m] and turn [deg], as of FL; tilt [deg], support margin [m], duration
+    [s]."""
     for push, moved, outcome in push_series(LocalWorld(Simulator()), open_floor(box, cell.face), cell):
         if outcome.trace is None:
             raise RuntimeError("Expected a trace of each push")

@@ -1,10 +1,10 @@
-"""`python -m experiments.random_rooms`: whole missions, anywhere to anywhere, in rooms that nobody has seen.
+"""`python -m experiments.random_rooms`: runs whole missions in random rooms, with start, box and goal pose anywhere.
 
-Each seed is a room with obstacles, start, box and goal pose (`legpush scenarios random`), a mass of 0.1, 0.5 or 0.9 kg
-and a friction from 0.3 to 0.8, and one `legpush run` in three processes. A row per mission goes to
+Each seed gives a room with obstacles, start, box and goal pose (`legpush scenarios random`), a mass of 0.1, 0.5 or
+0.9 kg, a friction from 0.3 to 0.8, and one `legpush run` in three processes. A row per mission goes to
 `results/random_rooms.csv`, tracks to `results/random_rooms_tracks.csv.gz`, the summary to `results/random_rooms.json`,
-a mosaic of all rooms to `results/random_rooms.png`, pictures of failed missions to `results/random_rooms_failed/`.
-What is in the table already is not run again.
+a mosaic of all rooms to `results/random_rooms.png`, and pictures of failed missions to `results/random_rooms_failed/`.
+Missions in the table are not run again.
 """
 
 import json
@@ -21,7 +21,7 @@ from rich.progress import Progress
 
 from agent_proc.statistics import mean_interval, wilson
 from experiments.evaluations import RESULTS, read_table, write_table
-from experiments.random_rooms_plot import draw
+from experiments.plots.random_rooms import draw
 from experiments.room_missions import drawn_room, run_mission
 from legpush.scene.scenario import MissionSettings
 
@@ -41,16 +41,16 @@ MEASURES: Final = (
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """Which rooms."""
+    """Which rooms to use."""
 
     first_seed: int = 63_000
     n_rooms: int = 102
     jobs: int = 2
-    """Missions at once."""
+    """How many missions to run at once."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, tabulate, draw."""
+    """Run the missing missions, write the tables and draw."""
     rows: dict[int, dict[str, Any]] = {int(row["seed"]): dict(row) for row in read_table(TABLE)}
     tracks: list[dict[str, Any]] = [dict(row) for row in read_table(TRACKS)]
     seeds = range(config.first_seed, config.first_seed + config.n_rooms)
@@ -73,7 +73,7 @@ def main(config: Config) -> int:
 
 
 def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Share of success with its interval, errors, and what the others ended for."""
+    """Summarize missions: share of success with its interval, errors, and the reasons of failures."""
     n = len(rows)
     success = wilson(sum(_is_true(row["success"]) for row in rows), n)
     good = [row for row in rows if _is_true(row["success"])]

@@ -1,8 +1,8 @@
-"""`python -m experiments.references`: boxes pushed along a sine and a closed Dubins path (Figs. 20, 21).
+"""`python -m experiments.references`: pushes boxes along a sine and along a closed Dubins path (Figs. 20, 21).
 
-Each seed is one `legpush run` in three processes, with the loop closed on the measured box, and once more in an open
-loop as in the paper. A row per mission goes to `results/references.csv`, the box after each push to
-`results/references_tracks.csv.gz`, the picture to `results/references.png`. What is in the table already is not run
+Each seed is one `legpush run` in three processes that closes the loop on the measured box, and one in an open loop as
+in the paper. A row per mission goes to `results/references.csv`, the box after each push to
+`results/references_tracks.csv.gz`, and the picture to `results/references.png`. Missions in the table are not run
 again.
 """
 
@@ -50,16 +50,16 @@ Key = tuple[str, str, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """How many missions."""
+    """How many missions to run."""
 
     first_seed: int = 70_000
     n_seeds: int = 10
     jobs: int = 2
-    """Missions at once."""
+    """How many missions to run at once."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, tabulate, draw."""
+    """Run the missing missions, write the tables and draw."""
     rows: dict[Key, dict[str, Any]] = {_key(row): dict(row) for row in read_table(TABLE)}
     tracks = [dict(row) for row in read_table(TRACKS)]
     seeds = range(config.first_seed, config.first_seed + config.n_seeds)
@@ -88,7 +88,7 @@ def _key(row: dict[str, Any]) -> Key:
 
 
 def _mission(key: Key) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """One mission: its row and its track."""
+    """Run one mission; return its row and its track."""
     name, composition, seed = key
     scenario = load_scenario(name)
     pushing = replace(scenario.pushing, composition="open_loop" if composition == "open_loop" else "closed_loop")
@@ -100,7 +100,7 @@ def _mission(key: Key) -> tuple[dict[str, Any], list[dict[str, Any]]]:
 
 
 def draw(tracks: Iterable[dict[str, Any]]) -> None:
-    """Reference and boxes, one panel per curve."""
+    """Draw the reference and the tracks of the boxes, a panel for each curve."""
     figure = Figure(figsize=(11.0, 3.6), layout="constrained")
     by_key: dict[Key, list[tuple[float, float]]] = {}
     for point in tracks:

@@ -1,4 +1,4 @@
-"""Missions in random rooms, each in three processes: the room of a seed, and what became of the mission."""
+"""Runs missions in random rooms, each in three processes."""
 
 from functools import cache
 from itertools import pairwise
@@ -42,13 +42,13 @@ FROM_REPORT: Final = (
 )
 DRAWING: Final = Lock()
 TRACK_STEPS: Final = 4
-"""Every so many steps of a mission are in its track."""
+"""A track has every n-th step of its mission."""
 
 
 def drawn_room(seed: int) -> tuple[Scenario, int]:
-    """The room of a seed, and how many others of the seed no way through was found for.
+    """Return the room of a seed, and how many rooms of the seed were rejected before because no way was found.
 
-    From one thread at a time, since OMPL keeps the seed of its planners for all of them.
+    Only one thread draws at a time, because OMPL has one seed for all planners of a process.
     """
     with DRAWING:
         return _drawn_room(seed)
@@ -76,7 +76,7 @@ def _drawn_room(seed: int) -> tuple[Scenario, int]:
 def run_mission(
     seed: int, handover_distance_m: float, failed: Path | None = None
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """One mission: its row and its track; where it fails, its picture goes to the folder `failed`."""
+    """Run one mission; return its row and its track. If it fails, copy its picture to the folder `failed`."""
     scenario, n_unsolvable = drawn_room(seed)
     scenario = replace(scenario, mission=replace(scenario.mission, handover_distance_m=handover_distance_m))
     report, record = run_scenario(scenario, seed, failed)
@@ -91,7 +91,7 @@ def run_mission(
 
 
 def _of_record(record: MissionRecord) -> dict[str, Any]:
-    """What the report has not: how far box and robot went, and by which faces."""
+    """Return what the report lacks: the paths of the box, its pushed faces, and how far box and robot went."""
     ticks = record.ticks()
     paths = [each for each in record.plans if isinstance(each.query, BoxPathQuery)]
     faces = [step.motion.face for step in record.steps if isinstance(step.motion, Push)]
@@ -106,7 +106,7 @@ def _of_record(record: MissionRecord) -> dict[str, Any]:
 
 
 TRAVEL_TICKS: Final = 50
-"""Ways are measured from second to second: the sway of each step is no way."""
+"""Ways are measured from second to second, so that the sway of each step does not count."""
 
 
 def _length_m(points: Any) -> float:

@@ -1,7 +1,8 @@
-"""`python -m experiments.straight_push`: the box's corners and the trunk's angles in straight pushes of 1 m (Fig. 17).
+"""`python -m experiments.straight_push`: draws corners of the box and angles of the trunk in straight pushes (Fig. 17).
 
-One simulator in this process, the shipped policy, unseen starts; `results/straight_push.png` shows the tracks of the
-four corners from above, roll and pitch of the trunk at every control tick, and how the errors shrink.
+The shipped policy pushes a box 1 m ahead from unseen starts, with one simulator in this process.
+`results/straight_push.png` shows the tracks of the four corners from above, roll and pitch of the trunk at every
+control tick, and the errors after each push cycle.
 """
 
 import sys
@@ -27,13 +28,13 @@ from legpush.scene.scenario import Scenario
 from sim_proc.simulator import Simulator
 
 BOX: Final = slice(19, 26)
-"""Of the box's pose in a row of `qpos`."""
+"""Place of the box's pose in a row of `qpos`."""
 CORNERS: Final = ("front left", "rear left", "rear right", "front right")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """Which pushes."""
+    """Which pushes to draw."""
 
     policy: str = "variable"
     first_seed: int = 20_000
@@ -49,11 +50,11 @@ class Track:
     roll_pitch_deg: Floats
     """(ticks, 2)"""
     errors: Floats
-    """After each push cycle, and before the first: metres and degrees, (cycles + 1, 2)."""
+    """Errors in metres and degrees, before the first push cycle and after each, (cycles + 1, 2)."""
 
 
 def main(config: Config) -> int:
-    """Push and draw."""
+    """Push from every start and draw."""
     scenario = load_scenario("push")
     tracks = [
         track(scenario, seed, config.policy) for seed in range(config.first_seed, config.first_seed + config.n_seeds)
@@ -82,7 +83,7 @@ def main(config: Config) -> int:
 
 
 def track(scenario: Scenario, seed: int, policy_name: str) -> Track:
-    """One push of the box to its goal."""
+    """Push the box to its goal once."""
     simulator, policy = Simulator(), make_policy(policy_name)
     length_m, width_m, _ = scenario.box.size_m
     outline = rectangle_corners(length_m, width_m)

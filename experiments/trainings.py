@@ -1,8 +1,8 @@
-"""`python -m experiments.trainings`: the trainings of all studies, several at a time, and what each of them learned.
+"""`python -m experiments.trainings`: runs the trainings of all studies, several at a time, and collects their results.
 
-Each is one `legpush train` in a folder under `runs/trainings`; those that are complete, there or in the results, are
-left alone, those that were interrupted go on. Then every episode of each goes to `results/trainings_episodes.csv.gz`,
-and how the policy of its last step does on the seeds of the check to `results/trainings.csv`.
+Each training is one `legpush train` in a folder under `runs/trainings`. A complete training, in its folder or in the
+results, is not run again; an interrupted one continues. Then the episodes of all trainings go to
+`results/trainings_episodes.csv.gz`, and the check of each last policy goes to `results/trainings.csv`.
 `python -m experiments.learning` draws them.
 """
 
@@ -31,7 +31,7 @@ FEW_SEEDS: Final = SEEDS[:3]
 NEAR_AND_FAR: Final = ("--distance-m", "0.1", "1.0")
 RANDOMIZED: Final = (*NEAR_AND_FAR, "--mass-kg", "0.1", "2.0", "--friction", "0.3", "0.8")
 CURVE_FLAGS: Final = {"tuned-fixed": ("--steps", "4096"), "tuned-variable": NEAR_AND_FAR}
-"""Besides the profile's settings."""
+"""Flags of each variant of the learning curves, besides the settings of its profile."""
 
 Study = Literal["curves", "networks", "algorithms", "randomization"]
 STUDIES: Final[tuple[Study, ...]] = ("curves", "networks", "algorithms", "randomization")
@@ -43,24 +43,24 @@ class Training:
 
     study: Study
     variant: str
-    """What distinguishes it in its study."""
+    """Name of the variant within its study."""
     seed: int
     profile: str = "tuned"
     entry: Literal["fixed", "variable"] = "variable"
     hidden: tuple[int, ...] | None = None
-    """Widths of the networks, where they are others than the profile's."""
+    """Widths of the networks; None for those of the profile."""
     n_simulators: int = 2
     flags: tuple[str, ...] = ()
-    """Further ones of `legpush train`."""
+    """Further flags of `legpush train`."""
 
     @property
     def name(self) -> str:
-        """Of its folder."""
+        """Name of its folder."""
         return f"{self.variant}-seed{self.seed}"
 
 
 def trainings(studies: Iterable[Study]) -> list[Training]:
-    """All of these studies, seed after seed, so that whatever is interrupted has as many of each."""
+    """Return the trainings of these studies, seed by seed, so that an interruption leaves equal numbers of each."""
     return [training for study in studies for seed in SEEDS for training in _of_seed(study, seed)]
 
 
@@ -104,20 +104,20 @@ def _of_seed(study: Study, seed: int) -> list[Training]:
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """Which trainings, and where."""
+    """Which trainings to run, and where."""
 
     studies: Annotated[tuple[Study, ...], tyro.conf.arg(metavar="STUDY ...")] = STUDIES
     jobs: int = 2
-    """Trainings at once."""
+    """How many trainings to run at once."""
     folder: Path = Path("runs/trainings")
     collect_only: bool = False
-    """Run nothing: write the results of what is complete."""
+    """Run nothing; only collect the results of complete trainings."""
     again: bool = False
-    """Run also those that the results hold already, such as after a change of the task; delete their folders first."""
+    """Also run trainings that are in the results, for example after the task changed; delete their folders first."""
 
 
 def main(config: Config) -> int:
-    """Run what is missing, then collect."""
+    """Run the missing trainings, then collect all results."""
     known = set() if config.again else {_name(row) for row in read_final()}
     planned = [t for t in trainings(config.studies) if t.name not in known and not config.collect_only]
     missing = [t for t in planned if not (config.folder / t.name / LAST).is_dir()]
@@ -139,7 +139,11 @@ def main(config: Config) -> int:
 
 
 def _train(training: Training, folder: Path) -> None:
-    """Run it, or go on with it; `SystemExit` with its last words where it fails."""
+    """Run a training, or continue it.
+
+    Raises:
+        SystemExit: The training failed; the error has its last message.
+    """
     out = folder / training.name
     if (out / CHECKPOINT_FILE).exists():
         arguments = ["--resume", str(out)]
@@ -159,7 +163,7 @@ def _train(training: Training, folder: Path) -> None:
 
 
 def collect(planned: Sequence[Training], folder: Path) -> None:
-    """Write the results of the complete ones; those of others stay as they are in the files."""
+    """Write the results of complete trainings; rows of other trainings stay in the files."""
     here = {
         t.name: (t, read_card(folder / t.name / LAST)) for t in planned if (folder / t.name / LAST / CARD_FILE).exists()
     }
@@ -177,7 +181,7 @@ def collect(planned: Sequence[Training], folder: Path) -> None:
 
 
 def _name(row: dict[str, Any]) -> str:
-    """Of the training that a row is of."""
+    """Return the name of the training that a row belongs to."""
     return f"{row['variant']}-seed{row['seed']}"
 
 
@@ -219,12 +223,12 @@ def _final_row(training: Training, card: Card) -> dict[str, Any]:
 
 
 def read_episodes() -> list[dict[str, Any]]:
-    """Every episode of the trainings that are in the file."""
+    """Return every episode of the trainings in the file."""
     return [dict(row) for row in read_table(EPISODES_FILE)]
 
 
 def read_final() -> list[dict[str, Any]]:
-    """How each training in the file ended."""
+    """Return the final row of each training in the file."""
     return [dict(row) for row in read_table(FINAL_FILE)]
 
 

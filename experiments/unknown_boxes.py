@@ -1,9 +1,9 @@
-"""`python -m experiments.unknown_boxes`: the turning circles of boxes that no table is of, measured and guessed.
+"""`python -m experiments.unknown_boxes`: compares measured and guessed turning circles of boxes without a push map.
 
-Per box and face: the circle that one foot pushes it along, measured by 24 pushes (`legpush calibrate`), beside what a
-robot plans with that has never pushed it, and after the four pushes that it makes where `pushing.calibration_pushes`
-asks for them, from five places of the box. One simulator in this process; a row per box and face goes to
-`results/unknown_boxes.csv`, the picture to `results/unknown_boxes.png`.
+For each box and face, 24 pushes measure the circle that one foot pushes the box along (`legpush calibrate`). It is
+compared with the guess of a robot that has never pushed the box, and with the estimate after the four pushes of
+`pushing.calibration_pushes`, from five places of the box. One simulator in this process is used. A row per box and face
+goes to `results/unknown_boxes.csv`, the picture to `results/unknown_boxes.png`.
 """
 
 import sys
@@ -45,7 +45,7 @@ COLORS: Final = {"measured": "black", "guessed": "#c8553d", "after four pushes":
 
 
 def main() -> int:
-    """Measure, tabulate, draw."""
+    """Measure all boxes, write the table and draw."""
     cases = [(name, box, face) for name, box in BOXES.items() for face in measured_faces(box)]
     rows = [row(*case) for case in track(cases, description="boxes")]
     write_table(rows, RESULTS / "unknown_boxes.csv")
@@ -60,7 +60,7 @@ def main() -> int:
 
 
 def row(name: str, box: Box, face: Face) -> dict[str, Any]:
-    """One box, pushed at one face."""
+    """Measure one face of a box; return its row."""
     world = LocalWorld(Simulator())
     planned = cells((face,), ((0.5, 0.5),), (USUAL_DEPTH_M,), MEASURED_SEEDS)
     (circle,) = make_push_map(box, calibrate([world], box, planned), "").circles
@@ -79,7 +79,7 @@ def row(name: str, box: Box, face: Face) -> dict[str, Any]:
 
 
 def own_radius_m(world: LocalWorld, box: Box, face: Face, seed: int) -> float:
-    """What a robot knows after it has pushed as it calibrates itself."""
+    """Return the turning radius that a robot assumes after the pushes of its own calibration."""
     estimate = PushEstimate(pushed_box(box, face))
     outcome = world.step(Reset(scenario=open_floor(box, face), seed=seed))
     before = pushed_pose(planar_pose(outcome.world.box), face)
@@ -92,7 +92,7 @@ def own_radius_m(world: LocalWorld, box: Box, face: Face, seed: int) -> float:
 
 
 def draw(rows: list[dict[str, Any]]) -> None:
-    """A line per box and face."""
+    """Draw a line for each box and face."""
     figure = Figure(figsize=(8.6, 0.36 * len(rows) + 1.2), layout="constrained")
     axis = figure.subplots()
     at = np.arange(len(rows))[::-1]

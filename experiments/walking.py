@@ -1,9 +1,8 @@
-"""`python experiments/walking.py`: speed, steadiness and accuracy of the crawl on simple paths.
+"""`python experiments/walking.py`: measures speed, steadiness and accuracy of the crawl on simple paths.
 
-The table goes to `results/walking.csv`.
-
-One simulator in this process. Speed is the length of the path over the time from rest to rest; the cruising speed is
-that of the middle half of the path. Everything is deterministic, so there is one run per path.
+One simulator in this process walks each path once, since everything is deterministic. Speed is the length of the path
+over the time from rest to rest; the cruising speed is that of the middle half of the path. The table goes to
+`results/walking.csv`.
 """
 
 import csv
@@ -27,7 +26,7 @@ STEP_M: Final = 0.05
 
 
 def paths() -> dict[str, list[Pose2]]:
-    """What is walked, from (10, 10), heading along x."""
+    """Return the paths by name; they begin at (10, 10) and head along x."""
     return {
         "straight, 6 m": _arc(6.0, 0.0),
         "circle of radius 2 m": _arc(4 * pi, 1 / 2.0),
@@ -38,7 +37,7 @@ def paths() -> dict[str, list[Pose2]]:
 
 
 def main() -> None:
-    """Walk them all."""
+    """Walk all paths and write the table."""
     rows = [measure(name, path) for name, path in paths().items()]
     TABLE.parent.mkdir(exist_ok=True)
     with TABLE.open("w", newline="") as file:
@@ -49,7 +48,7 @@ def main() -> None:
 
 
 def measure(name: str, path: Sequence[Pose2]) -> dict[str, Any]:
-    """One row of the table."""
+    """Walk one path; return its row of the table."""
     simulator = Simulator()
     simulator.perform(Reset(scenario=_scenario(), seed=0), with_trace=False)
     simulator.perform(Follow(waypoints=tuple(path)), with_trace=False)
@@ -85,7 +84,7 @@ def measure(name: str, path: Sequence[Pose2]) -> dict[str, Any]:
 
 
 def _scenario() -> Scenario:
-    """An empty floor, the box out of the way."""
+    """Return an empty floor, with the box out of the way."""
     base = load_scenario("push")
     start = replace(base.start, x_m=10.0, y_m=10.0, yaw_deg=0.0)
     box = replace(base.box, pose=replace(base.box.pose, x_m=2.0, y_m=2.0))
@@ -94,7 +93,7 @@ def _scenario() -> Scenario:
 
 
 def _arc(length_m: float, curvature_per_m: float, begin: Pose2 | None = None) -> list[Pose2]:
-    """Poses along an arc, a positive curvature to the left."""
+    """Return poses along an arc; a positive curvature turns left."""
     begin = _pose(10.0, 10.0, 0.0) if begin is None else begin
     poses = []
     for s in np.linspace(0.0, length_m, round(length_m / STEP_M) + 1):

@@ -1,4 +1,4 @@
-"""Evaluation of a policy: episodes from seeded initial conditions, and what they show with 95 % intervals."""
+"""Evaluates a policy: episodes from seeded initial conditions, summarized with 95 % intervals."""
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -28,20 +28,20 @@ class Row:
     """One episode."""
 
     case: str
-    """What was changed in the scenario, such as `box.mass_kg=0.5`; empty where nothing was."""
+    """Changes to the scenario, such as `box.mass_kg=0.5`; empty if there are none."""
     seed: int
-    """Draws the initial offsets."""
+    """Seed of the initial offsets."""
     ending: EvaluationEnding
-    """The policy was `done`, the robot `fell`, or `max_cycles` were not enough."""
+    """The policy was `done`, the robot `fell`, or the episode reached `max_cycles`."""
     success: bool
-    """The box ended within the goal's tolerances, and the robot stands."""
+    """Whether the box ended within the goal's tolerances and the robot stands."""
     position_error_m: float
     angle_error_deg: float
     n_cycles: int
     max_abs_roll_deg: float
     max_abs_pitch_deg: float
     min_support_margin_m: float
-    """Of the robot's CoM inside its support polygon, any tick; infinite where nothing was pushed."""
+    """Smallest margin of the robot's CoM inside its support polygon over all ticks; infinite without a push."""
 
 
 def run_episode(
@@ -54,7 +54,8 @@ def run_episode(
 ) -> Row:
     """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up.
 
-    `StopRequestedError` after the cycle in which `stop` is set.
+    Raises:
+        StopRequestedError: `stop` was set; checked before each cycle.
     """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
     n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
@@ -100,9 +101,12 @@ def evaluate(
     on_row: Callable[[Row], None] = lambda _: None,
     stop: threading.Event | None = None,
 ) -> list[Row]:
-    """Each case with each seed, as many at once as there are worlds; rows in the order of cases, then seeds.
+    """Run each case with each seed, one episode per world at a time; rows in the order of cases, then seeds.
 
-    `on_row` gets each row as it comes, in that order, on the caller's thread. `StopRequestedError` once `stop` is set.
+    `on_row` is called on the caller's thread with each row, in that order.
+
+    Raises:
+        StopRequestedError: `stop` was set.
     """
     free: SimpleQueue[SteppingWorld] = SimpleQueue()
     for world in worlds:
@@ -129,13 +133,13 @@ def evaluate(
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """What the episodes of one case show."""
+    """Statistics of the episodes of one case."""
 
     n: int
     success_rate: Estimate
-    """Interval by Wilson."""
+    """With Wilson's score interval."""
     position_error_m: Estimate
-    """Mean; intervals of means by bootstrap."""
+    """Mean with a bootstrap interval, as all means here."""
     angle_error_deg: Estimate
     n_cycles: Estimate
     n_falls: int
@@ -157,7 +161,7 @@ class Summary:
 
 
 def summarize(rows: Sequence[Row]) -> dict[str, Summary]:
-    """The summary of each case."""
+    """Summarize the episodes of each case."""
     return {case: _summary([row for row in rows if row.case == case]) for case in dict.fromkeys(r.case for r in rows)}
 
 

@@ -1,4 +1,4 @@
-"""The picture of an evaluation: final errors of each case with every episode a dot, or of each cell of a grid."""
+"""Draws an evaluation: final errors of every episode by case, or means over a grid of two fields."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -22,7 +22,7 @@ MEASURES: Final[tuple[tuple[str, Callable[[Row], float]], ...]] = (
 
 
 def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None:
-    """Errors over the cases with means and their 95 % intervals, or maps of a grid of two fields, as a PNG."""
+    """Draw the errors by case with means and 95 % intervals, or maps over a grid of two fields, and write a PNG."""
     draw = _maps if sweep.grid and len(sweep.fields) == len(("x", "y")) else _columns
     figure = draw(rows, sweep)
     figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
@@ -30,7 +30,7 @@ def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None
 
 
 def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
-    """Position and angle errors, a column of dots per case."""
+    """Position and angle errors; each case is a column of dots."""
     cases = list(sweep.cases)
     figure = Figure(figsize=(max(5.0, 1.2 * len(cases) + 3.0), 6.0), layout="constrained")
     axes = figure.subplots(2, 1, sharex=True)
@@ -53,7 +53,7 @@ def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
 
 
 def _maps(rows: Sequence[Row], sweep: Sweep) -> Figure:
-    """A map of each measure over the two fields with the means of its cells; errors of a tolerance are red."""
+    """A map of each measure over the two fields with the mean of each cell; an error of one tolerance is red."""
     goal = next(iter(sweep.cases.values())).goal
     reds = (100 * goal.position_tolerance_m, goal.angle_tolerance_deg, 0.0)
     columns = {case: sweep.columns(case) for case in sweep.cases}

@@ -1,4 +1,4 @@
-"""What an evaluation varies: fields of the scenario, one after the other or in a grid."""
+"""Sweeps: fields of the scenario that an evaluation varies, one after the other or in a grid."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -19,24 +19,29 @@ Value = float | str | tuple[float, ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """Scenarios by what was changed in them, such as `box.mass_kg=0.5`; empty where nothing was."""
+    """The scenarios of an evaluation, and how they differ."""
 
     fields: tuple[str, ...]
-    """The swept ones."""
+    """Fields that are swept."""
     cases: Mapping[str, Scenario]
+    """By their change, such as `box.mass_kg=0.5`; an empty text if nothing is changed."""
     grid: bool
     """Whether the cases are all combinations of the values."""
 
     def columns(self, case: str) -> dict[str, float | str]:
-        """What the swept fields are in a case."""
+        """Values of the swept fields in a case."""
         return {field: _shown(_at(self.cases[case], field)) for field in self.fields}
 
 
 def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep:
-    """The scenarios of all sweeps, such as `box.mass_kg=0.1,0.5` or `box.size_m=0.4x0.5x0.4,0.8x0.4x0.4`.
+    """Make the scenarios of all sweeps, such as `box.mass_kg=0.1,0.5` or `box.size_m=0.4x0.5x0.4,0.8x0.4x0.4`.
 
-    Without a sweep it is the scenario itself. A robot that stands ready to push does so before a box of another size,
-    too. `ConfigError` or `ScenarioError` where a sweep, a field or a value cannot be used.
+    Without a sweep, the only case is the scenario itself. If the robot starts at its station, the start is moved so
+    that it also stands at the station of a box of another size.
+
+    Raises:
+        ConfigError: A sweep cannot be parsed, or names a field twice or one that does not exist.
+        ScenarioError: A value cannot be used.
     """
     parsed = [_parse(text) for text in texts]
     names = tuple(field for field, _ in parsed)
@@ -51,7 +56,11 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
 
 
 def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
-    """Field and values; `ConfigError` where it is none."""
+    """Split a sweep into its field and values.
+
+    Raises:
+        ConfigError: It is not of the form FIELD=VALUE,VALUE,...
+    """
     field, equals, values = text.partition("=")
     parts = [part.strip() for part in values.split(",")]
     if not (field and equals and all(parts)):
@@ -74,7 +83,7 @@ def _changed(scenario: Scenario, changes: dict[str, Value]) -> Scenario:
 
 
 def _ready(scenario: Scenario) -> bool:
-    """Whether the robot starts where it can push from."""
+    """Whether the robot starts at its station behind the box."""
     return at_station(scenario.start.pose(), scenario.box, scenario.box.pose.pose())
 
 
@@ -91,7 +100,7 @@ def _shown(value: Value) -> float | str:
 
 
 def _value(text: str) -> Value:
-    """A number, several joined by `x`, or a word."""
+    """Parse a number, several numbers joined by `x`, or a word."""
     try:
         numbers = tuple(float(part) for part in text.split("x"))
     except ValueError:

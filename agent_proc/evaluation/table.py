@@ -1,4 +1,4 @@
-"""The episodes of an evaluation as a table: one row each, the swept fields beside what was measured."""
+"""The episodes of an evaluation as a table: one row each, with the swept fields and the results."""
 
 import csv
 import io
@@ -16,12 +16,12 @@ from legpush.files import write_whole
 
 
 def table(rows: Sequence[Row], sweep: Sweep) -> list[Mapping[str, Any]]:
-    """Each row by column: the case, the swept fields, and the fields of a `Row`."""
+    """The cells of each row by column: the case, the swept fields, and the fields of a `Row`."""
     return [{"case": row.case, **sweep.columns(row.case), **asdict(row)} for row in rows]
 
 
 def as_csv(rows: Sequence[Mapping[str, Any]]) -> str:
-    """One line per episode, under the names of the columns."""
+    """CSV with a header and one line per episode."""
     text = io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     writer.writeheader()
@@ -30,7 +30,11 @@ def as_csv(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def write_parquet(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """The same as a Parquet file; `DiskError` where it cannot be written."""
+    """Write the table as a Parquet file.
+
+    Raises:
+        DiskError: The file cannot be written.
+    """
     buffer = pyarrow.BufferOutputStream()
     parquet.write_table(pyarrow.Table.from_pylist([dict(row) for row in rows]), buffer)
     write_whole(path, buffer.getvalue().to_pybytes())

@@ -8,7 +8,7 @@ from legpush.messages.stepping import BoxState
 from legpush.scene.scenario import Box, Goal
 
 FRONT = [0, 3]
-"""Where `rectangle_corners` has front left and front right."""
+"""Indices of front left and front right in `rectangle_corners`."""
 
 
 def tracked_corners_m(state: BoxState, box: Box) -> Floats:

@@ -34,15 +34,15 @@ def box_tilt_rad(world: WorldState) -> float:
 
 
 def moved_m(a: Pose2, b: Pose2) -> float:
-    """Between two poses, turning counted by the arc of the foot rectangle's corners."""
+    """Distance between two poses; a turn counts by the arc of the foot rectangle's corners."""
     return distance_m(a, b) + abs(wrap_angle(b.yaw_rad - a.yaw_rad)) * FOOT_RECTANGLE_RADIUS_M
 
 
 def box_error(world: WorldState, scenario: Scenario) -> BoxError:
-    """Of the box's centre and yaw against the goal pose of the scenario."""
+    """Error of the box's centre and yaw against the goal pose of the scenario."""
     return pose_error(planar_pose(world.box), scenario.goal.pose.pose())
 
 
 def pose_error(box: Pose2, goal: Pose2) -> BoxError:
-    """Of a box at one pose that should be at another one."""
+    """Error of a box at one pose that should be at another one."""
     return BoxError(position_m=distance_m(box, goal), angle_rad=abs(wrap_angle(box.yaw_rad - goal.yaw_rad)))

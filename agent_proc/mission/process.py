@@ -28,6 +28,7 @@ from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
 from legpush.fields import Name, Seed, require
+from legpush.files import write_whole
 from legpush.history.journal import Journal, Opened
 from legpush.history.steps import read_episode
 from legpush.lockstep.client import SimLink
@@ -82,6 +83,8 @@ class AgentConfig(ServiceConfig):
     """From there on in place of the box's friction; the mission is not told."""
     witness_planner: bool = False
     """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
+    picture: bool = True
+    """Draw mission.png at the end."""
     sim: str = DEFAULT_NAME
     """Name of the simulator."""
     deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
@@ -119,7 +122,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     )
     with Journal(folder / JOURNAL_FILE, opened) as journal, StatusBeacon(bus, "starting") as beacon:
         if config.witness_planner:
-            bus.taps.witness("planner")
+            bus.taps.witness_role("planner")
         attach_facts(bus, scenario, config.seed, config.policy, config.push_map, opened.versions)
         patience = Patience(deadline_s=config.deadline_s)
         progress = MissionProgress(beacon)
@@ -141,10 +144,10 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             as_it_is if branch is None else lambda whole: branch.scenario(whole, episode.n_steps),
             progress.tell,
         )
-        beacon.say("reporting", None, result.detail)
+        beacon.publish_status("reporting", None, result.detail)
         if not episode.live:
             log.info("the mission in %s was over before: only its report is made anew", folder)
-        leave_report(folder, journal, result)
+        leave_report(folder, journal, result, picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
@@ -161,14 +164,13 @@ def writable_folder(folder: Path) -> Path:
     return folder
 
 
-def leave_report(folder: Path, journal: Journal, result: MissionResult) -> None:
-    """Write `report.json` and `mission.png`, the report last and at once: where it is, the mission is over."""
-    from agent_proc.reporting.picture import save_picture
-
+def leave_report(folder: Path, journal: Journal, result: MissionResult, *, picture: bool = True) -> None:
+    """Write `mission.png` if `picture`, and then `report.json`, at once: where it is, the mission is over."""
     record = read_record(read_episode(journal.path))
     wall_time_s = max(journal.path.stat().st_mtime - journal.opened.began_unix_s, CLOCK_S)
     report = make_report(record, result, wall_time_s, installed_versions())
-    save_picture(record, result, folder / PICTURE_FILE)
-    half = folder / f"{REPORT_FILE}.part"
-    half.write_text(json.dumps(msgspec.to_builtins(report), indent=2) + "\n", encoding="utf-8")
-    half.replace(folder / REPORT_FILE)
+    if picture:
+        from agent_proc.reporting.picture import save_picture
+
+        save_picture(record, result, folder / PICTURE_FILE)
+    write_whole(folder / REPORT_FILE, (json.dumps(msgspec.to_builtins(report), indent=2) + "\n").encode())

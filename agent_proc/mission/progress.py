@@ -19,9 +19,9 @@ class MissionProgress:
         if phase != self._told[0]:
             log.info("%s: %s", phase, detail)
         self._told = (phase, fraction, detail)
-        self._beacon.say(phase, fraction, detail)
+        self._beacon.publish_status(phase, fraction, detail)
 
     def wait(self, peer: str) -> None:
         """Publish which peer the mission waits for; empty when it goes on."""
         phase, fraction, detail = self._told
-        self._beacon.say(phase, fraction, detail, waiting_for=peer)
+        self._beacon.publish_status(phase, fraction, detail, waiting_for=peer)

@@ -24,7 +24,7 @@ from legpush.service import run_program, stop_on_signals
 
 def main() -> int:
     """Parse the command line and measure; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(CalibrateOptions, prog="legpush calibrate"), Console()))
+    return run_program("calibrate", lambda: run(tyro.cli(CalibrateOptions, prog="legpush calibrate"), Console()))
 
 
 def run(options: CalibrateOptions, console: Console) -> int:

@@ -35,7 +35,7 @@ CHECK_SEED: Final = 1_000_003
 
 def main() -> int:
     """Parse the command line and draw; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
+    return run_program("scenarios", lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
 
 
 def run(options: RandomScenario) -> int:

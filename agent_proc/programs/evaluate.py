@@ -34,7 +34,7 @@ PLOT_FILE: Final = "evaluation.png"
 
 def main() -> int:
     """Parse the command line and evaluate; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(EvaluateOptions, prog="legpush evaluate"), Console()))
+    return run_program("evaluate", lambda: run(tyro.cli(EvaluateOptions, prog="legpush evaluate"), Console()))
 
 
 def run(options: EvaluateOptions, console: Console) -> int:

@@ -14,7 +14,7 @@ from legpush.service import run_program
 
 def main() -> int:
     """Parse the command line and draw; returns the exit code."""
-    return run_program(lambda: run(tyro.cli(MapOptions, prog="legpush map")))
+    return run_program("map", lambda: run(tyro.cli(MapOptions, prog="legpush map")))
 
 
 def run(options: MapOptions) -> int:

@@ -36,7 +36,7 @@ CONFIG_FILE: Final = "config.json"
 
 def main() -> int:
     """Parse the command line and train; returns the exit code."""
-    return run_program(lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
+    return run_program("train", lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
 
 
 def train(options: TrainOptions, console: Console) -> int:

@@ -1,1 +1,1 @@
-"""What a push does to a box: assumed, measured, and learned during a mission."""
+"""What a push does to a box: as assumed, as measured, and as learned during a mission."""

@@ -1,4 +1,4 @@
-"""Calibration: series of pushes at a box that stands on an open floor, and what each of them did."""
+"""Calibration: series of pushes at a box on an open floor, and the displacement by each push."""
 
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -23,19 +23,19 @@ from legpush.scene.scenario import Box, Face, Goal, PoseDeg, Randomization, Room
 from legpush.scene.station import station
 
 SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
-"""0 is a push with FL, 1 with FR: both legs as often, after themselves and after the other one."""
+"""0 is a push with FL, 1 with FR: each leg pushes four times, after itself as well as after the other one."""
 FLOOR_M: Final = (6.0, 4.0)
 
 
 class CalibrationError(LegpushError):
-    """A box that cannot be measured: the robot fell."""
+    """The box cannot be measured, because the robot fell."""
 
     exit_code = 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """Pushes that are alike but for the leg, and the seed that their box's place is drawn from."""
+    """Pushes that differ in the leg only, and the seed that the place of their box is drawn from."""
 
     face: Face
     curve: tuple[float, float]
@@ -46,12 +46,12 @@ class Cell:
 def cells(
     faces: Sequence[Face], curves: Sequence[tuple[float, float]], depths_m: Sequence[float], seeds: Sequence[int]
 ) -> list[Cell]:
-    """All combinations."""
+    """All combinations of face, curve, depth and seed."""
     return [Cell(face=f, curve=c, depth_m=d, seed=s) for f, c, d, s in product(faces, curves, depths_m, seeds)]
 
 
 def open_floor(box: Box, face: Face) -> Scenario:
-    """The robot at its station behind the face, and the box such that a push moves it along x."""
+    """A scenario with the robot at its station behind the face; the box is turned so that a push moves it along x."""
     pose = PoseDeg(x_m=FLOOR_M[0] / 3, y_m=FLOOR_M[1] / 2, yaw_deg=-degrees(TURN_RAD[face]))
     place = station(pushed_box(box, face), pushed_pose(pose.pose(), face))
     return Scenario(
@@ -65,7 +65,13 @@ def open_floor(box: Box, face: Face) -> Scenario:
 
 
 def push_series(world: SteppingWorld, scenario: Scenario, cell: Cell) -> Iterator[tuple[Push, Pose2, Outcome]]:
-    """Push after push: what was done, how the frame that is pushed moved from where it was, and all that came of it."""
+    """Push the box again and again; yields each push, the displacement of the pushed frame, and the outcome.
+
+    The displacement is expressed in the frame before the push.
+
+    Raises:
+        CalibrationError: The robot fell.
+    """
     before = pushed_pose(planar_pose(world.step(Reset(scenario=scenario, seed=cell.seed)).world.box), cell.face)
     w1, w2 = cell.curve
     for index in SERIES:
@@ -87,9 +93,11 @@ def calibrate(
     on_cell: Callable[[], None] = lambda: None,
     stop: threading.Event | None = None,
 ) -> list[Sample]:
-    """What every push of the cells did, in their order, as many cells at once as there are worlds.
+    """Measure every push of the cells, one cell per world at a time; samples in the order of the cells.
 
-    `StopRequestedError` once `stop` is set; `CalibrationError` where the robot falls.
+    Raises:
+        StopRequestedError: `stop` was set.
+        CalibrationError: The robot fell.
     """
     free: SimpleQueue[SteppingWorld] = SimpleQueue()
     for world in worlds:

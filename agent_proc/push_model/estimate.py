@@ -1,4 +1,4 @@
-"""What pushes do to this box: the push model, scaled by what pushes have done to it so far."""
+"""Estimates what a push does to this box: the push model, scaled by the effects of the pushes up to now."""
 
 from typing import Final
 
@@ -13,23 +13,22 @@ from legpush.scene.scenario import Box
 
 PRIOR_M: Final = 0.03
 PRIOR_RAD: Final = 0.05
-"""The model counts as much as pushes that move and turn the box by so much, as root of their sum of squares."""
+"""Weight of the prior: it counts as much as pushes whose travel (or turn) has this root sum of squares."""
 FORGETTING: Final = 0.9
-"""What a past push counts after each further one."""
-"""The circle that a box turns on is that of pushes which are so deep."""
+"""Factor on the weight of past pushes after each further one."""
 MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
 
 
 class PushEstimate:
-    """Scales of travel and turn by least squares over the pushes that were seen, with the model as prior."""
+    """Scales of travel and turn by least squares over the observed pushes, with the model as prior."""
 
     def __init__(self, box: Box, model: PushModel | None = None) -> None:
-        """Begin with the measured model unless another is given; `box` is as it is pushed.
+        """Begin with `model`, or with the nearest measured one; `box` has its size in the pushed frame.
 
-        A box that rests on its corners is turned by a push in proportion to the push's arm over the square of the
-        corners' distance from its centre.
+        The prior of the turn assumes a box that rests on its corners: a push turns it in proportion to the arm of the
+        push over the squared distance of the corners from the centre.
         """
         self._model = nearest_model(box) if model is None else model
         self._turn_prior = _turn_per_travel(box) / _turn_per_travel(self._model.box)
@@ -39,40 +38,40 @@ class PushEstimate:
 
     @property
     def curve(self) -> tuple[float, float]:
-        """w1 and w2 of the pushes that the model is of."""
+        """w1 and w2 of the pushes that the model describes."""
         return self._model.w1, self._model.w2
 
     @property
     def travel_scale(self) -> float:
-        """Travel of the box over that of the model."""
+        """Travel of the box divided by that of the model."""
         return float(np.clip(self._travel[0] / self._travel[1], LEAST_SCALE, MOST_SCALE))
 
     @property
     def turn_scale(self) -> float:
-        """Turn of the box over that of the model."""
+        """Turn of the box divided by that of the model."""
         return self._turn_prior * float(np.clip(self._turn[0] / self._turn[1], LEAST_SCALE, MOST_SCALE))
 
     @property
     def turning_radius_m(self) -> float:
-        """Of the circle that the box is pushed along by one foot, push after push."""
+        """Radius of the circle on which the same foot pushes the box, at the usual depth."""
         forward_m, _, turn_rad = self._one_push()
         return forward_m / turn_rad
 
     @property
     def axle_m(self) -> float:
-        """How far behind its centre the box does not slip sideways when one foot turns it."""
+        """Distance of the axle behind the centre: the point that does not slip sideways when one foot turns the box."""
         _, left_m, turn_rad = self._one_push()
         return float(np.clip(left_m / turn_rad, 0.0, MOST_AXLE_M))
 
     def _one_push(self) -> tuple[float, float, float]:
-        """Forward and left [m] and turn [rad] of the box by one push of FR, as deep as usual."""
+        """Displacement forward and left [m] and turn [rad] of the box by one push of FR, at the usual depth."""
         ((forward_m, left_m, turn_rad),) = self.push(
             np.zeros((1, 3)), np.array([MIRROR["FR"]]), np.array([USUAL_DEPTH_M])
         ).tolist()
         return forward_m, left_m, turn_rad
 
     def push(self, poses: Floats, mirror: Floats, depth_m: Floats) -> Floats:
-        """Poses after one push each, (n, 3), as `PushModel.push`."""
+        """Poses (x, y, yaw) after one push each, (n, 3); arguments as in `PushModel.push`."""
         return self._model.push(poses, mirror, depth_m, self.travel_scale, self.turn_scale)
 
     def after(self, pose: Pose2, push: Push) -> Pose2:
@@ -82,8 +81,9 @@ class PushEstimate:
         return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
 
     def learn(self, before: Pose2, push: Push, after: Pose2) -> None:
-        """Take in what a push did, both poses of the frame that was pushed; other curves than the model's tell
-        nothing.
+        """Update the scales with the effect of a push; a push with another curve than the model's is ignored.
+
+        `before` and `after` are poses of the pushed frame.
         """
         if (push.w1, push.w2) != self.curve:
             return
@@ -100,6 +100,6 @@ class PushEstimate:
 
 
 def _turn_per_travel(box: Box) -> float:
-    """Of a box that is pushed at the usual share of its width, but for a factor, 1/m."""
+    """Turn per travel [1/m] of a box that is pushed at the usual share of its width, up to a constant factor."""
     length_m, width_m, _ = box.size_m
     return width_m / (length_m**2 + width_m**2)

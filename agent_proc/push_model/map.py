@@ -1,4 +1,4 @@
-"""What pushes do to one box, measured: by face, leg, curve and depth, with uncertainty, and the circle it turns on."""
+"""Measured effects of pushes on one box by face, leg, curve and depth, and the circles on which it turns."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,19 +23,19 @@ from legpush.scene.scenario import Box, BoxShape, Face
 
 LEAST_FORWARD_M: Final = 1e-4
 LEAST_TURN_RAD: Final = 1e-4
-"""A box that one push moves or turns less than this cannot be steered."""
+"""A box cannot be steered if one push moves or turns it less than this."""
 SAME_AS: Final[dict[BoxShape, dict[Face, Face]]] = {
     "cuboid": {"front": "rear", "left": "right"},
     "cylinder": {"right": "rear", "front": "rear", "left": "rear"},
     "wedge": {},
     "l_shape": {},
 }
-"""Faces that are pushed like another one, by symmetry."""
+"""Faces that behave like another one, by symmetry."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sample:
-    """What one push did, in the frame that is pushed, as it was before."""
+    """Displacement by one push, in the pushed frame before the push."""
 
     face: Face
     leg: FrontLeg
@@ -48,7 +48,7 @@ class Sample:
 
 
 class PushEffect(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Mean displacement of the box's centre and turn by one push cycle, and standard deviations over the pushes."""
+    """Mean displacement and turn of the box by one push cycle, with standard deviations over `n` pushes."""
 
     face: Face
     leg: FrontLeg
@@ -65,27 +65,27 @@ class PushEffect(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class TurningCircle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Of the box pushed by one foot alone, with 95 % intervals."""
+    """The circle on which one foot alone pushes the box, with 95 % intervals."""
 
     face: Face
     radius_m: Estimate
-    """Of the circle of the axle: the point that does not slip sideways."""
+    """Radius of the circle of the axle, the point that does not slip sideways."""
     axle_m: Estimate
-    """How far behind the box's centre that point is."""
+    """Distance of that point behind the box's centre."""
 
 
 class PushMap(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The file `push_map.json`."""
+    """The content of `push_map.json`."""
 
     format: Literal["legpush push map 1"] = "legpush push map 1"
     box: Box
     effects: tuple[PushEffect, ...]
     circles: tuple[TurningCircle, ...]
     command: str
-    """That made it."""
+    """The command that made the map."""
 
     def model(self, face: Face) -> PushModel:
-        """The effects of pushes at a face with the first curve, both legs together, as the rows of a model."""
+        """The effects of pushes at a face with the first curve as a model; both legs are averaged."""
         measured = self._measured(face)
         w1, w2 = self.effects[0].w1, self.effects[0].w2
         mine = [e for e in self.effects if (e.face, e.w1, e.w2) == (measured, w1, w2)]
@@ -103,7 +103,7 @@ class PushMap(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 def measured_faces(box: Box) -> tuple[Face, ...]:
-    """Those that have to be measured, all that can be pushed being like one of them."""
+    """The faces to measure: every face that can be pushed behaves like one of them."""
     return tuple(face for face in FACES if face in PUSHABLE[box.shape] and face not in _same_as(box))
 
 
@@ -113,7 +113,11 @@ def _same_as(box: Box) -> dict[Face, Face]:
 
 
 def make_push_map(box: Box, samples: Sequence[Sample], command: str) -> PushMap:
-    """Means and spreads of the samples: at least two for each face, leg, curve and depth."""
+    """Make the map from samples, at least two for each face, leg, curve and depth.
+
+    Raises:
+        ConfigError: One foot does not push the box forward and turn it.
+    """
     groups: dict[tuple[Face, FrontLeg, float, float, float], list[Sample]] = {}
     for sample in samples:
         groups.setdefault((sample.face, sample.leg, sample.w1, sample.w2, sample.depth_m), []).append(sample)
@@ -134,7 +138,7 @@ def make_push_map(box: Box, samples: Sequence[Sample], command: str) -> PushMap:
 
 
 def _require_turn(face: Face, depth_m: float, samples: Sequence[Sample]) -> None:
-    """One foot has to move the box forward and turn it away from itself."""
+    """Require that one foot moves the box forward and turns it away from itself."""
     forward_m = float(np.mean([sample.forward_m for sample in samples]))
     turn_rad = float(np.mean([-MIRROR[sample.leg] * sample.turn_rad for sample in samples]))
     if forward_m < LEAST_FORWARD_M or turn_rad < LEAST_TURN_RAD:
@@ -167,26 +171,30 @@ def _effect(face: Face, leg: FrontLeg, w1: float, w2: float, depth_m: float, sam
 
 
 def _circle(face: Face, samples: Sequence[Sample]) -> TurningCircle:
-    """Radius and axle of mean effects, with the percentile bootstrap, drawn with a fixed seed."""
+    """Radius and axle from the mean effects; intervals by percentile bootstrap with a fixed seed."""
     values = np.array([(s.forward_m, -MIRROR[s.leg] * s.left_m, -MIRROR[s.leg] * s.turn_rad) for s in samples])
     drawn = values[np.random.default_rng(0).integers(len(values), size=(N_BOOTSTRAP, len(values)))].mean(axis=1)
     return TurningCircle(face=face, radius_m=_ratio(values, drawn, 0), axle_m=_ratio(values, drawn, 1))
 
 
 def _ratio(values: Floats, drawn: Floats, column: int) -> Estimate:
-    """Of the mean of a column to the mean turn."""
+    """Ratio of the mean of a column to the mean turn."""
     mean = values.mean(axis=0)
     low, high = np.quantile(drawn[:, column] / drawn[:, 2], (0.025, 0.975)).round(4).tolist()
     return Estimate(value=round(float(mean[column] / mean[2]), 4), low=low, high=high)
 
 
 def write_push_map(push_map: PushMap, path: Path) -> None:
-    """As JSON for people and programs."""
+    """Write the map as JSON."""
     write_whole(path, msgspec.json.format(msgspec.json.encode(push_map), indent=1) + b"\n")
 
 
 def load_push_map(path: Path, box: Box) -> PushMap:
-    """The map in a file, which has to be one of this box, but for its mass and friction; `ConfigError` otherwise."""
+    """Read the map of this box from a file; mass and friction may differ.
+
+    Raises:
+        ConfigError: The file cannot be read, or is not a usable map of this box.
+    """
     try:
         push_map = msgspec.json.decode(path.read_bytes(), type=PushMap)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What one push cycle does to the box, as measured: the knowledge of the scripted policy."""
+"""Measured displacement of the box by one push cycle, which the scripted policy predicts with."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -22,13 +22,13 @@ class PushModel:
     """
 
     box: Box = NOMINAL
-    """That was pushed."""
+    """The box that was pushed."""
     w1: float = 0.5
     w2: float = 0.5
     """The curve that the rows were measured with."""
     depth_m: tuple[float, ...] = (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.08, 0.1, 0.12)
     forward_m: tuple[float, ...] = (0.0, 0.0017, 0.0056, 0.0135, 0.0212, 0.0366, 0.0596, 0.0747, 0.0899)
-    """Of the box's centre along the x axis that the box had before."""
+    """Displacement of the box's centre along the x axis that the box had before."""
     left_m: tuple[float, ...] = (0.0, -0.0001, -0.0011, -0.0033, -0.0059, -0.0104, -0.0151, -0.0215, -0.0268)
     """The same along its y axis."""
     turn_deg: tuple[float, ...] = (0.0, -0.21, -0.62, -1.43, -2.31, -4.07, -6.77, -8.41, -10.04)
@@ -43,7 +43,7 @@ class PushModel:
     ) -> Floats:
         """Poses (x, y, yaw) of the box after one push cycle each, (n, 3).
 
-        `mirror` is 1 for FL and -1 for FR, (n,); the scales are what the rows are multiplied by, scalar or (n,).
+        `mirror` is 1 for FL and -1 for FR, (n,); the scales multiply the rows, scalar or (n,).
         """
         forward = np.multiply(travel_scale, np.interp(depth_m, self.depth_m, self.forward_m))
         left = np.multiply(travel_scale, mirror * np.interp(depth_m, self.depth_m, self.left_m))
@@ -53,7 +53,7 @@ class PushModel:
         return after
 
     def depth_for(self, forward_m: Floats) -> Floats:
-        """The depth that moves the box by `forward_m`, at most the deepest that was measured, (n,)."""
+        """The depth that moves the box by `forward_m`, limited to the deepest measured one, (n,)."""
         depth: Floats = np.interp(forward_m, self.forward_m, self.depth_m)
         return depth
 
@@ -64,11 +64,11 @@ ON_ITS_SIDE: Final = PushModel(
     left_m=(0.0, -0.0004, -0.0019, -0.0049, -0.008, -0.0143, -0.0248, -0.0289, -0.0353),
     turn_deg=(0.0, -0.14, -0.37, -0.78, -1.26, -2.36, -3.93, -5.63, -6.7),
 )
-"""Of the default box, pushed at its left or right face."""
+"""Model of the default box, pushed at its left or right face."""
 
 
 def nearest_model(box: Box) -> PushModel:
-    """The measured model of the box that is most nearly as slender; `box` is as it is pushed."""
+    """The measured model of the box with the nearest ratio of width to length; `box` is in the pushed frame."""
     slenderness = np.log(box.size_m[1] / box.size_m[0])
     models = (PushModel(), ON_ITS_SIDE)
     return min(models, key=lambda model: abs(np.log(model.box.size_m[1] / model.box.size_m[0]) - slenderness))

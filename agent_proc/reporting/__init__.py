@@ -1,1 +1,1 @@
-"""Numbers and pictures of missions and maps."""
+"""Reports and pictures of missions and maps."""

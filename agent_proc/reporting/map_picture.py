@@ -1,4 +1,4 @@
-"""The picture of `legpush map show`: a map from above, in metres."""
+"""Draws the picture of `legpush map show`: a map from above, in metres."""
 
 from math import ceil
 from pathlib import Path
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
 
 from agent_proc.reporting.map_view import MapView
-from agent_proc.reporting.picture import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
+from agent_proc.reporting.style import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
 from legpush.arrays import Flags
 from legpush.geometry import Pose2
 from legpush.scenarios.grid import merged_rectangles
@@ -27,23 +27,24 @@ from legpush.scene.robot import FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M
 from legpush.scene.scenario import Scenario
 
 SOFTWARE: Final = "legpush map show"
-"""Who made the picture, as it says itself."""
+"""The software that a picture names as its author."""
 HEAD_BYTES: Final = 1024
-"""Of a PNG file, in which it says so."""
+"""Number of bytes at the head of a PNG file in which its author is searched."""
 UNKNOWN, KEPT_CLEAR, OUTSIDE = "#9aa1ac", "#f7e6d6", "#eef0f2"
 LONGEST_IN: Final = (9.0, 7.5)
-"""Width and height of the largest map."""
+"""Width and height of the drawn map at most."""
 LEAST_IN: Final = (7.0, 2.0)
+"""Width and height of the drawn map at least."""
 AROUND_IN: Final = (1.0, 1.5)
-"""For labels, title and legend."""
+"""Additional width and height for labels, title and legend."""
 RIM: Final = 0.03
-"""Of the map's longer side, around it."""
+"""Margin around the map, as a share of its longer side."""
 NAME_LENGTH: Final = 40
 DPI: Final = 140
 MOST_PIXELS: Final = 800
-"""Along a side of the map: fewer than the picture has there."""
+"""Pixels along a side of the map: fewer than the picture has there, so that no cell is lost."""
 LEAST_ARROW: Final = 0.035
-"""Of the map's longer side, so that a heading is seen in a large room."""
+"""Shortest arrow, as a share of the map's longer side, so that a heading is visible in a large room."""
 
 
 def is_own_picture(path: Path) -> bool:
@@ -81,7 +82,7 @@ def _title(view: MapView) -> str:
 
 
 def _draw_map(axes: Axes, view: MapView) -> None:
-    """Cells, what is unknown of them, and beneath them what the trunk keeps clear."""
+    """Draw occupied and unknown cells, and beneath them the zone that the trunk keeps clear."""
     width_m, height_m = view.size_m
     axes.add_patch(Rectangle((0.0, 0.0), width_m, height_m, fc=FLOOR, lw=0, zorder=1))
     if view.scenario is not None:
@@ -93,7 +94,7 @@ def _draw_map(axes: Axes, view: MapView) -> None:
 
 
 def _draw_cells(axes: Axes, cells: Flags, cell_m: float, color: str, zorder: float) -> None:
-    """Those that are set, (rows, columns), row 0 at y = 0; where many share a pixel, each of them is seen."""
+    """Draw the set cells, (rows, columns), row 0 at y = 0; a pixel is drawn if any of its cells is set."""
     block = ceil(max(cells.shape) / MOST_PIXELS)
     n_rows, n_columns = (-(-n // block) for n in cells.shape)
     padded = np.zeros((n_rows * block, n_columns * block), dtype=np.bool_)
@@ -106,7 +107,7 @@ def _draw_cells(axes: Axes, cells: Flags, cell_m: float, color: str, zorder: flo
 
 
 def _draw_kept_clear(axes: Axes, view: MapView, reach_m: float) -> None:
-    """Whatever is nearer than `reach_m` to a cell that is occupied, or to the border."""
+    """Draw the zone nearer than `reach_m` to an occupied cell or to the border."""
     width_m, height_m = view.size_m
     inner = Rectangle((reach_m, reach_m), max(width_m - 2 * reach_m, 0.0), max(height_m - 2 * reach_m, 0.0))
     axes.add_patch(Rectangle((0.0, 0.0), width_m, height_m, fc=KEPT_CLEAR, lw=0, zorder=1.1))
@@ -122,7 +123,7 @@ def _draw_kept_clear(axes: Axes, view: MapView, reach_m: float) -> None:
 
 
 def _draw_scenario(axes: Axes, scenario: Scenario) -> None:
-    """Where the robot starts, the box, its goal, and the curve between them where one is given."""
+    """Draw the start of the robot, the box, its goal, and the reference between them if there is one."""
     start, box, goal = scenario.start.pose(), scenario.box.pose.pose(), scenario.goal.pose.pose()
     if scenario.reference is not None:
         curve = reference_curve(scenario.reference, box)
@@ -146,7 +147,7 @@ def _draw_heading(axes: Axes, pose: Pose2, length_m: float, color: str) -> None:
 
 
 def _draw_origins(axes: Axes, view: MapView) -> None:
-    """That of the room, and that of the map's own frame where it is another one within sight."""
+    """Draw the origin of the room, and that of the map's own frame if it is another one inside the map."""
     axes.plot(0.0, 0.0, "o", color=INK, ms=6, mfc="white", mew=1.6, ls="", label="origin (0, 0)", zorder=7)
     axes.lines[-1].set_clip_on(False)
     x_m, y_m = (-origin for origin in view.origin_m)
@@ -156,7 +157,7 @@ def _draw_origins(axes: Axes, view: MapView) -> None:
 
 
 def _legend(axes: Axes, view: MapView) -> list[Artist]:
-    """What the colours mean, then everything with a label of its own."""
+    """Entries for the colours, then for everything with a label."""
     handles: list[Artist] = [Patch(fc=WALL, label="occupied")]
     if view.source is not None and view.source.unknown.any():
         handles.append(Patch(fc=UNKNOWN, label="unknown, counts as occupied"))

@@ -1,4 +1,4 @@
-"""What `legpush map show` shows: a map as it is read, and of a scenario what the planner gets."""
+"""Reads what `legpush map show` shows: the cells of a map file, or the grid that the planner gets for a scenario."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,9 +25,9 @@ class MapView:
     """Side of a cell."""
     size_m: tuple[float, float]
     n_walls: int
-    """Rectangles that the map is made of."""
+    """Number of rectangles that the occupied cells are merged into."""
     source: OccupancyMap | None
-    """The file that it is from; None of a scenario without one."""
+    """The map file; None for a scenario without one."""
     scenario: Scenario | None = None
 
     @property
@@ -36,7 +36,7 @@ class MapView:
         return (0.0, 0.0) if self.source is None else self.source.origin_m
 
     def lines(self) -> list[str]:
-        """What is in it, for people."""
+        """Describe the map in lines of text."""
         n_rows, n_columns = self.occupied.shape
         too_many = f": more than the {MAX_OBSTACLES} of a room" if self.n_walls > MAX_OBSTACLES else ""
         x_m, y_m = self.origin_m
@@ -54,7 +54,11 @@ class MapView:
 
 
 def read_view(options: MapOptions) -> MapView:
-    """The map that the options name; `LegpushError` names the file and what is wrong in it."""
+    """Read the map that the options name.
+
+    Raises:
+        LegpushError: The map cannot be used; the message names the file and the reason.
+    """
     path, suffix = Path(options.file), suffix_of(options.file)
     if suffix in CELL_SUFFIXES and options.cell_m is not None and options.first_row is not None:
         return _view_of_file(path.name, read_cells(path, options.cell_m, options.first_row))

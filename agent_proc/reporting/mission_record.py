@@ -1,4 +1,4 @@
-"""What happened in a mission, read from its journal into arrays: what report and picture are made from."""
+"""Reads a mission from its journal into arrays, from which report and picture are made."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
@@ -29,30 +29,30 @@ class Ticks:
     roll_pitch_rad: Floats
     """(n, 2)"""
     tips_m: Floats
-    """In the order of `LEGS`, (n, 4, 3)."""
+    """Foot tips in the order of `LEGS`, (n, 4, 3)."""
     support_margin_m: Floats
     """(n,)"""
     box: Floats
-    """x, y, yaw, (n, 3)."""
+    """x, y and yaw of the box, (n, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MissionStep:
-    """A motion and what it led to."""
+    """A motion, and the world after it."""
 
     motion: Motion
     world: WorldState
     state_crc: int
     ticks: Ticks
     path_m: Floats
-    """The path that was given last, (m, 2); empty before the first."""
+    """The path given last to the robot, (m, 2); empty before the first."""
     box_path_m: Floats
-    """The reference, or the path of the box that was planned last, (m, 2); empty before the first."""
+    """The reference, or the path planned last for the box, (m, 2); empty before the first."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MissionRecord:
-    """A mission, in order."""
+    """The plans and steps of a mission, each in order."""
 
     scenario: Scenario
     seed: int
@@ -61,21 +61,25 @@ class MissionRecord:
     """The first is the reset."""
 
     def ticks(self) -> Ticks:
-        """Of all steps."""
+        """The ticks of all steps."""
         return _join(step.ticks for step in self.steps)
 
     def pushing(self) -> list[MissionStep]:
-        """The push cycles, after the step that came before them; empty if there was none."""
+        """The push cycles with the step before the first one; empty if there was no push."""
         first = next((index for index, step in enumerate(self.steps) if isinstance(step.motion, Push)), None)
         return [] if first is None else self.steps[first - 1 :]
 
     def box_error(self, step: MissionStep) -> BoxError:
-        """At the end of a step."""
+        """Error of the box at the end of a step."""
         return box_error(step.world, self.scenario)
 
 
 def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
-    """Read a mission; `JournalError` if it does not begin with a reset or has a step without its trace."""
+    """Read a mission.
+
+    Raises:
+        JournalError: The journal does not begin with a reset, or a step has no trace.
+    """
     plans: list[PlanRecord] = []
     steps: list[MissionStep] = []
     path_m = box_path_m = np.empty((0, 2))
@@ -130,7 +134,7 @@ def _ticks(trace: Trace | None, index: int) -> Ticks:
 
 
 def _join(parts: Iterable[Ticks]) -> Ticks:
-    """The rows of all parts."""
+    """Concatenate the rows of all parts."""
     parts = list(parts)
     return Ticks(
         **{field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Ticks)}

@@ -1,10 +1,9 @@
-"""`mission.png`: the whole mission in one figure, from what its journal recorded."""
+"""Draws `mission.png`, the whole mission in one figure, from its journal alone."""
 
-from itertools import groupby
-from math import ceil, degrees
+from math import ceil
 from pathlib import Path
 from textwrap import shorten
-from typing import Any, Final
+from typing import Final
 
 import matplotlib as mpl
 import numpy as np
@@ -14,59 +13,30 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Polygon
-from matplotlib.ticker import MaxNLocator
 
 from agent_proc.endings import MissionResult
+from agent_proc.reporting.charts import draw_box_error, draw_margin, draw_tilt
 from agent_proc.reporting.mission_record import MissionRecord
-from agent_proc.reporting.picture_parts import (
-    MAX_POINTS,
-    appeared,
-    box_at,
-    extent,
-    followed,
-    handover_place,
-    thin,
-    widen,
-)
-from legpush.arrays import Floats
+from agent_proc.reporting.picture_parts import appeared, box_at, extent, followed, handover_place, thin, widen
+from agent_proc.reporting.style import BOX, FLOOR, GOAL, GRID, INK, RAW, STYLE, WALL
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
 from legpush.messages.poses import planar_pose
-from legpush.messages.stepping import Motion, Push, Walk
 from legpush.scene.footprints import Footprint, box_footprint, obstacle_footprint
 from legpush.scene.occupancy import room_by_now
 from legpush.scene.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
 
-STYLE: Final[dict[Any, Any]] = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.linewidth": 0.7,
-    "axes.edgecolor": "#8a8f98",
-    "axes.labelcolor": "#333840",
-    "xtick.color": "#555b65",
-    "ytick.color": "#555b65",
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-}
-WALL, FLOOR, INK, GRID = "#3b3f46", "#ffffff", "#1b2a41", "#e6e8eb"
-TREE, RAW, SMOOTH, TRUNK = "#9dbbdc", "#c8553d", "#4a9b6e", "#1b2a41"
+TREE, SMOOTH, TRUNK = "#9dbbdc", "#4a9b6e", "#1b2a41"
 FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0"}
-BOX, GOAL, BLUE = "#8d6748", "#2b8a4b", "#3a6ea5"
 APPEARED, GIVEN_UP = "#b8651b", "#77706a"
-PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
-LEAST_NAMED: Final = 0.08
-"""Share of the mission's time below which a phase has no room for its name."""
 DPI: Final = 160
 HEADLINE_LENGTH: Final = 140
 WORLD: Final = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
 ZOOM_ASPECT: Final = 2.45
 BEHIND_M: Final = np.array([0.6, 0.2])
 BESIDE_M: Final = np.array([0.1, 0.2])
-ERROR_TICKS: Final = (0, 1, 3, 10, 30, 100, 300, 1000)
 N_GHOSTS: Final = 8
-"""Outlines of the box on its way."""
+"""Number of outlines of the box on its way."""
 
 
 def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> None:
@@ -79,9 +49,9 @@ def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> No
         _draw_plan(plan, record, result)
         _draw_zoom(figure.add_subplot(grid[0, 1]), record)
         tilt = figure.add_subplot(grid[1, 1])
-        _draw_tilt(tilt, record)
-        _draw_margin(figure.add_subplot(grid[2, 1], sharex=tilt), record)
-        _draw_box_error(figure.add_subplot(grid[3, 1]), record)
+        draw_tilt(tilt, record)
+        draw_margin(figure.add_subplot(grid[2, 1], sharex=tilt), record)
+        draw_box_error(figure.add_subplot(grid[3, 1]), record)
         handles, labels = plan.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=ceil(len(labels) / 2))
         figure.suptitle(_headline(record, result), x=0.012, ha="left", fontsize=11.5, fontweight="bold", color=INK)
@@ -94,7 +64,7 @@ def _headline(record: MissionRecord, result: MissionResult) -> str:
 
 
 def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None:
-    """The room with everything that happened in it."""
+    """Draw the room with the paths, feet, robot and box of the mission."""
     _draw_room(axes, record)
     _draw_trunk_plans(axes, [each.plan for each in record.plans if isinstance(each.query, TrunkPathQuery)])
     if record.scenario.reference is not None:
@@ -134,7 +104,7 @@ def _draw_trunk_plans(axes: Axes, plans: list[Plan]) -> None:
 
 
 def _draw_box_plans(axes: Axes, plans: list[Plan]) -> None:
-    """The first path of the box, and more lightly those that were planned on the way."""
+    """Draw the first path of the box, and paler the paths planned on the way."""
     for index, plan in enumerate(plans):
         path = np.array([[pose.x_m, pose.y_m] for pose in plan.waypoints]).reshape(-1, 2)
         label = "planned path of the box" if index == 0 else None
@@ -143,7 +113,7 @@ def _draw_box_plans(axes: Axes, plans: list[Plan]) -> None:
 
 
 def _draw_zoom(axes: Axes, record: MissionRecord) -> None:
-    """The neighbourhood of the box, turned so that the goal's heading is to the right."""
+    """Draw the surroundings of the box, turned so that the goal's heading points to the right."""
     scenario = record.scenario
     seen = scenario.goal.pose.pose().inverse()
     _draw_room(axes, record, seen)
@@ -173,7 +143,7 @@ def _draw_room(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
 
 
 def _draw_appeared(axes: Axes, record: MissionRecord, seen: Pose2) -> None:
-    """What appeared, hatched, with the time beside it."""
+    """Draw the obstacles that appeared, hatched, each with its time."""
     label: str | None = "appeared later"
     for each in appeared(record):
         place = obstacle_footprint(record.scenario.room.obstacles[each.obstacle])
@@ -211,7 +181,7 @@ def _draw_feet(axes: Axes, record: MissionRecord, seen: Pose2, width: float) -> 
 
 
 def _draw_robot(axes: Axes, trunk: Pose2, seen: Pose2 = WORLD, label: str | None = None) -> None:
-    """The foot rectangle and where its front is."""
+    """Draw the foot rectangle of the robot and a line to its front."""
     trunk = seen @ trunk
     outline = Footprint(pose=trunk, length_m=FOOT_RECTANGLE_LENGTH_M, width_m=FOOT_RECTANGLE_WIDTH_M).corners()
     axes.add_patch(Polygon(outline, fill=False, ec=INK, lw=1.1, label=label, zorder=6))
@@ -220,7 +190,7 @@ def _draw_robot(axes: Axes, trunk: Pose2, seen: Pose2 = WORLD, label: str | None
 
 
 def _draw_box(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
-    """Its start, its way, its end and its goal."""
+    """Draw the box at start and end, its track, and its goal."""
     steps = record.pushing() or record.steps[-1:]
     ghosts = np.unique(np.linspace(0, len(steps) - 1, N_GHOSTS + 2, dtype=int))[1:-1]
     start, end = (seen.apply(box_at(record, step).corners()) for step in (record.steps[0], record.steps[-1]))
@@ -233,75 +203,3 @@ def _draw_box(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
     track = seen.apply(thin(record.ticks().box[:, :2]))
     axes.plot(*track.T, color=BOX, lw=1.3, label="box track", zorder=6)
     axes.add_patch(Polygon(goal, fill=False, ec=GOAL, lw=1.6, label="goal", zorder=6))
-
-
-def _draw_tilt(axes: Axes, record: MissionRecord) -> None:
-    ticks = record.ticks()
-    _shade_phases(axes, record)
-    roll, pitch = np.degrees(ticks.roll_pitch_rad).T
-    _draw_series(axes, ticks.time_s, pitch, RAW, "pitch")
-    _draw_series(axes, ticks.time_s, roll, BLUE, "roll")
-    axes.set(ylabel="angle [°]")
-    axes.set_title("Trunk pitch and roll")
-    _legend_above(axes)
-
-
-def _draw_margin(axes: Axes, record: MissionRecord) -> None:
-    ticks = record.ticks()
-    _shade_phases(axes, record)
-    _draw_series(axes, ticks.time_s, 100.0 * ticks.support_margin_m, "#4a6b5d", "")
-    axes.axhline(0.0, color=RAW, lw=0.8)
-    axes.set(xlabel="simulated time [s]", ylabel="margin [cm]")
-    axes.set_title("Support margin of the CoM")
-
-
-def _draw_box_error(axes: Axes, record: MissionRecord) -> None:
-    """In tolerances, so that one line means success."""
-    goal = record.scenario.goal
-    errors = [record.box_error(step) for step in record.pushing()]
-    cycles = range(len(errors))
-    position = [error.position_m / goal.position_tolerance_m for error in errors]
-    angle = [degrees(error.angle_rad) / goal.angle_tolerance_deg for error in errors]
-    axes.axhspan(0.0, 1.0, color=GOAL, alpha=0.1, lw=0)
-    for values, color, label in (
-        (position, BOX, f"position (in {100 * goal.position_tolerance_m:g} cm)"),
-        (angle, BLUE, f"angle (in {goal.angle_tolerance_deg:g}°)"),
-    ):
-        axes.plot(cycles, values, color=color, label=label, marker="o", ms=2.6, lw=1.0)
-    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
-    top = 1.6 * max([2.0, *position, *angle])
-    axes.set(xlabel="push cycle", ylabel="error / tolerance", ylim=(0.0, top))
-    axes.set_yticks([tick for tick in ERROR_TICKS if tick < top], minor=False)
-    axes.set_yticks([], minor=True)
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_title("Box error")
-    _legend_above(axes)
-
-
-def _legend_above(axes: Axes) -> None:
-    """On the line of the title, at the right."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1, handlelength=1.4)
-
-
-def _draw_series(axes: Axes, time_s: Floats, values: Floats, color: str, label: str) -> None:
-    """A line over time that keeps its extremes however long it is: the band between them, chunk by chunk."""
-    starts = np.linspace(0, len(values), min(len(values), MAX_POINTS // 4), endpoint=False).astype(int)
-    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    axes.fill_between(time_s[starts], low, high, color=color, lw=0.6, alpha=0.85, label=label)
-
-
-def _shade_phases(axes: Axes, record: MissionRecord) -> None:
-    """Walking and pushing, told apart by the background, with a name where there is room."""
-    end_s = max(record.steps[-1].world.tick * CONTROL_PERIOD_S, 1.0)
-    moving = [step for step in record.steps if isinstance(step.motion, Walk | Push) and len(step.ticks.time_s)]
-    for kind, run in groupby(moving, key=lambda step: type(step.motion)):
-        steps = list(run)
-        name, color = PHASES[kind]
-        begin, end = steps[0].ticks.time_s[0], steps[-1].ticks.time_s[-1]
-        axes.axvspan(begin, end, color=color, lw=0, zorder=0)
-        if end - begin >= LEAST_NAMED * end_s:
-            where = axes.get_xaxis_transform()
-            axes.text(begin, 0.96, f" {name}", transform=where, va="top", fontsize=7.5, color="#6b717b")
-    axes.margins(y=0.25)
-    axes.set_xlim(0.0, end_s)

@@ -1,4 +1,4 @@
-"""What the picture of a mission is made of, in metres: outlines, paths that were given up, what fits into the frame."""
+"""Geometry for the picture of a mission, in metres: outlines, abandoned paths, and the frame of the picture."""
 
 from math import ceil
 from typing import Final
@@ -14,7 +14,7 @@ from legpush.messages.stepping import Appearance, Follow, WorldState
 from legpush.scene.footprints import Footprint, box_footprint
 
 MAX_POINTS: Final = 4000
-"""Longer lines are thinned: more cannot be seen."""
+"""Number of points above which a line is thinned, since more cannot be seen."""
 PLAN_ASPECT: Final = 1.15
 AROUND_M: Final = 2.0
 
@@ -25,7 +25,7 @@ def appeared(record: MissionRecord) -> tuple[Appearance, ...]:
 
 
 def followed(record: MissionRecord) -> list[tuple[MissionStep, bool]]:
-    """Every path of the robot at its beginning, and whether an obstacle appeared in the way of what was left of it."""
+    """The step at which each path of the robot begins, and whether an obstacle then appeared in its remaining part."""
     begins = [index for index, step in enumerate(record.steps) if isinstance(step.motion, Follow)]
     ends = [*begins, len(record.steps)][1:]
     return [
@@ -35,7 +35,7 @@ def followed(record: MissionRecord) -> list[tuple[MissionStep, bool]]:
 
 
 def _was_given_up(record: MissionRecord, follow: MissionStep, last: WorldState) -> bool:
-    """`last` is the world before the next path."""
+    """Whether an obstacle appeared in the way; `last` is the world before the next path."""
     if not isinstance(follow.motion, Follow) or last.path is None or last.path.done:
         return False
     obstacles = record.scenario.room.obstacles
@@ -46,7 +46,7 @@ def _was_given_up(record: MissionRecord, follow: MissionStep, last: WorldState) 
 
 
 def handover_place(record: MissionRecord, handover_distance_m: float) -> Pose2:
-    """Where the path began that was taken at that distance from the box."""
+    """Where the path began that the robot took at that distance from the box."""
 
     def off_m(step: MissionStep) -> float:
         return abs(distance_m(planar_pose(step.world.trunk), planar_pose(step.world.box)) - handover_distance_m)
@@ -55,12 +55,12 @@ def handover_place(record: MissionRecord, handover_distance_m: float) -> Pose2:
 
 
 def box_at(record: MissionRecord, step: MissionStep) -> Footprint:
-    """The floor that the box covers at the end of a step."""
+    """Footprint of the box at the end of a step."""
     return box_footprint(record.scenario.box, planar_pose(step.world.box))
 
 
 def extent(record: MissionRecord) -> tuple[Floats, Floats]:
-    """Lower left and upper right corner of the part of the room where something happened, with some space around."""
+    """Lower left and upper right corner of the part of the room that the mission used, with a margin."""
     scenario = record.scenario
     start, goal = box_at(record, record.steps[0]), box_footprint(scenario.box, scenario.goal.pose.pose())
     planned = [np.array(each.plan.raw_path_m).reshape(-1, 2) for each in record.plans]
@@ -72,7 +72,7 @@ def extent(record: MissionRecord) -> tuple[Floats, Floats]:
 
 
 def widen(low: Floats, high: Floats, width_by_height: float) -> tuple[Floats, Floats]:
-    """The smallest rectangle of that shape around the same centre that holds both corners."""
+    """The smallest rectangle with that ratio and the same centre that contains both corners."""
     centre, half = (low + high) / 2, (high - low) / 2
     height = max(half[1], half[0] / width_by_height)
     half = np.array([height * width_by_height, height])
@@ -80,6 +80,6 @@ def widen(low: Floats, high: Floats, width_by_height: float) -> tuple[Floats, Fl
 
 
 def thin(points: Floats) -> Floats:
-    """Every n-th row, so that few enough are left, and the last one."""
+    """Every n-th row, so that at most `MAX_POINTS` are left, and the last row."""
     every = max(1, ceil(len(points) / MAX_POINTS))
     return np.concatenate([points[::every], points[-1:]])

@@ -1,4 +1,4 @@
-"""`report.json`: the numbers of a mission, from what its journal recorded and nothing else."""
+"""Computes `report.json`, the numbers of a mission, from its journal alone."""
 
 from math import degrees, sqrt
 from typing import Final
@@ -14,13 +14,13 @@ from legpush.scene.paths import arc_lengths_m, distances_m
 from legpush.scene.robot import CONTROL_PERIOD_S
 
 LOOK_AHEAD_M: Final = 0.5
-"""So far ahead on its path the box may be after one more push cycle."""
+"""Longest distance along its path that the box may advance in one push cycle."""
 
 
 def make_report(
     record: MissionRecord, result: MissionResult, wall_time_s: float, versions: dict[str, str | None]
 ) -> Report:
-    """The report on a mission."""
+    """Make the report on a mission."""
     last = record.steps[-1]
     error = record.box_error(last)
     ticks = record.ticks()
@@ -55,16 +55,16 @@ def make_report(
 
 
 def tracking_rms_m(walks: list[MissionStep]) -> float | None:
-    """Root mean square distance of the trunk from the path it followed, over all ticks; None without any."""
+    """Root mean square distance of the trunk from its path, over all ticks; None if there are none."""
     squares = [distances_m(step.ticks.trunk_m, step.path_m) ** 2 for step in walks]
     n_ticks = sum(map(len, squares))
     return sqrt(sum(float(part.sum()) for part in squares) / n_ticks) if n_ticks else None
 
 
 def box_path_rms_m(steps: list[MissionStep]) -> float | None:
-    """Root mean square distance of the box's centre from its path, over all push cycles; None without any.
+    """Root mean square distance of the box's centre from its path, over all push cycles; None if there are none.
 
-    A path is followed from its beginning to its end: where it comes near itself, what counts is the part ahead.
+    The box advances along its path from beginning to end: where the path comes near itself, the part ahead counts.
     """
     squares: list[float] = []
     path_m, progress = np.empty((0, 2)), 0

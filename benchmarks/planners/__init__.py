@@ -1,1 +1,1 @@
-"""The planners by name, beside each other and beside planners of others: how fast, how short, how far from walls."""
+"""Compares all planners with each other and with planners of other projects: time, length and clearance."""

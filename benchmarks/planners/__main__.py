@@ -1,6 +1,6 @@
-"""`python -m benchmarks.planners {compare,peers,speed,collisions}`: planners beside each other, and beside others'.
+"""`python -m benchmarks.planners {compare,peers,speed,collisions}`: measures planners.
 
-Tables grow in `benchmarks/results/`; what is in them is not measured again.
+The tables are in `benchmarks/results/`. What is in a table already is not measured again.
 """
 
 import tyro
@@ -12,7 +12,7 @@ What = compare.Compare | peers.Peers | speed.Speed | collisions.Collisions
 
 
 def main(what: What) -> None:
-    """Measure what was chosen."""
+    """Carry out the chosen measurement."""
     RESULTS.mkdir(exist_ok=True)
     match what:
         case compare.Compare():

@@ -1,4 +1,4 @@
-"""Thousands of random requests, every path judged by an exact geometric test that shares no code with the planner."""
+"""Judges the paths of thousands of random requests by an exact geometric test that shares no code with the planner."""
 
 import json
 from collections import Counter
@@ -22,14 +22,14 @@ SUMMARY: Final = RESULTS / "planner_collisions.json"
 
 @dataclass(frozen=True, kw_only=True)
 class Collisions:
-    """Random requests, each path judged at the clearance that was asked for."""
+    """Plan random requests and judge each path at the required clearance."""
 
     n: int = 10_000
-    """Requests."""
+    """Number of requests."""
 
 
 def main(config: Collisions) -> None:
-    """Judge what is missing, summarize."""
+    """Judge the requests that are not in the table yet, and summarize all."""
     rows = fill(TABLE, ("number",), [(number,) for number in range(config.n)], judged)
     collided = [row["number"] for row in rows if int(row["n_colliding"])]
     n_paths = sum(int(row["n_paths"]) for row in rows)
@@ -54,7 +54,7 @@ def main(config: Collisions) -> None:
 
 
 def judged(number: int) -> Row:
-    """What became of a request: every revision of its plan is looked at."""
+    """Plan one request and judge every revision of its plan; return a row of the table."""
     query = random_request(number)
     begin_s = perf_counter()
     plans = list(make_plans(query, lambda: False))

@@ -1,4 +1,5 @@
-"""All planners, straight and steered, on golden and random maps: how often, how soon, how short, clear and smooth."""
+"""Compares all planners, straight and steered, on golden and random maps: success, time, length, clearance,
+smoothness."""
 
 from dataclasses import asdict, dataclass
 from itertools import product
@@ -29,25 +30,25 @@ VARIANTS: Final = (
     ("rrt_star", "reeds_shepp"),
 )
 RADIUS_M: Final = 0.4
-"""Turning radius of the steered ones."""
+"""Turning radius of the steered planners."""
 BUDGET: Final = 3000
 IMPROVEMENTS: Final = Anytime(n_improvements=3, improvement_iterations=300)
 STEERED_BUDGET: Final = 600
 STEERED_IMPROVEMENTS: Final = Anytime(n_improvements=3, improvement_iterations=60)
-"""Iterations that join poses by curves take many times as long."""
+"""The budget is smaller because an iteration with curves takes many times as long."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compare:
-    """Every planner on every map, with equal budgets of iterations."""
+    """Run every planner on every map, with equal budgets of iterations."""
 
     n_seeds: int = 20
-    """For each planner on each map."""
+    """Number of seeds for each planner on each map."""
 
 
 def main(config: Compare) -> None:
-    """Measure what is missing, tabulate, draw."""
-    # Seeds outermost: what else the machine does hits all planners alike.
+    """Measure what is not in the table yet, then summarize and draw."""
+    # The seeds are the outer loop, so that other work on the machine affects all planners equally.
     wanted = [
         (planner, steering, name, seed)
         for seed, name, (planner, steering) in product(range(config.n_seeds), MAPS, VARIANTS)
@@ -65,7 +66,7 @@ def main(config: Compare) -> None:
 
 
 def _measure(planner: str, steering: str, name: str, seed: int) -> Row:
-    """One request with improvements, each answer timed as it comes."""
+    """Plan one request with improvements and time each answer; return a row of the table."""
     straight = steering == "straight"
     changes: dict[str, Any] = {
         "planner": planner,
@@ -93,7 +94,7 @@ def _measure(planner: str, steering: str, name: str, seed: int) -> Row:
 
 
 def _summary(planner: str, steering: str, name: str, rows: list[Row]) -> Row:
-    """One planner on one map, or on all of them."""
+    """Summarize one planner on one map, or on `all` maps."""
     here = [
         row for row in rows if (row["planner"], row["steering"]) == (planner, steering) and name in ("all", row["map"])
     ]
@@ -125,7 +126,7 @@ def _summary(planner: str, steering: str, name: str, rows: list[Row]) -> Row:
 
 
 def _shortest_m(rows: list[Row]) -> dict[str, float]:
-    """On each map, the length of the shortest path that any planner found with any seed."""
+    """Return, for each map, the length of the shortest path that any planner found with any seed."""
     return {name: min(numbers((row for row in rows if row["map"] == name), "length_m")) for name in MAPS}
 
 
@@ -135,7 +136,7 @@ def _mean(values: list[float]) -> tuple[float, float, float]:
 
 
 def _print(rows: list[Row]) -> None:
-    """All maps together."""
+    """Print a line per planner, over all maps."""
     titles = ("exact".rjust(7), *(title.ljust(22) for title in ("first [ms]", "final [ms]", "length / shortest")))
     print(" ".join((" " * 26, *titles, "RMS curvature [1/m]")))
     for planner, steering in VARIANTS:

@@ -1,4 +1,4 @@
-"""The picture of the comparison: a panel per measure, a row per map, a mark per planner."""
+"""Draws the comparison of planners: a panel per measure, a row per map, a mark per planner."""
 
 from math import isfinite
 from pathlib import Path
@@ -26,7 +26,7 @@ MARKS: Final = {"straight": "o", "dubins": "^", "reeds_shepp": "D"}
 
 
 def draw(summary: list[dict[str, Any]], path: Path) -> None:
-    """Every map apart, with 95 % intervals."""
+    """Draw every map separately, with 95 % intervals."""
     maps = [name for name in dict.fromkeys(row["map"] for row in summary) if name != "all"]
     variants = list(dict.fromkeys((row["planner"], row["steering"]) for row in summary))
     figure = Figure(figsize=(15.0, 13.0), layout="constrained")

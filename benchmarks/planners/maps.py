@@ -1,4 +1,4 @@
-"""The questions to all planners: golden maps with known answers, the published map, rooms drawn at random."""
+"""The queries that all planners get: on golden maps with known answers, the published map, and random rooms."""
 
 from functools import cache
 from typing import Final
@@ -25,13 +25,13 @@ _ROOM_M: Final = (12.0, 9.0)
 _N_BLOCKS: Final = 18
 _FAR_M: Final = 7.0
 _AROUND: Final = 1.15
-"""The way is at least so many times as long as the straight line."""
+"""Least length of the path, as a multiple of the straight line."""
 _N_BLOCKS_LARGE: Final = 200
 
 
 @cache
 def question(name: str) -> TrunkPathQuery:
-    """What is asked on the map with this name; seed, planner and budget are for the asker to replace."""
+    """Return the query on the map with this name; the caller replaces seed, planner and budget."""
     if name in PUBLISHED:
         scenario = load_scenario(name)
         return query_to_nominal_box(scenario, 0, scenario.start.pose(), "rear")
@@ -45,7 +45,7 @@ def question(name: str) -> TrunkPathQuery:
 
 
 def _random(number: int) -> TrunkPathQuery:
-    """A room of 12 x 9 m with blocks at random, start and goal far apart, drawn again until there is a way."""
+    """Draw a room of 12 x 9 m with random blocks and with start and goal far apart, until there is a winding way."""
     rng = np.random.default_rng(number)
     width_m, height_m = _ROOM_M
     while True:
@@ -65,12 +65,12 @@ def _random(number: int) -> TrunkPathQuery:
 
 
 def _is_winding(plan: Plan, apart_m: float) -> bool:
-    """Whether there is a way, and none that is nearly straight."""
+    """Whether there is a way, and it is much longer than the straight line."""
     return plan.status == "exact" and plan.length_m > _AROUND * apart_m
 
 
 def _large() -> TrunkPathQuery:
-    """200 x 200 m in cells of 0.1 m with 200 blocks, from one corner to the other."""
+    """Return a query from corner to corner of a map of 200 x 200 m in cells of 0.1 m with 200 blocks."""
     rng = np.random.default_rng(0)
     cells = np.zeros((2000, 2000), dtype=np.uint8)
     for _ in range(_N_BLOCKS_LARGE):

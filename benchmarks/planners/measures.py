@@ -1,4 +1,4 @@
-"""What a path is like, whoever made it: length, clearance by the independent exact test, smoothness."""
+"""Measures of a path from any planner: length, smoothness, and clearance by the independent exact test."""
 
 from dataclasses import dataclass
 from math import pi
@@ -12,22 +12,23 @@ from legpush.scene.clearance import clearance
 from planner_proc.conformance.truth import SAME_M
 
 SPACING_M: Final = 0.05
-"""Of the points at which headings are compared: a corner counts as if it were taken within so much of the way."""
+"""Distance between the points at which headings are compared: a corner counts as if it were taken within this
+distance."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Measures:
-    """Of one path."""
+    """Measures of one path."""
 
     length_m: float
     clearance_m: float
     curvature_rms_per_m: float
-    """Root mean square of the curvature along the way: sqrt(sum of (heading change)^2 / step, over the length)."""
+    """Root mean square of the curvature along the path: sqrt(sum of (heading change)^2 / step / length)."""
     keeps_clearance: bool
 
 
 def measured(query: TrunkPathQuery, points_m: Floats) -> Measures:
-    """Measures of a polyline, (n, 2)."""
+    """Measure a polyline, (n, 2)."""
     least_m = clearance(query.grid, points_m).distance_m
     steps_m = np.hypot(*np.diff(points_m, axis=0).T)
     return Measures(
@@ -39,7 +40,7 @@ def measured(query: TrunkPathQuery, points_m: Floats) -> Measures:
 
 
 def curvature_rms(points_m: Floats, *, folded: bool = False) -> float:
-    """In 1/m; `folded` takes a change of direction by more than a right angle as driving backward, not as a turn."""
+    """Return the RMS curvature in 1/m; `folded` counts a turn by more than a right angle as driving backward."""
     travelled_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points_m, axis=0).T))])
     n = max(2, round(travelled_m[-1] / SPACING_M))
     at_m = np.linspace(0.0, travelled_m[-1], n + 1)
@@ -53,5 +54,5 @@ def curvature_rms(points_m: Floats, *, folded: bool = False) -> float:
 
 
 def points_of(plan: Plan) -> Floats:
-    """Positions of a plan's waypoints, (n, 2)."""
+    """Return the positions of a plan's waypoints, (n, 2)."""
     return np.array([waypoint.xy() for waypoint in plan.waypoints])

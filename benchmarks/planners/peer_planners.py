@@ -1,7 +1,7 @@
-"""Planners of others, each as a function of our question: the only module that imports them.
+"""Planners of other projects as functions of our query; this is the only module that imports them.
 
-Each gets the map as it takes it, inflated so far that its own collision test, which looks at cells or samples, cannot
-let a path come nearer than the clearance by more than that test misses.
+Their collision tests look at cells or samples. So each planner gets the map in its own form, inflated by the clearance
+and by what its test can miss.
 """
 
 import os
@@ -23,32 +23,33 @@ from legpush.messages.planning import TrunkPathQuery
 from legpush.scenarios.grid import merged_cells
 
 Peer = Callable[[TrunkPathQuery, int], Floats | None]
-"""A path, (n, 2), for a question and a seed, if one was found."""
+"""Returns a path, (n, 2), for a query and a seed, or None if none was found."""
 
 LONGEST_S: Final = 20.0
-"""Where a peer can be told when to stop."""
+"""Time limit of the peers that have one."""
 MAX_SAMPLES: Final = 10_000
 SPARE_M: Final = 0.02
 SAMPLED_M: Final = 0.05
 
 COMPILED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
-"""Whether python_motion_planning's collision test runs through Numba, as it is installed; else it is pure Python."""
+"""Whether python_motion_planning's collision test runs through Numba, its default; otherwise it is pure Python."""
 
 
 def motion_planning(
     query: TrunkPathQuery, seed: int, *, star: bool, until: Callable[[TrunkPathQuery, int], float] | None = None
 ) -> Floats | None:
-    """python_motion_planning, to its first path or, with `until`, to one that is no longer than what that says.
+    """Plan with python_motion_planning until it has a path or, with `until`, a path of at most that length.
 
-    Edges collide where a cell on their line is occupied or inflated. A point is up to half a cell's diagonal from the
-    centre of the cell that it is rounded to, and a square reaches as far beyond its own.
+    An edge collides if a cell on its line is occupied or inflated. A point is up to half a cell's diagonal from the
+    centre of its cell, and a square reaches as far beyond its own centre; so the map is inflated by a whole diagonal
+    more.
     """
     grid, resolution_m = query.grid, query.grid.resolution_m
     low = np.array(grid.origin_m) - resolution_m
-    # It rounds the number of cells down.
+    # The library rounds the number of cells down.
     high = low + (np.array([grid.n_columns, grid.n_rows]) + 2.001) * resolution_m
     cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
-    # Outside is occupied: a ring of cells says so.
+    # A ring of occupied cells marks the outside.
     occupied = np.pad(cells != 0, 1, constant_values=True).T
     world = Grid(
         bounds=np.stack([low, high], axis=1),
@@ -86,7 +87,8 @@ def motion_planning(
 
 
 def path_planning(query: TrunkPathQuery, seed: int, *, planner: str) -> Floats | None:
-    """pathplanning: a search in C, among rectangles that grow by the clearance and a spare, sampled along edges."""
+    """Plan with pathplanning, a search in C; the rectangles grow by the clearance and a spare, since edges are
+    sampled."""
     grid, resolution_m = query.grid, query.grid.resolution_m
     cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
     left, bottom = grid.origin_m

@@ -1,7 +1,8 @@
-"""Planners of others beside ours on the same maps, in turn, judged by the same exact test at the same clearance.
+"""Compares our planners with planners of other projects, by the same exact test at the same clearance.
 
-Ours answer with a smooth path, with a heading everywhere, and theirs with corners; the time is that from the question
-to the path, the map included. They come with `pip install 'legpush[bench]'`, python_motion_planning under the GPL.
+All take turns on the same maps. Ours return a smooth path with headings, theirs return corners. The time is that from
+the query to the path, including the map. `pip install 'legpush[bench]'` installs the others; python_motion_planning is
+under the GPL.
 """
 
 from collections.abc import Callable
@@ -32,27 +33,30 @@ MAPS: Final = ("published", "published_detour", "around a wall", "maze", "random
 OURS: Final[tuple[PlannerName, ...]] = ("rrt_connect", "rrt", "rrt_star")
 REFERENCE: Final = "legpush rrt_connect"
 NOT_SMOOTHED: Final = Smoothing(method="none")
-"""Corners, as the others have them, but shortened."""
+"""Leaves the corners, as the others do, but shortens the path."""
 AS_SHORT: Final = "python_motion_planning RRT* until as short"
-"""As the reference is with that seed."""
+"""Label of the planner that continues until its path is as short as that of the reference with the same seed."""
 LONG_MAPS: Final = ("published", "around a wall")
 N_LONG: Final = 5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Peers:
-    """Planners of others. With NUMBA_DISABLE_JIT=1 in the environment python_motion_planning runs as pure Python: a
-    second call adds those rows."""
+    """Compare with planners of other projects.
+
+    With NUMBA_DISABLE_JIT=1 in the environment, python_motion_planning runs as pure Python; a second call adds those
+    rows.
+    """
 
     n_seeds: int = 20
-    """For each planner on each map."""
+    """Number of seeds for each planner on each map."""
 
 
 def main(config: Peers) -> None:
-    """Measure what is missing, tabulate, draw."""
+    """Measure what is not in the table yet, then summarize and draw."""
     planners = _planners()
     for name, planner in product(MAPS, planners.values()):
-        # What is compiled, or looked up once, is not the question.
+        # The first call compiles code and fills caches, which is not measured.
         if not _is_long(planner):
             planner(question(name), config.n_seeds)
     wanted = [
@@ -81,7 +85,7 @@ def main(config: Peers) -> None:
 
 
 def _planners() -> dict[str, Planner]:
-    """By what they are called in the table; ours first."""
+    """Return the planners by their labels in the table, ours first."""
     from benchmarks.planners import peer_planners as peers
 
     numba = "Numba" if peers.COMPILED else "pure Python"
@@ -102,7 +106,7 @@ def _is_long(planner: Planner) -> bool:
 
 @cache
 def _length_m(query: TrunkPathQuery, seed: int) -> float:
-    """Of the path of the reference."""
+    """Return the length of the path of the reference, or 0 without one."""
     points_m = _ours(query, seed, planner="rrt_connect")
     return 0.0 if points_m is None else polylines.length(points_m)
 
@@ -110,7 +114,7 @@ def _length_m(query: TrunkPathQuery, seed: int) -> float:
 def _ours(
     query: TrunkPathQuery, seed: int, *, planner: PlannerName, smoothing: Smoothing | None = None
 ) -> Floats | None:
-    """The first exact path."""
+    """Return the points of the first exact path of one of our planners."""
     anytime = Anytime(n_improvements=1, improvement_iterations=1) if planner == "rrt_star" else None
     asked = replace(query, planner=planner, seed=seed, anytime=anytime, smoothing=smoothing or query.smoothing)
     plan = next(make_plans(asked, lambda: False))
@@ -118,7 +122,7 @@ def _ours(
 
 
 def _summary(label: str, name: str, rows: list[Row]) -> Row:
-    """One planner on one map, and how many times as long it takes, and its path is, as the reference with that seed."""
+    """Summarize one planner on one map, with its times and lengths over those of the reference with the same seed."""
     here = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (label, name)}
     ours = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (REFERENCE, name)}
     found = [row for row in here.values() if row["found"] == "True"]

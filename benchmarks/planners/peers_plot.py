@@ -1,4 +1,4 @@
-"""The picture of the peers: time over length, a panel per map, every run faint, the median of each planner strong."""
+"""Draws the comparison with other projects: time over length, a panel per map, runs faint and medians strong."""
 
 from math import ceil
 from pathlib import Path
@@ -23,7 +23,7 @@ COLORS: Final = {
 
 
 def draw(runs: list[dict[str, Any]], path: Path) -> None:
-    """Runs that found a path that keeps the clearance."""
+    """Draw the runs that found a path with the required clearance."""
     good = [row for row in runs if row["keeps_clearance"] == "True"]
     maps = list(dict.fromkeys(row["map"] for row in runs))
     figure = Figure(figsize=(14.0, 4.4 * ceil(len(maps) / N_COLUMNS) + 1.2), layout="constrained")

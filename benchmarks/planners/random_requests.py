@@ -1,4 +1,4 @@
-"""Requests drawn at random, each from its number alone: map, clearance, start, goal, planner, steering, smoothing."""
+"""Draws random requests, each from its number: map, clearance, start, goal, planner, steering and smoothing."""
 
 from math import pi
 from typing import Any, Final
@@ -23,13 +23,13 @@ PLANNERS: Final[tuple[PlannerName, ...]] = (
 )
 STEERED_SHARE: Final = 0.3
 FREE_PLACES_SHARE: Final = 0.93
-"""In so many requests start and goal are looked for until the robot can stand there."""
+"""Share of the requests whose start and goal are searched until the robot can stand there."""
 MAX_SIDE: Final = 400
-"""Cells along a side."""
+"""Most cells along a side."""
 
 
 def random_request(number: int) -> TrunkPathQuery:
-    """The request with this number."""
+    """Return the request with this number."""
     rng = np.random.default_rng([20_261_126, number])
     grid = random_grid(rng)
     clearance_m = float(np.exp(rng.uniform(np.log(0.03), np.log(0.8))))
@@ -63,7 +63,7 @@ def random_request(number: int) -> TrunkPathQuery:
 
 
 def random_grid(rng: np.random.Generator) -> OccupancyGrid:
-    """Walls with gaps, blocks, discs and single cells, of any size, with cells of any size, anywhere."""
+    """Draw a map of walls with gaps, blocks, discs and single cells; sizes, cells and place are random, too."""
     resolution_m = float(rng.choice([0.02, 0.03, 0.05, 0.05, 0.1, 0.1, 0.2, 0.37]))
     longest = min(MAX_SIDE, int(30.0 / resolution_m))
     shape = tuple(int(rng.integers(max(12, longest // 6), longest + 1)) for _ in range(2))
@@ -91,7 +91,7 @@ def random_grid(rng: np.random.Generator) -> OccupancyGrid:
 
 
 def _wall(rng: np.random.Generator, cells: Flags) -> None:
-    """Straight across the map, with a gap somewhere."""
+    """Draw a wall straight across the map, with a gap somewhere."""
     across = cells if rng.random() < 0.5 else cells.T
     n_rows, n_columns = across.shape
     row, gap = int(rng.integers(0, n_rows)), int(rng.integers(2, max(3, n_columns // 3)))
@@ -104,7 +104,7 @@ def _wall(rng: np.random.Generator, cells: Flags) -> None:
 def _places(
     rng: np.random.Generator, grid: OccupancyGrid, clearance_m: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Start and goal with headings: mostly where the robot can stand, in the others wherever they fall."""
+    """Draw start and goal with headings: mostly places where the robot can stand, sometimes any places."""
     size_m = np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
     drawn = rng.uniform(-0.02, 1.02, (30, 2)) * size_m + np.array(grid.origin_m)
     if rng.random() < FREE_PLACES_SHARE:

@@ -1,4 +1,5 @@
-"""How soon the first exact path is there: in the process, over the bus, on large maps; and how much memory it takes."""
+"""Measures the time to the first exact path, in the process, over the bus and on large maps, and the memory it
+takes."""
 
 import json
 import re
@@ -33,16 +34,16 @@ MB: Final = 1e6
 
 @dataclass(frozen=True, kw_only=True)
 class Speed:
-    """The published map, one of 200 x 200 m, and one of 4000 x 4000 cells, with the planner that missions use."""
+    """Time the planner of missions on the published map, one of 200 x 200 m and one of 4000 x 4000 cells."""
 
     n: int = 101
-    """Seeds on the published map."""
+    """Number of seeds on the published map."""
     n_large: int = 15
-    """Seeds on each of the large ones."""
+    """Number of seeds on each of the large maps."""
 
 
 def main(config: Speed) -> None:
-    """Measure, save, print."""
+    """Measure, save and print."""
     SUMMARY.parent.mkdir(exist_ok=True)
     sizes = (("published", config.n), (LARGE, config.n_large), (HUGE, config.n_large))
     summary: dict[str, Row] = {name: {"n": n} for name, n in sizes}
@@ -52,7 +53,7 @@ def main(config: Speed) -> None:
         plans |= {(name, seed): plan for seed, plan in enumerate(found)}
         summary[name]["parts"] = _parts(question(name), min(n, 31))
     for name, n in sizes:
-        # A process for each map: its peak memory is that of this map alone.
+        # Each map gets its own process, so that the peak memory is that of this map.
         with _planner() as (link, process):
             times_s, equal = [], 0
             for seed in range(n):
@@ -70,7 +71,7 @@ def main(config: Speed) -> None:
 
 
 def _in_process(question_: TrunkPathQuery, n: int) -> tuple[Row, list[bytes]]:
-    """Wall and processor time of whole plans, and the plans."""
+    """Return wall and processor times of whole plans, and the plans."""
     make_plan(_query(question_, 0))
     wall_s, cpu_s, plans = [], [], []
     for seed in range(n):
@@ -85,7 +86,7 @@ def _in_process(question_: TrunkPathQuery, n: int) -> tuple[Row, list[bytes]]:
 
 
 def _parts(question_: TrunkPathQuery, n: int) -> Row:
-    """Processor time of the map's field, of the search, and of what is made of its path."""
+    """Return the processor times of the distance field, of the search, and of the rest."""
     parts: dict[str, list[float]] = {"field": [], "search": [], "shortening, smoothing, checking": []}
     for seed in range(n):
         query = _query(question_, seed)
@@ -104,7 +105,7 @@ def _parts(question_: TrunkPathQuery, n: int) -> Row:
 
 @contextmanager
 def _planner() -> Iterator[tuple[PlanLink, psutil.Process]]:
-    """A planner's process, and the link of an agent to it."""
+    """Start a planner process; yields the link of an agent to it, and the process."""
     stop = threading.Event()
     with ExitStack() as stack:
         logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-planners-")))
@@ -116,14 +117,14 @@ def _planner() -> Iterator[tuple[PlanLink, psutil.Process]]:
         bus.announce()
         while len(bus.liveliness.live("planner")) != 1:
             if ended := started.end():
-                raise RuntimeError(f"The planner did not come up: {ended}")
+                raise RuntimeError(f"Expected a planner that starts, but it ended: {ended}")
             threading.Event().wait(0.01)
         new = set(psutil.Process().children(recursive=True)) - before
         yield link, next(process for process in new if "planner_proc" in process.cmdline())
 
 
 def _peak_bytes(process: psutil.Process) -> int:
-    """The most memory that a process had resident at once."""
+    """Return the largest resident memory that a process has had."""
     found = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{process.pid}/status").read_text())
     if found is None:
         raise RuntimeError(f"Expected VmHWM in the status of process {process.pid}")

@@ -1,4 +1,4 @@
-"""What the parts share: where results lie, tables that grow, and spread in words."""
+"""Tables of results that grow, and intervals of medians."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -17,9 +17,9 @@ Row = dict[str, Any]
 
 
 def fill(path: Path, keys: Sequence[str], wanted: Iterable[tuple[Any, ...]], measure: Callable[..., Row]) -> list[Row]:
-    """The rows of a table for all that is wanted; what is missing is measured and saved on the way.
+    """Return the wanted rows of a table; missing rows are measured and saved on the way.
 
-    `keys` are the columns that tell rows apart; `measure` takes their values.
+    `keys` are the columns that identify a row; `measure` takes their values.
     """
     rows: dict[tuple[str, ...], Row] = {tuple(row[key] for key in keys): dict(row) for row in read_table(path)}
     missing = [values for values in wanted if tuple(map(str, values)) not in rows]
@@ -35,12 +35,12 @@ def fill(path: Path, keys: Sequence[str], wanted: Iterable[tuple[Any, ...]], mea
 
 
 def numbers(rows: Iterable[Row], key: str) -> list[float]:
-    """A column, as far as it has values."""
+    """Return the values of a column, without empty ones."""
     return [float(row[key]) for row in rows if row[key] not in ("", "None")]
 
 
 def median_interval(values: Sequence[float]) -> tuple[float, float, float]:
-    """A median and the 95 % percentile bootstrap interval of it, drawn with a fixed seed."""
+    """Return a median and its 95 % percentile bootstrap interval, drawn with a fixed seed."""
     data = np.array(values)
     drawn = np.random.default_rng(0).integers(len(data), size=(2000, len(data)))
     low, high = np.quantile(np.median(data[drawn], axis=1), (0.025, 0.975)).tolist()
@@ -48,7 +48,7 @@ def median_interval(values: Sequence[float]) -> tuple[float, float, float]:
 
 
 def spread(values: Sequence[float], scale: float = 1.0, digits: int = 1) -> str:
-    """Median and interval, as they are printed."""
+    """Format a median and its interval for printing."""
     if not values:
         return "-"
     median, low, high = (scale * value for value in median_interval(values))

@@ -21,7 +21,7 @@ from planner_proc.conformance.client import RUN, Client, PlannerProcess
 
 def main() -> int:
     """Check a planner; returns the exit code: 0 all checks passed, 1 not all, 2 bad input, 130 interrupted."""
-    return run_program(_parse_and_check)
+    return run_program("plan-check", _parse_and_check)
 
 
 def _parse_and_check() -> int:

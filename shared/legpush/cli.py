@@ -15,7 +15,7 @@ from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.maps import MapOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
-from legpush.options.render import Render
+from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.view import ViewOptions
@@ -45,7 +45,7 @@ Command = (
     | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[MapOptions, tyro.conf.subcommand("map")]
-    | Annotated[Render, tyro.conf.subcommand("render")]
+    | Annotated[RenderOptions, tyro.conf.subcommand("render")]
     | Annotated[RecordOptions, tyro.conf.subcommand("record")]
     | Annotated[InfoOptions, tyro.conf.subcommand("info")]
     | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             | PlanCheckOptions
             | Scenarios
             | MapOptions
-            | Render
+            | RenderOptions
             | RecordOptions
             | InfoOptions
             | RecoverOptions
@@ -162,7 +162,7 @@ def _random_scenario(command: RandomScenario) -> int:
 
 
 @execute.register
-def _render(command: Render) -> int:
+def _render(command: RenderOptions) -> int:
     from legpush.launch.film import film_arguments
 
     if not any(command.run_folder.glob("episode-*.journal")):

@@ -1,5 +1,6 @@
-"""Types of fields that messages, files and command lines share, and the check of a value on a command line."""
+"""Types of fields that messages, files and command lines share, and checks of values on a command line."""
 
+import re
 from typing import Annotated, Any, Final
 
 import msgspec
@@ -41,3 +42,15 @@ def require_seeds(first: int, n: int, flag: str) -> None:
     """
     if not 0 <= first <= SEEDS - n:
         raise ConfigError(f"Expected seeds from 0 to {SEEDS - 1}, got {n} from {flag} {first} on")
+
+
+def episode_and_step(text: str, flag: str) -> tuple[int, int]:
+    """Parse the place of a step in a recording: `EPISODE:STEP`.
+
+    Raises:
+        ConfigError: The text is something else; names the flag.
+    """
+    if re.fullmatch(r"\d+:\d+", text) is None:
+        raise ConfigError(f"Expected EPISODE:STEP for {flag}, such as 0:12, got {text!r}; `legpush info` lists both")
+    episode, step = map(int, text.split(":"))
+    return episode, step

@@ -3,8 +3,10 @@
 import hashlib
 import os
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from legpush.errors import LegpushError
 
@@ -14,7 +16,11 @@ class DiskError(LegpushError):
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file beside `path`, onto the disk, and only then put it in its place; `DiskError` where that fails."""
+    """Write a file beside `path`, onto the disk, and only then put it in its place.
+
+    Raises:
+        DiskError: It cannot be written; what was there before is as it was.
+    """
     part = path.with_name(f"{path.name}.part")
     try:
         with part.open("wb") as file:
@@ -26,6 +32,35 @@ def write_whole(path: Path, data: bytes) -> None:
         part.unlink(missing_ok=True)
         kept = "; the previous one is untouched" if path.exists() else ""
         raise DiskError(f"{path}: expected to write {len(data)} bytes ({error.strerror}){kept}") from error
+
+
+@contextmanager
+def new_file(path: Path) -> Iterator[Path]:
+    """Yield a path to write to; on exit the file there is put onto the disk and gets the name `path`, in one step.
+
+    After an error within the context there is no file, and a file that has the name already is never replaced.
+
+    Raises:
+        OSError: The file cannot be made; `FileExistsError` if another one has the name.
+    """
+    with TemporaryDirectory(prefix=f".{path.name}-", dir=path.absolute().parent) as folder:
+        scratch = Path(folder) / f"whole{path.suffix}"
+        yield scratch
+        with scratch.open("rb") as file:
+            os.fsync(file.fileno())
+        _name(scratch, path)
+
+
+def _name(scratch: Path, path: Path) -> None:
+    """Name a file by a link, which fails if the name is taken; without links, the check comes just before."""
+    try:
+        os.link(scratch, path)
+    except FileExistsError:
+        raise
+    except OSError:
+        if os.path.lexists(path):
+            raise
+        scratch.rename(path)
 
 
 def replace_folder(folder: Path, fill: Callable[[Path], None]) -> None:

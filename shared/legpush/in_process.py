@@ -36,7 +36,7 @@ class MissionRun:
     report: Report
     """The numbers, as in `report.json`."""
     records: tuple[StepRecord | PlanRecord, ...]
-    """Every step with its motion, outcome and trace, and every plan with its query, in order; the first is the reset."""
+    """Every step with its motion, outcome and trace, and every plan with its query, in order, from the reset on."""
 
     @property
     def success(self) -> bool:

@@ -1,4 +1,4 @@
-"""What every process has in common: its command line, its log, how it stops, and what it ends with.
+"""What processes and programs have in common: command line, log, how they stop, and what they end with.
 
 Exit codes: 0 done, or asked to stop where there is no end to come to; 2 bad input; 3 a peer or this process failed; 130
 interrupted with the work not done.
@@ -52,11 +52,19 @@ class ServiceConfig:
             require(Name, getattr(self, field), f"--{field}")
 
     def endpoints(self) -> Endpoints:
-        """Where to listen and connect; `EndpointError` where that is not possible."""
+        """Return where to listen and connect.
+
+        Raises:
+            EndpointError: One of the endpoints is none.
+        """
         return Endpoints(listen=self.listen, connect=self.connect)
 
     def faults(self) -> Faults:
-        """The injected faults; `ConfigError` where their probability is none."""
+        """Return the injected faults.
+
+        Raises:
+            ConfigError: Their probability is out of range.
+        """
         return Faults(probability=self.inject_faults, seed=self.fault_seed)
 
 
@@ -84,17 +92,32 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     returns is the exit code, None is 0.
     """
     stop = stop_on_signals()
-    try:
+
+    def connect_and_work() -> int:
         config = parse(role, kind)
         start_log(f"{role}/{config.name}", config.log_level)
         at = config.endpoints()
         with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded) as bus:
             code = work(config, bus, stop) or 0
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
+        return code
+
+    return exit_code_of(connect_and_work)
+
+
+def run_program(name: str, work: Callable[[], int]) -> int:
+    """Run one of the programs behind the `legpush` command, whose log lines begin with `name`; its exit code."""
+    start_log(name, "warning")
+    return exit_code_of(work)
+
+
+def exit_code_of(work: Callable[[], int]) -> int:
+    """Do the work and return its exit code; a `LegpushError` becomes one line on standard error, and its code."""
+    try:
+        return work()
     except LegpushError as error:
         sys.stderr.write(f"error: {one_line(str(error))}\n")
         return error.exit_code
-    return code
 
 
 def start_log(who: str, level: str) -> None:
@@ -116,10 +139,6 @@ class _OneLine(logging.Formatter):
         return one_line(super().format(record))
 
 
-def _locators(text: str) -> tuple[str, ...]:
-    return tuple(part.strip() for part in text.split(",") if part.strip())
-
-
 def stop_on_signals() -> threading.Event:
     """An event that SIGINT and SIGTERM set; a second signal ends the process at once."""
     stop = threading.Event()
@@ -133,11 +152,5 @@ def stop_on_signals() -> threading.Event:
     return stop
 
 
-def run_program(work: Callable[[], int]) -> int:
-    """The exit code of `work`; a `LegpushError` is one line on standard error."""
-    start_log("learn", "warning")
-    try:
-        return work()
-    except LegpushError as error:
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
-        return error.exit_code
+def _locators(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())

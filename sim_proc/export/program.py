@@ -1,8 +1,6 @@
 """`legpush export`: a recording as a file of another program."""
 
-import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -14,7 +12,7 @@ import tyro
 
 from legpush.errors import ConfigError, LegpushError
 from legpush.exports import FILMS, Format
-from legpush.files import sha256_of
+from legpush.files import new_file, sha256_of
 from legpush.options.export import ExportOptions
 from legpush.service import one_line
 from sim_proc.export.columns import columns_of
@@ -60,24 +58,10 @@ def export(options: ExportOptions) -> int:
 def whole_file(target: Path) -> Iterator[Path]:
     """Where to write what gets the name `target` once it is whole, and never in the place of another file."""
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.absolute().parent) as folder:
-            scratch = Path(folder) / f"whole{target.suffix}"
+        with new_file(target) as scratch:
             yield scratch
-            _name(scratch, target)
     except OSError as error:
         raise ConfigError(f"{target}: expected a new file that can be written ({error.strerror or error})") from error
-
-
-def _name(scratch: Path, target: Path) -> None:
-    """By a link, which fails where the name is taken; where there are no links the check comes just before."""
-    try:
-        os.link(scratch, target)
-    except FileExistsError:
-        raise
-    except OSError:
-        if os.path.lexists(target):
-            raise
-        scratch.rename(target)
 
 
 def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from legpush.errors import RecordingError
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.recording.episodes import EpisodeRecord, read_episodes
 from legpush.recording.facts import scenario_of
@@ -28,7 +28,7 @@ class Source:
 
     paths: tuple[Path, ...]
     recording: Recording
-    timelines: Timelines
+    timelines: RunHistory
     episodes: list[Exported]
     """Those that are exported."""
 
@@ -88,13 +88,13 @@ def notes(source: Source) -> Iterator[str]:
             yield f"episode {each.index} begins with step {first.number}: what was before was not recorded"
 
 
-def _timelines(recording: Recording) -> Timelines:
+def _timelines(recording: Recording) -> RunHistory:
     """Of all messages that are as they were recorded."""
-    timelines = Timelines()
+    timelines = RunHistory()
     timelines.scenario = scenario_of(recording)
     for message in recording.messages:
         if recording.is_as_recorded(message):
-            timelines.take(message.topic, message.origin, message.copy)
+            timelines.take_message(message.topic, message.origin, message.copy)
     return timelines
 
 

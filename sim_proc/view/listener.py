@@ -9,7 +9,7 @@ from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.ports import Publisher
 from legpush.bus.status import StatusBeacon
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.messages.common import Role
 from legpush.messages.telemetry import Copies, Origin, Taken
 from legpush.recording.facts import scenario_in
@@ -42,7 +42,7 @@ class Listener:
         self._closed.set()
         self._thread.join()
 
-    def pump(self, timelines: Timelines, budget_s: float) -> None:
+    def pump(self, timelines: RunHistory, budget_s: float) -> None:
         """Add what has come, for so long at most."""
         until = monotonic() + budget_s
         while monotonic() < until:
@@ -52,7 +52,7 @@ class Listener:
                 return
             self.take(batch, timelines)
 
-    def take(self, batch: Copies, timelines: Timelines) -> None:
+    def take(self, batch: Copies, timelines: RunHistory) -> None:
         """Add what a batch has."""
         if batch.header.role == "launcher":
             self._played[batch.origin.role, batch.origin.name] = (batch.origin, batch.header.incarnation)
@@ -60,8 +60,8 @@ class Listener:
             if fact.name == SCENARIO_FILE:
                 timelines.scenario = scenario_in(fact.data)
         for copy in self._ledger.fresh(batch):
-            timelines.take(topic_of(copy.key), batch.origin, copy)
-        self._ledger.take(batch, batch.copies, set())
+            timelines.take_message(topic_of(copy.key), batch.origin, copy)
+        self._ledger.note_batch(batch, batch.copies, set())
 
     def live(self) -> list[Origin]:
         """Who is there, or played by a replay that is."""

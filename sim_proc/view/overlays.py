@@ -7,7 +7,7 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, rpy_from_quaternion
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import BOX, Timeline, TimelineStep
 from legpush.messages.planning import BoxPathQuery, Plan
 from legpush.messages.stepping import Follow, Push
@@ -105,7 +105,7 @@ def followed_path(timeline: Timeline, row: int) -> Floats:
     return _waypoints(next(paths, ()))
 
 
-def plan_at(timelines: Timelines, timeline: Timeline, row: int, kind: str) -> Plan | None:
+def plan_at(timelines: RunHistory, timeline: Timeline, row: int, kind: str) -> Plan | None:
     """The last plan of the `box` or the `trunk` that was there at a row, with a path in it."""
     if not timelines.plans:
         return None

@@ -14,7 +14,7 @@ import viser
 
 from legpush.errors import ConfigError
 from legpush.geometry import rpy_from_quaternion
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.messages.telemetry import Origin
 from sim_proc.view.panel import FOLLOW_ROBOT, Panel, PanelCommand, speed_of
@@ -58,7 +58,7 @@ class Source(Protocol):
     def title(self) -> str:
         """For people."""
 
-    def pump(self, timelines: Timelines, budget_s: float) -> None:
+    def pump(self, timelines: RunHistory, budget_s: float) -> None:
         """Add what has come, for so long at most."""
 
     def live(self) -> Collection[Origin] | None:
@@ -86,7 +86,7 @@ class Page:
         with panel.add_tab("Plots"):
             self._plots = Plots(self._server)
         panel.dock_left()
-        self.timelines = Timelines()
+        self.timelines = RunHistory()
         self.shown: Timeline | None = None
         self._time_shown_at = self._slow_at = monotonic()
         self.player = Player(follows=source.is_live)

@@ -8,7 +8,7 @@ import numpy as np
 import viser
 
 from legpush.arrays import Floats
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.view import overlays
@@ -108,7 +108,7 @@ class Scene:
                 self._layers[name].visible = shown
             self._add_fast_overlays()
 
-    def show(self, timelines: Timelines, timeline: Timeline, row: int, *, follow: bool) -> None:
+    def show(self, timelines: RunHistory, timeline: Timeline, row: int, *, follow: bool) -> None:
         """Draw a row."""
         with self._server.atomic():
             self._move_bodies(timeline, row)
@@ -210,7 +210,7 @@ class Scene:
             elif draw:
                 self._forget("curve/curve", "curve/polygon", "curve/points")
 
-    def _show_paths(self, timelines: Timelines, timeline: Timeline, row: int) -> None:
+    def _show_paths(self, timelines: RunHistory, timeline: Timeline, row: int) -> None:
         for kind, color in (("trunk", TRUNK_GREEN), ("box", BOX_PURPLE)):
             plan = overlays.plan_at(timelines, timeline, row, kind)
             with self._redrawn(f"{kind} plan", id(plan)) as draw:

@@ -9,7 +9,7 @@ from typing import Final
 
 from legpush.bus.bus import Bus
 from legpush.errors import ConfigError, RecordingError
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.messages.telemetry import Origin
 from legpush.recording.facts import scenario_of
 from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
@@ -43,12 +43,12 @@ class RecordedSource:
     def __exit__(self, *_: object) -> None:
         return None
 
-    def pump(self, timelines: Timelines, budget_s: float) -> None:
+    def pump(self, timelines: RunHistory, budget_s: float) -> None:
         """Add messages for so long at most."""
         timelines.scenario = self._scenario
         until = monotonic() + budget_s
         for message in self._left:
-            timelines.take(message.topic, message.origin, message.copy)
+            timelines.take_message(message.topic, message.origin, message.copy)
             if monotonic() >= until:
                 return
         self.is_reading = False
@@ -92,10 +92,10 @@ class LiveSource:
         """For people."""
         return f"Run {self._watched.run}"
 
-    def pump(self, timelines: Timelines, budget_s: float) -> None:
+    def pump(self, timelines: RunHistory, budget_s: float) -> None:
         """Add what has come, for so long at most; look for the next run where this one is over."""
         self._listener.pump(timelines, budget_s)
-        timelines.keep(KEEP_EPISODES)
+        timelines.keep_newest(KEEP_EPISODES)
         if monotonic() - self._looked_at >= LOOK_S and not self._connect:
             following = self._next_run()
             self._looked_at = monotonic()

@@ -1,7 +1,7 @@
 """A world without physics: walking follows the path exactly, pushing moves the box as the push model says."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 from math import cos, pi, radians, sin
@@ -27,7 +27,6 @@ from legpush.messages.stepping import (
     PathProgress,
     Push,
     Reset,
-    Trace,
     TrunkState,
     Walk,
     WorldState,
@@ -37,6 +36,7 @@ from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.robot import CONTROL_PERIOD_S, foot_rectangle_b
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from legpush.scene.station import station
+from tests.agent.fake_motion import FollowedPath, between, trace_of
 
 STRIDE_M = 0.4
 WALK_TICKS = 80
@@ -144,8 +144,8 @@ class KinematicSimulator:
         world = make_state(
             self._trunk, self._box, tick=self._tick, fallen=fallen, path=self._progress(), appeared=self._appeared
         )
-        trace = _trace(begin, n_ticks, before or (self._trunk, self._box), (self._trunk, self._box))
-        return Outcome(world=world, state_crc=crc32(codec.encode(world)), trace=trace if with_trace else None)
+        trace = trace_of(begin, self._ticks(n_ticks, *(before or (self._trunk, self._box)))) if with_trace else None
+        return Outcome(world=world, state_crc=crc32(codec.encode(world)), trace=trace)
 
     @property
     def tick(self) -> int:
@@ -161,12 +161,12 @@ class KinematicSimulator:
                 nominal = motion.scenario.box.pose.pose()
                 dx, dy, turn = self.box_offset
                 self._box = Pose2(x_m=nominal.x_m + dx, y_m=nominal.y_m + dy, yaw_rad=nominal.yaw_rad + turn)
-                self._path: _Path | None = None
+                self._path: FollowedPath | None = None
                 self._tick = 0
                 self._appeared = ()
                 return 0
             case Follow():
-                self._path = _Path(motion.waypoints)
+                self._path = FollowedPath(motion.waypoints)
                 return 0
             case Walk():
                 if self._path is None:
@@ -181,6 +181,11 @@ class KinematicSimulator:
                 return PUSH_TICKS
             case Alter():
                 return 0
+
+    def _ticks(self, n_ticks: int, trunk: Pose2, box: Pose2) -> list[WorldState]:
+        """States in which everything moves evenly from these poses to the present ones."""
+        shares = [k / n_ticks for k in range(1, n_ticks + 1)]
+        return [make_state(between(trunk, self._trunk, share), between(box, self._box, share)) for share in shares]
 
     def _let_appear(self) -> None:
         """Obstacles appear when they are due, whatever is in their place, at the end of a step."""
@@ -256,63 +261,3 @@ class FakeWorld(LocalWorld):
         yield self.planner(query)
         for revision in count(1):
             yield self.better(query, revision)
-
-
-class _Path:
-    """A path by its travelled length."""
-
-    def __init__(self, waypoints: Sequence[Pose2]) -> None:
-        self._poses = np.array([[p.x_m, p.y_m, p.yaw_rad] for p in waypoints])
-        self._poses[:, 2] = np.unwrap(self._poses[:, 2])
-        steps = np.hypot(*np.diff(self._poses[:, :2], axis=0).T)
-        self._at_m = np.concatenate([[0.0], np.cumsum(steps)])
-        self._travelled_m = 0.0
-
-    def advance(self, by_m: float) -> Pose2:
-        """Go on along the path, at most to its end."""
-        self._travelled_m = min(self._travelled_m + by_m, float(self._at_m[-1]))
-        x, y, yaw = (float(np.interp(self._travelled_m, self._at_m, column)) for column in self._poses.T)
-        return Pose2(x_m=x, y_m=y, yaw_rad=yaw)
-
-    def progress(self) -> PathProgress:
-        """How far along."""
-        length_m = float(self._at_m[-1])
-        return PathProgress(travelled_m=self._travelled_m, length_m=length_m, done=self._travelled_m >= length_m - 1e-9)
-
-
-def _trace(begin_tick: int, n_ticks: int, before: tuple[Pose2, Pose2], after: tuple[Pose2, Pose2]) -> Trace:
-    """Ticks in which everything moves evenly from the state before to the one after."""
-    states = []
-    for k in range(1, n_ticks + 1):
-        trunk, box = (_between(a, b, k / n_ticks) for a, b in zip(before, after, strict=True))
-        states.append(make_state(trunk, box))
-    return Trace(
-        tick=tuple(range(begin_tick + 1, begin_tick + n_ticks + 1)),
-        qpos=tuple(
-            (
-                *state.trunk.position_m,
-                *state.trunk.orientation_wxyz,
-                *state.joint_positions_rad,
-                *state.box.position_m,
-                *state.box.orientation_wxyz,
-            )
-            for state in states
-        ),
-        roll_pitch_rad=tuple((0.01 * sin(k / 8), 0.02 * cos(k / 8)) for k in range(n_ticks)),
-        tips_m=tuple(state.tips_m for state in states),
-        contact_forces_n=tuple(_upward(state.foot_forces_n) for state in states),
-        com_m=tuple(state.trunk.position_m for state in states),
-        zmp_m=tuple((state.trunk.position_m[0], state.trunk.position_m[1]) for state in states),
-        support_margin_m=tuple(0.06 + 0.03 * sin(k / 6) for k in range(n_ticks)),
-    )
-
-
-def _upward(forces_n: tuple[float, ...]) -> Any:
-    return tuple((0.0, 0.0, force) for force in forces_n)
-
-
-def _between(a: Pose2, b: Pose2, share: float) -> Pose2:
-    turn = (b.yaw_rad - a.yaw_rad + pi) % (2 * pi) - pi
-    return Pose2(
-        x_m=a.x_m + share * (b.x_m - a.x_m), y_m=a.y_m + share * (b.y_m - a.y_m), yaw_rad=a.yaw_rad + share * turn
-    )

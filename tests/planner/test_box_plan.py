@@ -13,7 +13,7 @@ from legpush.messages.planning import BoxPathQuery, Plan, PushSide
 from legpush.scene.footprints import Footprint, distance_m, distance_to_border_m, obstacle_footprint
 from legpush.scene.occupancy import occupancy_grid
 from legpush.scene.scenario import Rectangle, Room
-from planner_proc import box_plan as box_path
+from planner_proc import box_plan
 from planner_proc.box.pushes import Pushes
 from planner_proc.box.search import Found
 from planner_proc.box.walking_space import WalkingSpace
@@ -217,17 +217,17 @@ def test_a_way_around_the_box_is_found_beyond_its_neighbourhood() -> None:
 def test_a_path_that_does_not_keep_its_clearance_exactly_is_searched_for_again_with_more(
     n_refused: int, status: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    judged, extra_m = box_path._judged, []
+    judged, extra_m = box_plan._judged, []
 
     def strict(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
         extra_m.append(pushes.extra_m)
         return judged(found, pushes, n_iterations) if len(extra_m) > n_refused else None
 
-    monkeypatch.setattr(box_path, "_judged", strict)
+    monkeypatch.setattr(box_plan, "_judged", strict)
     plan = make_plan(query(OPEN, pose(4.0, 4.0), pose(6.0, 4.0)))
 
     assert plan.status == status
-    assert extra_m == [0.05 * cells for cells in box_path.EXTRA_CLEARANCE_CELLS[: n_refused + 1]]
+    assert extra_m == [0.05 * cells for cells in box_plan.EXTRA_CLEARANCE_CELLS[: n_refused + 1]]
 
 
 def test_a_goal_that_the_robot_has_to_come_close_to_is_pushed_into_by_less_than_the_run_in() -> None:

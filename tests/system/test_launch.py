@@ -41,7 +41,7 @@ def work(config: Config, bus: Bus, stop: threading.Event) -> int:
         with (config.out / "pids").open("a") as file:
             print(os.getpid(), file=file)
         if role != "agent" or config.does == "waits":
-            beacon.say("waiting", 0.5, "for the end")
+            beacon.publish_status("waiting", 0.5, "for the end")
             while not stop.wait(0.05):  # a signal may wake another thread than this one
                 pass
             return 0

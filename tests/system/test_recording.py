@@ -1,47 +1,35 @@
-"""Recording with real processes: everything is there, byte for byte, and whatever happens to the recorder, the lockstep
-goes on.
+"""A recorder process beside a fake run: everything is there, byte for byte, and whatever happens to the recorder, the
+lockstep goes on.
 """
 
-import hashlib
 import json
 import random
-import resource
 import signal
 import subprocess
-import sys
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, time_ns
 from typing import Any
 
-import psutil
 import pytest
 import zenoh
 from msgspec.structs import replace
 
 from legpush.bus import keys
 from legpush.bus.endpoints import in_directory
-from legpush.messages.stepping import Alter, Walk
-from legpush.recording.episodes import read_episodes
-from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
+from legpush.messages.stepping import Walk
+from legpush.recording.mcap_file.reader import Recording, read_recording
 from legpush.recording.recover import recover
 from tests.legpush.examples import QUERY
 from tests.legpush.fakes import IMPATIENT, RUN, Agent, agent, bus, crc_after, eventually, mission, planner, sim
-
-CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
-
-
-def legpush(*arguments: str, timeout_s: float = 120.0) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, *CLI, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=timeout_s)
+from tests.system.missions import LEGPUSH, legpush
 
 
 @contextmanager
 def recorder(directory: Path, file: Path, *flags: str) -> Iterator[subprocess.Popen[str]]:
     """A recorder process of the fake run, which is there."""
-    command = [sys.executable, *CLI, "record", str(file), "--run", RUN, "--connect"]
+    command = [*LEGPUSH, "record", str(file), "--run", RUN, "--connect"]
     command += [*in_directory(directory, "recorder").connect, *flags]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
@@ -192,160 +180,12 @@ def test_a_recorder_that_is_stuck_does_not_keep_another_one_from_its_messages(tm
     assert left_bytes < 100_000
 
 
-@pytest.fixture(scope="module")
-def mission_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """The folder and the recording of a whole mission."""
-    folder = tmp_path_factory.mktemp("recorded")
-    out, file = folder / "run", folder / "mission.mcap"
-    done = legpush("run", "--scenario", "push", "--out", str(out), "--no-video", "--record", str(file))
-    assert done.returncode == 0, done.stdout + done.stderr
-    return out, file
-
-
-def test_a_mission_is_recorded_completely_with_what_it_was_made_of(mission_run: tuple[Path, Path]) -> None:
-    out, file = mission_run
-    recording = read_recording([file])
-    assert recording.is_complete, recording.completeness
-    assert {message.origin.role for message in recording.messages} == {"planner", "sim", "agent"}
-    assert min(message.copy.sequence for message in recording.messages) == 0
-    for name in ("scenario.toml", "model.xml", "versions.json", "mission.json", "report.json"):
-        assert recording.attachment(name) is not None, name
-    report = json.loads((out / "report.json").read_text())
-    assert report["recording"] == {"file": str(file), "complete": True, "notes": []}
-    text = legpush("info", str(file)).stdout
-    assert "complete      yes" in text
-    assert f"state {report['state_crc']}" in text
-    assert "result        success" in text
-
-
-def test_a_mission_is_verified_and_a_flipped_bit_found(mission_run: tuple[Path, Path], tmp_path: Path) -> None:
-    _, file = mission_run
-    done = legpush("replay", str(file), "--verify")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "identical: " in done.stdout
-    data = bytearray(file.read_bytes())
-    data[data.index(b"depth_m", len(data) // 2) + 12] ^= 1
-    (tmp_path / "flipped.mcap").write_bytes(data)
-    done = legpush("replay", str(tmp_path / "flipped.mcap"), "--verify")
-    assert done.returncode == 1
-    assert "first divergence at episode 0, step " in done.stdout
-    assert "field action" in done.stdout
-
-
-def test_a_mission_goes_on_without_its_recorder_and_says_so(tmp_path: Path) -> None:
-    """The limit of a file's size stands for a disk that is full."""
-    out, file = tmp_path / "run", tmp_path / "mission.mcap"
-    command = [
-        sys.executable,
-        *CLI,
-        "run",
-        "--scenario",
-        "push",
-        "--out",
-        str(out),
-        "--no-video",
-        "--record",
-        str(file),
-    ]
-    launcher = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    limit, pause = 200_000, threading.Event()
-    try:
-        while not (victims := [p for p in psutil.Process(launcher.pid).children(True) if _records(p)]):
-            pause.wait(0.01)
-        resource.prlimit(victims[0].pid, resource.RLIMIT_FSIZE, (limit, limit))
-        text, _ = launcher.communicate(timeout=120.0)
-    finally:
-        launcher.kill()
-        launcher.wait()
-    assert launcher.returncode == 0, text
-    assert "the recorder exited with 2" in text
-    assert "the recording cannot go on (File too large)" in text
-    assert text.index("the recorder exited") < text.index("stopping")
-    report = json.loads((out / "report.json").read_text())
-    assert report["success"]
-    assert not report["recording"]["complete"]
-    recover(file, tmp_path / "recovered.mcap")
-    assert len(read_recording([tmp_path / "recovered.mcap"]).messages) > 5
-
-
-def _records(process: psutil.Process) -> bool:
-    try:
-        return "legpush.launch.record" in process.cmdline()
-    except psutil.NoSuchProcess:
-        return False
-
-
-def test_the_recording_plays_the_simulator_and_the_mission_ends_as_it_did(
-    mission_run: tuple[Path, Path], tmp_path: Path
-) -> None:
-    out, file = mission_run
-    done = legpush("replay", str(file), "--as", "sim", "--out", str(tmp_path / "run"))
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert crc_of(tmp_path / "run") == crc_of(out)
-
-
-def crc_of(folder: Path) -> str:
-    crc: str = json.loads((folder / "report.json").read_text())["state_crc"]
-    return crc
-
-
-def test_a_branch_without_a_change_ends_as_its_parent_and_one_with_another_box_does_not(
-    mission_run: tuple[Path, Path], tmp_path: Path
-) -> None:
-    out, file = mission_run
-    before = file.read_bytes()
-    same, heavy = tmp_path / "same", tmp_path / "heavy"
-    flags = ("branch", str(file), "--at", "0:12")
-    done = legpush(*flags, "--out", str(same), "--record", str(tmp_path / "same.mcap"))
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert crc_of(same) == crc_of(out)
-    changes = ("--box-mass-kg", "0.9", "--policy", "scripted")
-    done = legpush(*flags, *changes, "--out", str(heavy), "--record", str(tmp_path / "heavy.mcap"))
-    assert done.returncode in (0, 1), done.stdout + done.stderr
-    assert crc_of(heavy) != crc_of(out)
-    parent, branch = (read_episodes(read_recording([path]))[-1] for path in (file, tmp_path / "heavy.mcap"))
-    for one, other in zip(parent.carried_out()[:12], branch.carried_out()[:12], strict=True):
-        assert one.outcome is not None
-        assert other.outcome is not None
-        assert (one.motion, one.outcome.state_crc) == (other.motion, other.outcome.state_crc)
-    assert branch.carried_out()[12].motion == Alter(box_mass_kg=0.9)
-    about = read_recording([tmp_path / "heavy.mcap"]).about
-    assert about["parent_sha256"] == hashlib.sha256(before).hexdigest()
-    assert (about["parent_file"], about["parent_episode"], about["parent_step"]) == (file.name, "0", "12")
-    done = legpush("replay", str(tmp_path / "heavy.mcap"), "--verify")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert file.read_bytes() == before
-
-
-def test_what_is_published_again_is_recorded_again_byte_for_byte(
-    mission_run: tuple[Path, Path], tmp_path: Path
-) -> None:
-    _, file = mission_run
-    at = f"unixsock-stream/{tmp_path}/replay.sock"
-    player = subprocess.Popen([sys.executable, *CLI, "replay", str(file), "--rate", "10", "--listen", at])
-    try:
-        flags = ("--run", "replay", "--connect", at, "--duration", "4")
-        done = legpush("record", str(tmp_path / "again.mcap"), *flags)
-        assert player.wait(timeout=30.0) == 0
-    finally:
-        player.kill()
-        player.wait()
-    assert done.returncode == 0, done.stdout + done.stderr
-    first, again = (read_recording([path]).messages for path in (file, tmp_path / "again.mcap"))
-    assert len(first) == len(again)
-    assert contents_of(first) == contents_of(again)
-
-
-def contents_of(messages: list[Recorded]) -> list[tuple[str, int, bytes]]:
-    return sorted((message.topic, message.copy.sequence, message.copy.payload) for message in messages)
-
-
 def test_what_an_agent_hears_stands_in_for_a_planner_that_hands_over_nothing(tmp_path: Path) -> None:
     file = tmp_path / "a.mcap"
     with recorder(tmp_path, file) as process:
         with planner(tmp_path) as silent, bus(tmp_path, "agent") as opened:
             silent.taps.own.close()
-            opened.taps.witness("planner")
+            opened.taps.witness_role("planner")
             asking = Agent(opened, IMPATIENT)
             assert eventually(lambda: len(opened.liveliness.live("recorder")) == 1, 20.0)
             for seed in range(5):

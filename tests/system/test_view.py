@@ -1,12 +1,10 @@
 """`legpush view` as people use it: pages in a real Chromium, of a recording and of a run that goes on."""
 
-import json
 import os
 import re
 import signal
 import socket
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,25 +14,23 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.recording.mcap_file.reader import read_recording
 from sim_proc.simulator import Simulator
 from tests.chromium import Browser, Page, browser, chromium, until
 from tests.legpush.recording.recordings import traffic, write
 from tests.sim.view.conftest import MOTIONS
-
-CLI = ["-P", "-c", "import sys; from legpush.cli import main; sys.exit(main())"]
+from tests.system.conftest import RecordedMission
+from tests.system.missions import LEGPUSH, crc_of
 
 if not os.environ.get("CI"):
     pytestmark = pytest.mark.skipif(chromium() is None, reason="Chromium is not installed (Debian: chromium)")
 
 
 def legpush(*arguments: str, env: dict[str, str] | None = None) -> subprocess.Popen[str]:
-    command = [sys.executable, *CLI, *arguments]
-    return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, **(env or {})}
-    )
+    command, environment = [*LEGPUSH, *arguments], {**os.environ, **(env or {})}
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
 
 
 @contextmanager
@@ -68,9 +64,9 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def timeline(recording: Path) -> Timeline:
-    timelines = Timelines()
+    timelines = RunHistory()
     for message in read_recording([recording]).messages:
-        timelines.take(message.topic, message.origin, message.copy)
+        timelines.take_message(message.topic, message.origin, message.copy)
     (only,) = timelines.episodes.values()
     return only
 
@@ -168,22 +164,19 @@ def test_pages_come_and_go_and_two_show_the_same(chrome: Browser, recording: Pat
 
 
 def test_a_mission_is_shown_while_it_lasts_and_does_not_mind_who_looks(
-    chrome: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chrome: Browser, tmp_path: Path, push_mission: RecordedMission
 ) -> None:
-    shared = {"TMPDIR": str(tmp_path)}
-    alone = legpush("run", "--scenario", "push", "--no-video", "--out", str(tmp_path / "alone"), env=shared)
-    alone.communicate(timeout=120)
-    with viewer(env=shared) as (url, watching), chrome.page(url) as page:
+    own = {"TMPDIR": str(tmp_path)}
+    with viewer(env=own) as (url, watching), chrome.page(url) as page:
         shows(page, "Planner", "not there")
-        run = legpush("run", "--scenario", "push", "--no-video", "--out", str(tmp_path / "seen"), env=shared)
+        run = legpush("run", "--scenario", "push", "--no-video", "--out", str(tmp_path / "seen"), env=own)
         shows(page, "Run seen", "push F", "reward")
         until(lambda: is_drawn(page), "robot and floor")
         assert 'data-process="agent"' in str(page.js("document.body.innerHTML"))
         watching.send_signal(signal.SIGKILL)
         run.communicate(timeout=120)
-    reports = [json.loads((tmp_path / name / "report.json").read_text()) for name in ("alone", "seen")]
     assert run.returncode == 0
-    assert reports[0]["state_crc"] == reports[1]["state_crc"]
+    assert crc_of(tmp_path / "seen") == crc_of(push_mission.out)
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ class Bus:
         recorded: bool = False,
         open_session: Callable[[Endpoints, str], Session] = ZenohSession,
     ) -> None:
-        """`open_session` opens the network; with `recorded`, a recorder that comes later gets everything from now on."""
+        """With `recorded`, a later recorder gets everything from now on; `open_session` opens the network."""
         self.run = run
         self.role = role
         self.name = name
@@ -86,7 +86,7 @@ class Bus:
         """What sends on `channel`; lockstep channels go through the injected faults, if there are any."""
         sender = self._session.publisher(channel.key, channel.quality)
         self._closing.callback(sender.undeclare)
-        note = partial(self.taps.own.buffer.note, channel.key) if channel.is_copied else None
+        note = partial(self.taps.own.buffer.note_message, channel.key) if channel.is_copied else None
         if channel.quality != "lockstep" or self._faults is None:
             return Publisher(self._header, sender.send, note)
         bad_channel = BadChannel(fate_table(self._faults, channel.key), sender.send)
@@ -115,13 +115,13 @@ class Bus:
         validation = Validation(channel, self.run, self.tally)
 
         def take_payload(key: str, payload: bytes) -> None:
-            message = validation.take(key, payload)
+            message = validation.validate_payload(key, payload)
             if message is not None:
                 header = message.header
                 if channel.is_copied:
-                    self.taps.heard(header, key, payload)
+                    self.taps.note_message(header, key, payload)
                 doing = message.phase if isinstance(message, Status) else None
-                self.liveliness.heard(header.role, header.name, header.incarnation, doing)
+                self.liveliness.note_message(header.role, header.name, header.incarnation, doing)
                 put(message)
 
         self._closing.callback(self._session.subscribe(channel.key, take_payload))
@@ -140,7 +140,7 @@ class Bus:
     def _open_taps(self) -> None:
         """Declared before anything is published, so that the farewell comes after everything else."""
         self._copies = self.publisher(channels.copies(self.run, self.role, self.name))
-        self._receive(channels.taken(self.run, self.role, self.name), self.taps.take)
+        self._receive(channels.taken(self.run, self.role, self.name), self.taps.acknowledge_batch)
         self._closing.callback(self.taps.close)
         if self._recorded:
             self.taps.own.start()
@@ -168,8 +168,8 @@ class Bus:
             return
         if token.incarnation == self.incarnation:
             return
-        self.liveliness.token(token.role, token.name, token.incarnation, alive)
+        self.liveliness.note_token(token.role, token.name, token.incarnation, alive)
         if token.role == "recorder" and self.role != "recorder":
-            self.taps.meet({peer.incarnation for peer in self.liveliness.live("recorder")})
+            self.taps.set_recorders({peer.incarnation for peer in self.liveliness.live("recorder")})
         for on_peer in self._on_peer:
             on_peer(token.role, token.name, token.incarnation, alive)

@@ -121,7 +121,7 @@ class Exchange(Generic[M]):
             self._reported_at = self._clock()
             self._on_wait(f"{what}: {self._state()}")
 
-    def take_in(self, fits: Callable[[M], bool]) -> None:
+    def offer_answers(self, fits: Callable[[M], bool]) -> None:
         """Offer to `fits` what the peer has answered since the last question, without asking anything."""
         for answer in self._answers.drain():
             if answer.header.incarnation != self._peer or not fits(answer):
@@ -131,7 +131,7 @@ class Exchange(Generic[M]):
         late = f"{answer.header.role}/{answer.header.name}: an answer that nobody waits for"
         self._bus.tally.add("late", late, logging.DEBUG)
 
-    def settle(self) -> None:
+    def forgive_restarts(self) -> None:
         """The peer did what it was asked for: its restarts so far are forgiven."""
         self._n_restarts = 0
 

@@ -39,7 +39,7 @@ class Liveliness:
         self._lock = threading.Lock()
         self._sightings: dict[str, Sighting] = {}
 
-    def token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
+    def note_token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
         """A liveliness token came up or went down."""
         with self._lock:
             sighting = self._sighting(role, name, incarnation)
@@ -47,7 +47,7 @@ class Liveliness:
             sighting.n_links += alive
             sighting.gone_at = None if alive else self._clock()
 
-    def heard(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
+    def note_message(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
         """A valid message of this sender came in; `doing` if it said what it is at."""
         with self._lock:
             sighting = self._sighting(role, name, incarnation)

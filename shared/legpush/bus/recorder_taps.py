@@ -26,45 +26,45 @@ class RecorderTaps:
         """Of what this process publishes."""
         self._taps = {own.incarnation: self.own}
 
-    def meet(self, recorders: set[str]) -> None:
+    def set_recorders(self, recorders: set[str]) -> None:
         """These incarnations record now."""
         with self._lock:
             self._recorders = set(recorders)
             taps = tuple(self._taps.values())
         for tap in taps:
-            tap.meet(recorders)
+            tap.set_recorders(recorders)
 
-    def take(self, taken: Taken) -> None:
+    def acknowledge_batch(self, taken: Taken) -> None:
         """A recorder has a batch."""
         with self._lock:
             tap = self._taps.get(taken.origin_incarnation)
         if tap is not None:
-            tap.take(taken.header.incarnation, taken.batch)
+            tap.acknowledge_batch(taken.header.incarnation, taken.batch)
 
-    def stand_in(self, origin: Origin) -> Tap:
+    def stand_in_for(self, origin: Origin) -> Tap:
         """A tap for another process, whose messages are published again; the caller closes it."""
         tap = Tap(TapBuffer(origin), self._send)
         with self._lock:
             self._taps[origin.incarnation] = tap
             recorders = set(self._recorders)
         tap.start()
-        tap.meet(recorders)
+        tap.set_recorders(recorders)
         return tap
 
-    def leave(self, tap: Tap) -> None:
+    def close_stand_in(self, tap: Tap) -> None:
         """Close a tap that stood in for another process, and forget it."""
         tap.close()
         with self._lock:
             self._taps = {incarnation: each for incarnation, each in self._taps.items() if each is not tap}
 
-    def witness(self, role: Role) -> None:
+    def witness_role(self, role: Role) -> None:
         """Hand over what peers of this role say here, too, for those who do not do it themselves.
 
         Call it before subscribing to what they say.
         """
         self._witnessed.add(role)
 
-    def heard(self, header: Header, key: str, payload: bytes) -> None:
+    def note_message(self, header: Header, key: str, payload: bytes) -> None:
         """A message came; it is noted if its sender is witnessed and somebody records."""
         if header.role not in self._witnessed or not self.own.buffer.active:
             return
@@ -73,9 +73,9 @@ class RecorderTaps:
             if tap is None:
                 if len(self._heard) >= MAX_HEARD:
                     return
-                tap = self.stand_in(Origin(role=header.role, name=header.name, incarnation=header.incarnation))
+                tap = self.stand_in_for(Origin(role=header.role, name=header.name, incarnation=header.incarnation))
                 self._heard[header.incarnation] = tap
-        tap.buffer.note(key, header.sequence, payload)
+        tap.buffer.note_message(key, header.sequence, payload)
 
     def close(self) -> None:
         """Say farewell to those who record."""

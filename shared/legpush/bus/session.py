@@ -68,7 +68,7 @@ class ZenohSession:
         return partial(_undeclare, subscriber)
 
     def show_token(self, key: str) -> Undeclare:
-        """Show a liveliness token for as long as this process lives."""
+        """Show a liveliness token until it is taken back, or this process ends."""
         return partial(_undeclare, self._session.liveliness().declare_token(key))
 
     def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:

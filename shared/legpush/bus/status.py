@@ -20,7 +20,7 @@ Said = tuple[str, float | None, str, str]
 
 
 class StatusBeacon:
-    """Publishes what `say` was told last: at once, and every `PERIOD_S` as a heartbeat on a thread of its own."""
+    """Publishes the last status it was given, at once and then every `PERIOD_S` as a heartbeat, on its own thread."""
 
     def __init__(self, bus: Bus, phase: str = "idle") -> None:
         self._publisher = bus.publisher(channels.statuses(bus.run, bus.role, bus.name))
@@ -38,7 +38,9 @@ class StatusBeacon:
         self._closed.set()
         self._thread.join()
 
-    def say(self, phase: str, fraction: float | None = None, detail: str = "", waiting_for: str = "") -> None:
+    def publish_status(
+        self, phase: str, fraction: float | None = None, detail: str = "", waiting_for: str = ""
+    ) -> None:
         """From now on the process is in this `phase`, done to `fraction` where known.
 
         Published from here, so that it is out before a library that holds the interpreter is called.

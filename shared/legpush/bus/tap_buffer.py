@@ -43,7 +43,7 @@ class TapBuffer:
         self._n_batches = 0
         self._at_hand: Build | None = None
 
-    def note(self, key: str, sequence: int, payload: bytes) -> None:
+    def note_message(self, key: str, sequence: int, payload: bytes) -> None:
         """A message is being published."""
         with self._lock:
             self._published[key] = sequence + 1
@@ -75,7 +75,7 @@ class TapBuffer:
             self._n_bytes = 0
             self._at_hand = None
 
-    def meet(self, recorders: set[str]) -> bool:
+    def set_recorders(self, recorders: set[str]) -> bool:
         """These incarnations record now; whether one is new, to whom the batch at hand has to be sent."""
         with self._lock:
             new = recorders - self._recorders
@@ -85,7 +85,7 @@ class TapBuffer:
                 self._new_facts = list(self._facts.values())
             return bool(new)
 
-    def take(self, recorder: str, batch: int) -> bool:
+    def acknowledge_batch(self, recorder: str, batch: int) -> bool:
         """A recorder has this batch; whether it was the one at hand and all who are waited for have it now."""
         with self._lock:
             if batch != self._n_batches - 1:
@@ -99,7 +99,7 @@ class TapBuffer:
             self._at_hand = None
             return True
 
-    def waive(self) -> bool:
+    def skip_late_recorders(self) -> bool:
         """Whoever has not taken the batch at hand goes without, if somebody has; whether that is so.
 
         They are not waited for any more until they take a batch while it is the last one.

@@ -53,10 +53,10 @@ class Tap:
                 self._thread = threading.Thread(target=self._run, name="tap", daemon=True)
                 self._thread.start()
 
-    def meet(self, recorders: set[str]) -> None:
+    def set_recorders(self, recorders: set[str]) -> None:
         """These incarnations record now."""
         with self._changed:
-            if self.buffer.meet(recorders):
+            if self.buffer.set_recorders(recorders):
                 self._resend_at = None
             if self._n_recorders and not recorders:
                 self._alone_since = monotonic()
@@ -65,10 +65,10 @@ class Tap:
         if recorders:
             self.start()
 
-    def take(self, recorder: str, batch: int) -> None:
+    def acknowledge_batch(self, recorder: str, batch: int) -> None:
         """A recorder has this batch."""
         with self._changed:
-            if self.buffer.take(recorder, batch):
+            if self.buffer.acknowledge_batch(recorder, batch):
                 self._resend_at = None
                 if self.buffer.n_bytes > BATCH_BYTES:
                     self._changed.notify()
@@ -105,7 +105,7 @@ class Tap:
             if self._resend_at is not None and monotonic() < self._resend_at:
                 return False
             is_long = self._n_sent >= MAX_SENT or (self._n_sent > 0 and self.buffer.is_filling)
-            if self._resend_at is None or (is_long and self.buffer.waive()):
+            if self._resend_at is None or (is_long and self.buffer.skip_late_recorders()):
                 self._n_sent = 0
             build = self.buffer.batch(final=final)
             if build is None:

@@ -10,7 +10,7 @@ OnBytes = Callable[[str, bytes], None]
 OnToken = Callable[[str, bool], None]
 """Key of a liveliness token, and whether it lives; called on a thread of the session."""
 Undeclare = Callable[[], None]
-"""Takes a declaration back."""
+"""Takes a declaration back. Keep it as long as the declaration is needed: a session may drop one that nobody keeps."""
 
 
 class Sender(NamedTuple):
@@ -36,7 +36,7 @@ class Session(Protocol):
         """Call `on_bytes` for everything that other processes publish under `key`, which may hold wildcards."""
 
     def show_token(self, key: str) -> Undeclare:
-        """Show a liveliness token for as long as this process lives."""
+        """Show a liveliness token until it is taken back, or this process ends."""
 
     def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:
         """Call `on_token` for each token that lives now, and whenever one comes or goes."""

@@ -20,7 +20,7 @@ class Validation(Generic[M]):
         self._run = run
         self._tally = tally
 
-    def take(self, key: str, payload: bytes) -> M | None:
+    def validate_payload(self, key: str, payload: bytes) -> M | None:
         """The valid message in `payload`, or None if it was counted and refused."""
         try:
             plain = codec.unpack(payload)

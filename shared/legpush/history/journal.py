@@ -10,6 +10,7 @@ import logging
 import os
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -19,6 +20,7 @@ from msgspec import Struct
 
 from legpush.errors import JournalError, MessageError
 from legpush.fields import Name
+from legpush.files import new_file
 from legpush.messages import codec
 from legpush.messages.common import Count
 from legpush.messages.planning import Plan, PlanQuery
@@ -173,11 +175,11 @@ class Journal:
 
 
 def _create(path: Path, opened: Opened) -> None:
-    """Put a new journal in place as a whole, so that none without its first entry can be found."""
+    """Put a new journal in place as a whole, so that every journal that is found has its first entry."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    half = path.with_suffix(f".{os.getpid()}.part")
-    half.write_bytes(MAGIC + _frame(opened))
-    half.rename(path)
+    # If another process makes the same journal at this moment, the lock decides between the two.
+    with suppress(FileExistsError), new_file(path) as scratch:
+        scratch.write_bytes(MAGIC + _frame(opened))
 
 
 def _frame(entry: Entry) -> bytes:

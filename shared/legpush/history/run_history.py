@@ -1,21 +1,19 @@
-"""From messages to what can be looked at: episodes of all simulators, plans, and what processes said of themselves.
+"""The history of a run: the timelines of its episodes, its plans, and the statuses of its processes.
 
 Messages may come in any order that keeps each sender's own, live or from a recording; the result is the same.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from legpush.errors import MessageError
+from legpush.history.assembling import EpisodeKey, PlanAssembler, StepAssembler, StepKey
 from legpush.history.timeline import Timeline, is_whole
 from legpush.messages import codec
 from legpush.messages.planning import Plan, PlanQuery, PlanRequest, PlanResult
-from legpush.messages.stepping import Action, Answer, Motion, Observation, Outcome, Refusal, Reset
+from legpush.messages.stepping import Action, Answer, Motion, Observation, Refusal, Reset
 from legpush.messages.telemetry import Copy, Origin, Reward, Status
 from legpush.scene.scenario import Scenario
-
-Step = tuple[str, int, int]
-"""Simulator, episode on the wire, step."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,25 +36,13 @@ class Said:
     status: Status
 
 
-@dataclass(kw_only=True)
-class _Asked:
-    """What is known of a step that is not complete."""
-
-    motions: list[Motion] = field(default_factory=list)
-    """That were asked for, one after the other: each but the last has to have been refused."""
-    refusals: set[str] = field(default_factory=set)
-    """Their reasons: an action that was sent again is refused again."""
-    outcome: Outcome | None = None
-    time_ns: int = 0
-
-
-class Timelines:
-    """Grows with every message that is taken."""
+class RunHistory:
+    """The episodes of a run, its plans and statuses; grows with every message that is taken."""
 
     def __init__(self) -> None:
-        self.episodes: dict[tuple[str, int], Timeline] = {}
+        self.episodes: dict[EpisodeKey, Timeline] = {}
         """By simulator and number on the wire, in the order in which they began."""
-        self.indices: dict[tuple[str, int], int] = {}
+        self.indices: dict[EpisodeKey, int] = {}
         """Of the same episodes, counted from the first one that began."""
         self.held: Timeline | None = None
         """Is kept however old it is."""
@@ -67,14 +53,11 @@ class Timelines:
         """Of episodes whose reset was before the first message that is known."""
         self.n_unreadable = 0
         """Messages that are none of this protocol."""
-        self._n_begun = 0
-        self._asked: dict[Step, _Asked] = {}
-        self._requests: dict[tuple[str, int], PlanRequest] = {}
-        self._results: dict[tuple[str, int], list[tuple[int, PlanResult]]] = {}
-        self._rewards: dict[Step, float] = {}
+        self._steps = StepAssembler()
+        self._plans = PlanAssembler()
 
-    def take(self, topic: str, origin: Origin, copy: Copy) -> None:
-        """A message that was published under a topic such as `sim/main/action`."""
+    def take_message(self, topic: str, origin: Origin, copy: Copy) -> None:
+        """Take in a message that was published under a topic such as `sim/main/action`."""
         place, _, what = topic.rpartition("/")
         name = place.rpartition("/")[2]
         try:
@@ -98,7 +81,7 @@ class Timelines:
         except MessageError:
             self.n_unreadable += 1
 
-    def keep(self, n_episodes: int) -> None:
+    def keep_newest(self, n_episodes: int) -> None:
         """Forget all but the newest episodes and the one that is held, and what was said and planned at other times."""
         keys = list(self.episodes)
         newest, held = keys[-n_episodes:], list(self._held_keys())
@@ -112,11 +95,8 @@ class Timelines:
         began_ns, ended_ns = self.span_ns(self.episodes[held[0]]) if held else (newest_ns, newest_ns)
         self.plans = [p for p in self.plans if p.time_ns >= newest_ns or began_ns <= p.time_ns <= ended_ns]
         self.said = [s for s in self.said if s.time_ns >= newest_ns or began_ns <= s.time_ns <= ended_ns]
-        going_on = {*self.episodes, *{sim: (sim, number) for sim, number, _ in self._asked}.values()}
-        self._asked = {place: asked for place, asked in self._asked.items() if place[:2] in going_on}
-        self._rewards = {place: value for place, value in self._rewards.items() if place[:2] in going_on}
-        self._requests.clear()
-        self._results.clear()
+        self._steps.keep_episodes(self.episodes)
+        self._plans.clear()
 
     def plans_of(self, timeline: Timeline) -> Iterator[tuple[int, PlanAt]]:
         """The plans that were made during an episode, each with the row at which it was there."""
@@ -132,7 +112,7 @@ class Timelines:
         began = timeline.steps[0].time_ns
         return began, min((each.steps[0].time_ns for _, each in self._later(timeline)), default=2**63)
 
-    def _later(self, timeline: Timeline) -> Iterator[tuple[tuple[str, int], Timeline]]:
+    def _later(self, timeline: Timeline) -> Iterator[tuple[EpisodeKey, Timeline]]:
         """The episodes of the same simulator that began after it."""
         began = timeline.steps[0].time_ns
         sim = next((sim for (sim, _), each in self.episodes.items() if each is timeline), None)
@@ -140,7 +120,7 @@ class Timelines:
             if key[0] == sim and each.steps[0].time_ns > began:
                 yield key, each
 
-    def _held_keys(self) -> Iterator[tuple[str, int]]:
+    def _held_keys(self) -> Iterator[EpisodeKey]:
         """Of the episode that is held, and of the one after it, which tells when it ended."""
         if self.held is not None:
             yield from (key for key, each in self.episodes.items() if each is self.held)
@@ -149,73 +129,63 @@ class Timelines:
                 yield following[0]
 
     def _take_action(self, sim: str, action: Action) -> None:
-        asked = self._open((sim, action.episode, action.step))
-        if asked is not None and action.motion not in asked.motions:
-            asked.motions.append(action.motion)
-            self._advance((sim, action.episode, action.step))
+        key = (sim, action.episode, action.step)
+        if not self._is_done(key) and self._steps.add_motion(key, action.motion):
+            self._advance(key)
 
     def _take_answer(self, sim: str, answer: Answer, time_ns: int) -> None:
         if isinstance(answer, Observation) and answer.outcome.trace is not None and not is_whole(answer.outcome.trace):
             raise MessageError(f"Expected a trace with a row for each tick of step {answer.step}")
-        asked = self._open((sim, answer.episode, answer.step))
-        if asked is None:
-            return
-        if isinstance(answer, Refusal):
-            if answer.cause == "invalid":
-                asked.refusals.add(answer.reason)
-        elif asked.outcome is None or asked.outcome.trace is None:
-            asked.outcome, asked.time_ns = answer.outcome, time_ns
-        self._advance((sim, answer.episode, answer.step))
+        key = (sim, answer.episode, answer.step)
+        if not self._is_done(key):
+            self._steps.add_answer(key, answer, time_ns)
+            self._advance(key)
 
-    def _open(self, place: Step) -> _Asked | None:
-        """What is known of a step; None where it is complete, or before the first one that is known."""
-        timeline = self.episodes.get(place[:2])
-        if timeline is not None and place[2] <= timeline.steps[-1].number:
-            return None
-        return self._asked.setdefault(place, _Asked())
+    def _is_done(self, key: StepKey) -> bool:
+        """Whether a step is in its timeline, or lies before the first one that is known."""
+        timeline = self.episodes.get(key[:2])
+        return timeline is not None and key[2] <= timeline.steps[-1].number
 
-    def _advance(self, place: Step) -> None:
-        """Add the steps that are complete now, in order."""
-        sim, episode, step = place
-        while (asked := self._asked.get((sim, episode, step))) is not None:
-            if asked.outcome is None or len(asked.motions) <= len(asked.refusals):
-                return
-            motion, timeline = asked.motions[len(asked.refusals)], self.episodes.get((sim, episode))
+    def _advance(self, key: StepKey) -> None:
+        """Add the steps that are complete now to their timeline, in order, from this one on."""
+        sim, episode, step = key
+        while (done := self._steps.complete((sim, episode, step))) is not None:
+            timeline = self.episodes.get((sim, episode))
             if timeline is None:
-                scenario = motion.scenario if isinstance(motion, Reset) else self.scenario
-                if scenario is None:
-                    return
-                timeline = self.episodes[sim, episode] = Timeline(scenario)
-                self.indices[sim, episode] = self._n_begun
-                self._n_begun += 1
+                timeline = self._begin((sim, episode), done.motion)
             elif step != timeline.steps[-1].number + 1:
                 return
-            del self._asked[sim, episode, step]
-            timeline.add(step, motion, asked.outcome, asked.time_ns)
-            reward = self._rewards.pop((sim, episode, step), None)
-            if reward is not None:
-                timeline.rewards[step] = reward
+            if timeline is None:
+                return
+            self._steps.remove_step((sim, episode, step))
+            timeline.add(step, done.motion, done.outcome, done.time_ns)
+            if done.reward is not None:
+                timeline.rewards[step] = done.reward
             step += 1
 
+    def _begin(self, key: EpisodeKey, motion: Motion) -> Timeline | None:
+        """A timeline for a new episode, of which this is the first known motion; None if its scenario is not known."""
+        scenario = motion.scenario if isinstance(motion, Reset) else self.scenario
+        if scenario is None:
+            return None
+        self.indices[key] = max(self.indices.values(), default=-1) + 1  # `keep_newest` keeps the newest one.
+        self.episodes[key] = Timeline(scenario)
+        return self.episodes[key]
+
     def _take_reward(self, reward: Reward) -> None:
-        timeline = self.episodes.get((reward.sim, reward.episode))
-        if timeline is not None and reward.step <= timeline.steps[-1].number:
-            timeline.rewards[reward.step] = reward.value
+        key = (reward.sim, reward.episode, reward.step)
+        if self._is_done(key):
+            self.episodes[key[:2]].rewards[reward.step] = reward.value
         else:
-            self._rewards[reward.sim, reward.episode, reward.step] = reward.value
+            self._steps.add_reward(key, reward.value)
 
     def _take_request(self, request: PlanRequest) -> None:
-        key = (request.header.incarnation, request.request_id)
-        self._requests[key] = request
-        for time_ns, result in self._results.pop(key, ()):
+        for time_ns, result in self._plans.add_request(request):
             self._add_plan(request, result, time_ns)
 
     def _take_result(self, result: PlanResult, time_ns: int) -> None:
-        key = (result.client_incarnation, result.request_id)
-        request = self._requests.get(key)
-        if request is None:
-            self._results.setdefault(key, []).append((time_ns, result))
-        else:
+        request = self._plans.add_result(result, time_ns)
+        if request is not None:
             self._add_plan(request, result, time_ns)
 
     def _add_plan(self, request: PlanRequest, result: PlanResult, time_ns: int) -> None:

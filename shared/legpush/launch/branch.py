@@ -8,12 +8,12 @@ from tempfile import TemporaryDirectory
 from rich.console import Console
 
 from legpush.files import sha256_of
+from legpush.launch.mission_recorder import next_file
 from legpush.launch.process_commands import Place, Programs, process_arguments
 from legpush.launch.run import launch_mission
 from legpush.messages.common import Role
 from legpush.options.recordings import BranchOptions
 from legpush.options.run import RunOptions
-from legpush.processes.recorder_process import next_file
 from legpush.recording.branch import RecordedPast, parse_point
 from legpush.recording.facts import unpack_mission
 from legpush.recording.mcap_file.reader import read_recording

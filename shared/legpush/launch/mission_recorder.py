@@ -2,10 +2,12 @@
 
 import json
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from legpush.bus.endpoints import Endpoints
+from legpush.files import write_whole
 from legpush.launch.display import Display
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
@@ -29,7 +31,7 @@ class MissionRecorder:
         argv = recorder_arguments(self._file, self._run, self._endpoints, about)
         self._process = crew.start(Command(role="recorder", argv=argv, log=log, environment=environment))
 
-    def ended(self, process: Process) -> None:
+    def note_end(self, process: Process) -> None:
         """The recorder ended although the mission goes on: tell the user at once."""
         words = process.last_words(1)
         said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
@@ -39,13 +41,13 @@ class MissionRecorder:
         )
         self._display.notice(self._failure)
 
-    def report(self, folder: Path) -> None:
+    def complete_report(self, folder: Path) -> None:
         """After the mission: say what is missing, and add `recording` to its report."""
         if self._process is None:
             return
         code = self._process.exit_code
         if self._failure is None and code not in (0, INCOMPLETE):
-            self.ended(self._process)
+            self.note_end(self._process)
         notes = what_is_missing(self._process)
         if self._failure is None and code == INCOMPLETE:
             self._display.notice("\n    ".join(("the recording is not complete:", *notes)))
@@ -53,6 +55,15 @@ class MissionRecorder:
         if report.exists():
             recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
             recording["notes"] = [self._failure] if self._failure is not None else notes
-            half = report.with_suffix(".part")
-            half.write_text(json.dumps({**json.loads(report.read_bytes()), "recording": recording}, indent=2) + "\n")
-            half.replace(report)
+            with_recording = {**json.loads(report.read_bytes()), "recording": recording}
+            write_whole(report, (json.dumps(with_recording, indent=2) + "\n").encode())
+
+
+def next_file(file: Path) -> Path:
+    """A new file for what goes on after this one: `m-2.mcap` after `m.mcap`, or with the first number that is free."""
+    stem, _, number = file.stem.rpartition("-")
+    first = file.with_name(f"{stem}{file.suffix}")
+    if not (number.isdecimal() and first.exists()):
+        first = file
+    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
+    return next(path for path in map(first.with_name, names) if not path.exists())

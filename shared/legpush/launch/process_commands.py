@@ -39,6 +39,8 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
         arguments += ["--out", str(place.folder), "--policy", options.policy]
         if options.push_map is not None:
             arguments += ["--push-map", str(options.push_map.absolute())]
+        if not options.picture:
+            arguments += ["--no-picture"]
         if options.record is not None and options.planner_command is not None:
             arguments += ["--witness-planner"]
     return tuple(arguments)

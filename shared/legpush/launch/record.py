@@ -2,48 +2,44 @@
 
 import logging
 import sys
-from importlib.metadata import version
 from time import time
-from typing import Final
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
-from legpush.errors import LegpushError
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.recordings import RecordOptions
 from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.runs.choose_run import choose_run
-from legpush.service import one_line, start_log, stop_on_signals
+from legpush.service import exit_code_of, start_log, stop_on_signals
+from legpush.versions import recorder_versions
 
 log = logging.getLogger(__name__)
-
-PACKAGES: Final = ("legpush", "eclipse-zenoh", "mcap", "msgpack", "msgspec")
 
 
 def run_recorder(options: RecordOptions) -> int:
     """Record as `options` say; 0 if the recording is complete, 1 if not."""
-    # Whoever says where to listen starts the processes by hand.
-    watched = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
-    at = Endpoints(listen=options.listen, connect=watched.endpoints.connect)
+    # With --listen, the processes are started by hand.
+    chosen = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
+    at = Endpoints(listen=options.listen, connect=chosen.endpoints.connect)
     stop = stop_on_signals()
     start_log(f"recorder/{options.name}", "info")
     about = {
         **dict(item.split("=", 1) for item in options.about),
-        "run": watched.run,
+        "run": chosen.run,
         "protocol": str(PROTOCOL_VERSION),
         "began_unix_s": f"{time():.3f}",
         "topics": " ".join(options.topics),
-        **{f"version_{name}": version(name) for name in PACKAGES},
+        **{f"version_{name}": version for name, version in recorder_versions().items()},
     }
     mb = 1_000_000
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
-    log.info("recording run %s", watched)
-    if watched.launched is None and not options.connect:
+    log.info("recording run %s", chosen)
+    if chosen.launched is None and not options.connect:
         log.info("no launcher has it going: waiting for processes that are started by hand")
     file = RecordingFile(options.file, about, split)
     try:
-        with Bus(watched.run, "recorder", options.name, at) as bus:
+        with Bus(chosen.run, "recorder", options.name, at) as bus:
             wanted = Wanted(topics=options.topics, duration_s=options.duration_s)
             completeness = record(bus, file, wanted, stop)
     except BaseException:
@@ -59,11 +55,7 @@ def main() -> int:
     """The recorder that a launcher starts."""
     import tyro
 
-    try:
-        return run_recorder(tyro.cli(RecordOptions, prog="legpush record"))
-    except LegpushError as error:
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
-        return error.exit_code
+    return exit_code_of(lambda: run_recorder(tyro.cli(RecordOptions, prog="legpush record")))
 
 
 if __name__ == "__main__":

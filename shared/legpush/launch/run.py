@@ -19,7 +19,7 @@ from legpush.bus.endpoints import in_directory
 from legpush.errors import INTERRUPTED, ConfigError
 from legpush.launch.display import make_display
 from legpush.launch.film import film
-from legpush.launch.mission_recorder import MissionRecorder
+from legpush.launch.mission_recorder import MissionRecorder, next_file
 from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
 from legpush.launch.summary import print_summary
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
@@ -28,7 +28,6 @@ from legpush.options.run import RunOptions
 from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
-from legpush.processes.recorder_process import next_file
 from legpush.recording.facts import CONTINUED
 from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
@@ -110,12 +109,12 @@ def _run_in(
             is_alive=lambda role: any(peer.role == role for peer in bus.liveliness.live()),
             hear=statuses.drain,
             limits=Limits(mission_s=options.deadline_s),
-            on_bystander=lambda process: recorder.ended(process) if recorder is not None else None,
+            on_bystander=lambda process: recorder.note_end(process) if recorder is not None else None,
         )
         with shown(LiveRun.now(place.run, programs.kind, place.folder, for_recorders.connect), sockets):
             verdict = supervisor.run(commands)
         if recorder is not None:
-            recorder.report(place.folder)
+            recorder.complete_report(place.folder)
         if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
             command = Command(
                 role="video",
@@ -135,6 +134,8 @@ def _again(options: RunOptions, folder: Path) -> str:
         words += ["--planner-command", options.planner_command]
     if options.push_map is not None:
         words += ["--push-map", str(options.push_map)]
+    if not options.picture:
+        words += ["--no-picture"]
     if not options.video:
         words += ["--no-video"]
     if options.inject_faults > 0.0:

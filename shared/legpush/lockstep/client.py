@@ -67,7 +67,7 @@ class SimLink:
             answer = self._ask(len(past), motion, with_trace)
             if not isinstance(answer, Refusal):
                 self._in_step = answer.header.incarnation
-                self._exchange.settle()
+                self._exchange.forgive_restarts()
                 return answer.outcome
             if answer.cause == "invalid":
                 raise MotionError(f"Step {len(past)}: {answer.reason}")

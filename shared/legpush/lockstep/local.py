@@ -11,7 +11,7 @@ from legpush.messages.stepping import Motion, Outcome
 from legpush.plans.planner import Interrupted, MakePlans
 
 _OWNERS: WeakValueDictionary[int, object] = WeakValueDictionary()
-"""By the identity of a simulator: the environment that steps it. An owner holds its simulator, so the identity holds."""
+"""The environment that steps a simulator, by the identity of the simulator, which lives as long as its owner."""
 
 
 def never() -> bool:

@@ -42,8 +42,8 @@ class Done(NamedTuple):
     outcome: Outcome
 
 
-class ActionDesk:
-    """Decides on actions, without I/O; the state is the last step done."""
+class StepGuard:
+    """Sees that each step is carried out exactly once; works without I/O, and remembers the last step done."""
 
     def __init__(self, stepper: Stepper) -> None:
         self._stepper = stepper
@@ -83,8 +83,8 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
     """Announce this simulator and answer its actions until `stop`; an error of the physics is raised."""
     actions = bus.subscribe(channels.actions(bus.run, bus.name))
     answers = bus.publisher(channels.answers(bus.run, bus.name))
-    desk = ActionDesk(stepper)
-    with StatusBeacon(bus) as status:
+    guard = StepGuard(stepper)
+    with StatusBeacon(bus) as beacon:
         bus.announce()
         waiting: list[Action] = []
         while not stop.is_set():
@@ -94,13 +94,13 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
                     continue
                 waiting = [first]
             action = waiting.pop(0)
-            status.say("stepping", detail=_kind(action.motion))
-            answer = desk.answer(action)
+            beacon.publish_status("stepping", detail=_kind(action.motion))
+            answer = guard.answer(action)
             if isinstance(answer, Denial):
                 bus.tally.add(answer.cause, f"{action.header.role} {action.header.name}: {answer.reason}", logging.INFO)
             answers.send(_address(action, answer))
             waiting = [other for other in (*waiting, *actions.drain()) if not _same_question(other, action)]
-            status.say("idle", detail=f"step {action.step} done")
+            beacon.publish_status("idle", detail=f"step {action.step} done")
 
 
 def _same_question(one: Action, other: Action) -> bool:

@@ -1,5 +1,5 @@
-"""Every message of the protocol: one frozen record each, SI units, world frame unless a name says otherwise.
+"""Every message of the protocol as a frozen record: SI units, world frame unless a name says otherwise.
 
-Each travels as a MessagePack map with exactly these fields. A name without a default is required, an unknown one is
-refused, and every number must be finite.
+A message travels as a MessagePack map with exactly these fields. A field without a default is required, an unknown
+field is refused, and every number must be finite.
 """

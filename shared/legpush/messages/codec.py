@@ -1,4 +1,4 @@
-"""Messages to MessagePack and back, strictly: what does not match its record is refused with the path of the field."""
+"""Encodes messages as MessagePack and decodes them strictly: an error names the field that does not match."""
 
 from math import isfinite
 from typing import Any, Final, TypeVar
@@ -15,7 +15,11 @@ MAX_MESSAGE_BYTES: Final = 64 * 1024 * 1024
 
 
 def encode(message: msgspec.Struct) -> bytes:
-    """The message as a MessagePack map; a non-finite number or more than `MAX_MESSAGE_BYTES` is a `MessageError`."""
+    """Return the message as a MessagePack map.
+
+    Raises:
+        MessageError: A number is not finite, or the message is longer than `MAX_MESSAGE_BYTES`.
+    """
     plain = msgspec.to_builtins(message, builtin_types=(bytes,))
     _require_finite(plain, "$")
     packed: bytes = msgpack.packb(plain)
@@ -24,17 +28,25 @@ def encode(message: msgspec.Struct) -> bytes:
 
 
 def decode(payload: bytes, kind: type[T]) -> T:
-    """The message of type `kind` in `payload`; `MessageError` names the first field that is wrong."""
+    """Return the message of type `kind` in `payload`.
+
+    Raises:
+        MessageError: The payload is not such a message; the error names the first wrong field.
+    """
     return convert(unpack(payload), kind)
 
 
 def checksum(payload: bytes) -> int:
-    """CRC-32 of a message's bytes."""
+    """Return the CRC-32 of a message's bytes."""
     return crc32(payload)
 
 
 def unpack(payload: bytes) -> Any:
-    """The maps, arrays and plain values in `payload`; `MessageError` where it is not MessagePack or too large."""
+    """Return the maps, arrays and plain values in `payload`.
+
+    Raises:
+        MessageError: The payload is not MessagePack, or it is too large.
+    """
     _require_size(payload)
     try:
         return msgpack.unpackb(payload, timestamp=0, strict_map_key=True)
@@ -44,7 +56,11 @@ def unpack(payload: bytes) -> Any:
 
 
 def convert(plain: Any, kind: type[T]) -> T:
-    """A record of type `kind` from maps, arrays and plain values; `MessageError` names the first wrong field."""
+    """Return a record of type `kind`, made from maps, arrays and plain values.
+
+    Raises:
+        MessageError: The values do not fit the record; the error names the first wrong field.
+    """
     try:
         _require_finite(plain, "$")
         return msgspec.convert(plain, kind)
@@ -53,13 +69,13 @@ def convert(plain: Any, kind: type[T]) -> T:
 
 
 def _require_size(payload: bytes) -> None:
-    """Raise where a message is larger than any message may be."""
+    """Refuse a payload that is longer than `MAX_MESSAGE_BYTES` (`MessageError`)."""
     if len(payload) > MAX_MESSAGE_BYTES:
         raise MessageError(f"Expected at most {MAX_MESSAGE_BYTES} bytes, got {len(payload)}", "oversize")
 
 
 def _require_finite(plain: Any, path: str) -> None:
-    """Raise where a float is NaN or infinite; `path` is where `plain` stands in the message."""
+    """Refuse a float that is NaN or infinite (`MessageError`); `path` is the place of `plain` in the message."""
     if type(plain) is float:
         if not isfinite(plain):
             raise MessageError(f"Expected a finite number, got {plain} - at `{path}`", "not_finite")

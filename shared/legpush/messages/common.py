@@ -1,4 +1,4 @@
-"""What all messages have in common: the header, and types with their bounds."""
+"""The header of every message, and types that several messages use."""
 
 from typing import Annotated, Final, Literal
 
@@ -18,17 +18,18 @@ MAX_WAYPOINTS: Final = 100_000
 MAX_DEPTH_M: Final = 0.25
 """Deepest push."""
 USUAL_DEPTH_M: Final = 0.05
-"""Depth of the pushes that the push model is fitted to."""
+"""Depth of the pushes that the push model was fitted to."""
 
 
 class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Who says it, in which run."""
+    """Names the sender of a message and the run that it belongs to."""
 
     protocol: int
     run: Name
     role: Role
     name: Name
     incarnation: Name
-    """Drawn anew each time the process starts: a restarted peer is another one."""
+    """A random name that a process draws when it starts: a restarted process has another one."""
     sequence: Count
-    """Counts what this incarnation published under this key, from 0; a gap or a repeat shows loss or duplication."""
+    """Number of this message among those that the incarnation published under this key, from 0. A gap shows that a
+    message was lost, a repeat that one was duplicated."""

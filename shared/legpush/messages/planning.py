@@ -1,4 +1,4 @@
-"""What agent and planner say: queries, and plans."""
+"""Messages between agent and planner: requests, cancellations and plans."""
 
 from typing import Annotated, Literal
 
@@ -13,79 +13,87 @@ from legpush.scene.scenario import Anytime, PlannerName, Smoothing, Steering
 
 
 class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="trunk_path"):
-    """Ask for a path of the trunk that keeps `clearance_m` from every occupied cell."""
+    """Asks for a path of the trunk that keeps `clearance_m` from every occupied cell."""
 
     grid: OccupancyGrid
     start: Pose2
     goal: Pose2
     clearance_m: Annotated[float, Meta(gt=0.0)]
-    """Least distance from the trunk centre to anything occupied: the footprint's radius plus the margin."""
+    """Least distance from the trunk centre to any occupied cell: the footprint's radius plus the margin."""
     planner: PlannerName
     seed: Seed
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
-    """Budget; with the seed it makes the answer reproducible, which a wall-clock budget would not."""
+    """Budget of the search. Seed and iterations make the answer reproducible; a budget in seconds would not."""
     goal_bias: Unit
+    """Probability that a sample is the goal."""
     step_m: Annotated[float, Meta(gt=0.0)]
-    """Longest edge of the tree; `bit_star` and `prm_star` join what is near instead."""
+    """Longest edge of the tree; `bit_star` and `prm_star` connect near neighbours instead."""
     goal_region_m: Annotated[float, Meta(gt=0.0)]
     """Radius of the goal region of Algorithm 1."""
     steering: Steering
-    """`straight`: lines, and turns on the spot. `dubins`, `reeds_shepp`: arcs and lines from the start's heading to the
-    goal's, forward only or backward too."""
+    """How the path moves. `straight`: lines and turns on the spot. `dubins`, `reeds_shepp`: arcs and lines from the
+    heading at the start to the heading at the goal; `dubins` drives forward only, `reeds_shepp` backward too."""
     min_turning_radius_m: Annotated[float, Meta(ge=0.0)]
-    """Of the path where it moves; 0 for any."""
+    """Least turning radius while the trunk moves forward or backward; 0 allows any."""
     smoothing: Smoothing
-    """For `straight`; `max_waypoints` for all."""
+    """How a `straight` path is smoothed; `max_waypoints` holds for every steering."""
     anytime: Anytime | None
-    """With it the first path found is answered at once, and so many better ones follow."""
+    """With it, the planner answers with the first path that it finds, and then with better ones; nil asks for one
+    plan."""
 
 
 class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A face of the box that can be pushed, and what that takes.
+    """A side of the box that can be pushed, and the space that a push there needs.
 
-    The frame that is pushed has its x axis in the pushing direction, and its origin where the box does not slip
-    sideways when it turns, as between the rear wheels of a car.
+    The x axis of its pushed frame points in the direction of the push. Its origin is the point of the box that does not
+    slip sideways when the box turns, like the middle of a car's rear axle.
     """
 
     frame: Pose2
-    """The frame that is pushed, in the frame of the box."""
+    """The pushed frame, in the frame of the box."""
     min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
     footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
-    """What moves along, box and robot, in the frame that is pushed."""
+    """Rectangles that cover the box and the robot behind it, in the pushed frame."""
     stand_off: Pose2
-    """Where the trunk's way to this side ends, in the same frame; its way to another side begins there, or behind."""
+    """Pose of the trunk, in the pushed frame, at which its way to this side ends. Its way to another side begins there
+    or farther back."""
 
 
 class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="box_path"):
-    """Ask for a path of the box, with the robot behind it: forward only, with a minimum turning radius (Dubins), from
-    one side after another where that is shorter or the only way.
+    """Asks for a path of the box with the robot behind it.
+
+    The box moves forward only and turns with a least radius (Dubins). The robot may push one side after another, if
+    that is shorter or the only way.
     """
 
     grid: OccupancyGrid
-    """Without the box and the robot."""
+    """The room without the box and the robot."""
     start: Pose2
-    """Of the box, like the goal."""
+    """Pose of the box."""
     goal: Pose2
+    """Pose of the box."""
     sides: Annotated[tuple[PushSide, ...], Meta(min_length=1, max_length=8)]
     present_side: Count | None
-    """Which of them the robot stands at; None where it stands elsewhere."""
+    """The side that the robot stands at; nil if it stands elsewhere."""
     box: Footprint
-    """What the robot walks around from one side to another, in the frame of the box."""
+    """The rectangle of the box that the robot walks around, in the frame of the box."""
     walk_clearance_m: Annotated[float, Meta(gt=0.0)]
-    """Least distance of the trunk's centre from anything occupied, the box included, where it walks."""
+    """Least distance from the trunk centre to any occupied cell and to the box while the robot walks around it."""
     side_change_m: Annotated[float, Meta(ge=0.0)]
-    """How much more path of the box a change of sides is worth."""
+    """Cost of a change of sides, as a length of path of the box."""
     clearance_m: Annotated[float, Meta(ge=0.0)]
-    """Least distance from any footprint to anything occupied."""
+    """Least distance from any footprint to any occupied cell."""
     run_in_m: Annotated[float, Meta(ge=0.0)]
-    """A path should be straight for so long before the goal, where there is the space for it."""
+    """Length over which the path should be straight before the goal, if there is room for it."""
     position_tolerance_m: Annotated[float, Meta(ge=0.0)]
+    """How far from the goal position the path may end, if that saves a detour."""
     angle_tolerance_rad: Annotated[float, Meta(ge=0.0)]
-    """How far from the goal pose the path may end, where that saves a way around."""
+    """The same for the heading."""
     seed: Seed
     max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
     """Budget of the search, as for the trunk."""
     goal_bias: Unit
+    """Probability that a sample is the goal."""
     step_m: Annotated[float, Meta(gt=0.0)]
     """Longest edge of the tree."""
 
@@ -94,7 +102,8 @@ PlanQuery = TrunkPathQuery | BoxPathQuery
 
 
 class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A query, addressed: equal ids of one client incarnation are the same request, sent again."""
+    """A query with its id. A request with the id of an earlier one of the same client incarnation is that request, sent
+    again."""
 
     header: Header
     request_id: Count
@@ -102,7 +111,7 @@ class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 class PlanCancel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Stop working on this request of mine."""
+    """Asks the planner to stop working on a request of this client."""
 
     header: Header
     request_id: Count
@@ -112,40 +121,44 @@ PlanStatus = Literal["exact", "approximate", "failed", "invalid", "cancelled"]
 
 
 class Tree(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The search tree, for plots: node i hangs on node `parents[i]`, a root on itself."""
+    """The search tree, for plots. `parents[i]` is the parent of node i; a root is its own parent."""
 
     points_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)]
     parents: Annotated[tuple[Count, ...], Meta(max_length=MAX_WAYPOINTS)]
 
 
 class Plan(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a planner found for a `PlanQuery`."""
+    """A planner's answer to a query."""
 
     status: PlanStatus
-    """`exact`: start to goal, collision-free. `approximate`: collision-free, ends short of the goal. `failed`: nothing
-    within the budget. `invalid`: the request itself cannot be met; `reason` says why. `cancelled`: as was asked for."""
+    """`exact`: free of collisions from start to goal. `approximate`: free of collisions, but ends short of the goal.
+    `failed`: nothing was found within the budget. `invalid`: no planner could answer this query, or this one does not
+    support it. `cancelled`: the client cancelled the request before there was a plan."""
     reason: str
+    """Why the plan has this status, in words; may be empty for `exact`."""
     waypoints: Annotated[tuple[Pose2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
-    """The path, dense. Of the trunk: smoothed, heading along it; turns on the spot where consecutive positions
-    coincide. Of the box: its poses."""
+    """The path as dense poses. A path of the trunk is smoothed and heads along itself; the trunk turns on the spot
+    where consecutive positions coincide. A path of the box has the poses of the box."""
     sides: Annotated[tuple[Count, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
-    """Of a path of the box: the side from which it is pushed to each waypoint, and from the first one on."""
+    """For each waypoint of a path of the box, the index of the side that is pushed on the way to it. The first entry is
+    the side that is pushed first."""
     raw_path_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
+    """The path of the search, before it was smoothed."""
     tree: Tree | None = None
     length_m: float = 0.0
     min_clearance_m: float = 0.0
-    """Least distance of the smoothed path to anything occupied, measured on the grid's exact cells."""
+    """Least distance from the smoothed path to any occupied cell, measured on the exact squares of the grid."""
     n_iterations: Count = 0
 
 
 class PlanResult(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The answer to the `PlanRequest` of `client_incarnation` with this `request_id`."""
+    """The planner's answer to the request of `client_incarnation` with this `request_id`."""
 
     header: Header
     client_incarnation: Name
     request_id: Count
     revision: Count
-    """0 of the first answer; with `anytime`, the k-th better one."""
+    """0 for the first answer, k for the k-th better plan of a query with `anytime`."""
     final: bool
     """Whether this is the last revision."""
     plan: Plan

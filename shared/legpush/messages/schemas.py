@@ -1,12 +1,11 @@
-"""JSON Schemas of the messages, for documents and recordings."""
+"""Makes the JSON Schemas of the messages, for documentation and recordings."""
 
 from typing import Any, Final
 
 import msgspec
 from msgspec import Struct
 
-from legpush.messages import planning, stepping
-from legpush.messages import telemetry as tap
+from legpush.messages import planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 
 MESSAGES: Final[tuple[type[Struct], ...]] = (
@@ -16,16 +15,16 @@ MESSAGES: Final[tuple[type[Struct], ...]] = (
     stepping.Action,
     stepping.Observation,
     stepping.Refusal,
-    tap.Status,
-    tap.Copies,
-    tap.Taken,
-    tap.Reward,
+    telemetry.Status,
+    telemetry.Copies,
+    telemetry.Taken,
+    telemetry.Reward,
 )
-"""What travels by itself."""
+"""The records that travel as messages of their own."""
 
 
 def json_schema(*kinds: type[Struct]) -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a message that is one of these kinds; binary fields are base64 there."""
+    """Return the JSON Schema (2020-12) of a message that is one of these kinds; binary fields are base64 there."""
     (schema,), definitions = msgspec.json.schema_components(
         [kinds[0] if len(kinds) == 1 else _union(kinds)], ref_template="#/$defs/{name}"
     )

@@ -1,4 +1,4 @@
-"""What agent and simulator say: motions, and what they lead to."""
+"""Messages between agent and simulator: motions and their outcomes."""
 
 from typing import Annotated, Literal
 
@@ -12,58 +12,60 @@ from legpush.scene.scenario import Face, Scenario
 
 
 class Reset(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="reset"):
-    """Build the world of a scenario, with the offsets that the seed draws, and stand the robot at its start."""
+    """Builds the world of a scenario and puts the robot at its start; the seed draws the offsets of robot and box."""
 
     scenario: Scenario
     seed: Seed
 
 
 class Follow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="follow"):
-    """Take this path for the coming `Walk` actions; nothing moves yet."""
+    """Sets the path for the `Walk` actions that follow; nothing moves."""
 
     waypoints: Annotated[tuple[Pose2, ...], Meta(min_length=1, max_length=MAX_WAYPOINTS)]
 
 
 class Walk(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="walk"):
-    """One gait cycle along the path: each foot one step."""
+    """One gait cycle along the path: each foot makes one step."""
 
 
 class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="push"):
-    """One push cycle: a front foot along a Bezier curve into the box and back, then all feet to their markers."""
+    """One push cycle: a front foot moves along a Bezier curve into the box and back; then all feet step to markers."""
 
     w1: Unit
+    """Place of the first inner control point on its locus (Eq. 14)."""
     w2: Unit
-    """Places of the inner control points on their locus (Eq. 14)."""
+    """Place of the second inner control point on its locus."""
     leg: FrontLeg
     depth_m: Annotated[float, Meta(ge=0.0, le=MAX_DEPTH_M)]
-    """How far beyond the face of the box the curve ends (the paper's entry value)."""
+    """Distance beyond the face of the box at which the curve ends (the paper's entry value)."""
     face: Face = "rear"
-    """Which face of the box is pushed; the robot has to stand behind it."""
+    """The face that is pushed; the robot has to stand behind it."""
     locus: Literal["swing", "published"] = "swing"
-    """Which half circle `w` runs along: the swing side, theta in [-pi/2, pi/2], or the paper's, [0, pi]."""
+    """The half circle of `w1` and `w2`: `swing` is the side of the swing, theta in [-pi/2, pi/2], `published` the
+    paper's, theta in [0, pi]."""
 
 
 class Alter(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="alter"):
-    """From here on the box is heavier, lighter or slides otherwise; nothing moves."""
+    """Changes mass or friction of the box from here on; nothing moves."""
 
     box_mass_kg: Annotated[float, Meta(ge=0.001)] | None = None
-    """None: as it was."""
+    """The new mass; nil keeps it."""
     box_friction: Annotated[float, Meta(gt=0.0)] | None = None
-    """None: as it was."""
+    """The new friction coefficient; nil keeps it."""
 
 
 Motion = Reset | Follow | Walk | Push | Alter
 
 
 class Action(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One step of an episode. Step 0 is its `Reset`; steps follow without gaps."""
+    """One step of an episode. Step 0 is its `Reset`; the numbers of the steps have no gaps."""
 
     header: Header
     episode: Count
     step: Count
     motion: Motion
     with_trace: bool = False
-    """Return the `Trace` of every tick as well."""
+    """Whether the outcome has a `Trace`, with a row for every tick."""
 
 
 class TrunkState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -76,7 +78,8 @@ class TrunkState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Imu(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the inertial measurement unit in the trunk reads, trunk frame but the orientation."""
+    """Readings of the inertial measurement unit in the trunk. The orientation is that of the trunk in the world; the
+    other values are in the trunk frame."""
 
     orientation_wxyz: Quaternion
     angular_velocity_rad_s: Point3
@@ -91,7 +94,7 @@ class BoxState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class PathProgress(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How far along the path of the last `Follow` the footsteps are."""
+    """How far the footsteps have come along the path of the last `Follow`."""
 
     travelled_m: float
     length_m: float
@@ -99,22 +102,22 @@ class PathProgress(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class PushReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the last `Push` did."""
+    """Contact of the last `Push`."""
 
     leg: FrontLeg
     touched: bool
-    """Whether the pushing foot met the box."""
+    """Whether the pushing foot touched the box."""
     peak_force_n: float
-    """Largest contact force between foot and box, of those at the end of each tick."""
+    """Largest contact force between foot and box at the end of any tick."""
 
 
 class Appearance(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """That an obstacle with `appears_at_s` stands in the room."""
+    """An obstacle with `appears_at_s` that has appeared in the room."""
 
     obstacle: Count
-    """Its place in `room.obstacles`, from 0."""
+    """Index of the obstacle in `room.obstacles`."""
     tick: Count
-    """The one at whose end it appeared."""
+    """The tick at the end of which it appeared."""
 
 
 class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -124,45 +127,52 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Control periods of 0.02 s since the reset."""
     trunk: TrunkState
     joint_positions_rad: Annotated[tuple[float, ...], Meta(min_length=12, max_length=12)]
-    """FL, FR, RL, RR; hip-x, hip-y, knee each."""
+    """Legs in the order FL, FR, RL, RR; of each leg hip-x, hip-y, knee."""
     joint_velocities_rad_s: Annotated[tuple[float, ...], Meta(min_length=12, max_length=12)]
+    """In the same order."""
     tips_m: tuple[Point3, Point3, Point3, Point3]
-    """Centres of the foot spheres: FL, FR, RL, RR."""
+    """Centres of the foot spheres of FL, FR, RL, RR."""
     foot_forces_n: tuple[float, float, float, float]
-    """Magnitudes of the contact forces that the foot sensors read, of floor and box together."""
+    """Magnitude of the contact force on each foot, from floor and box together."""
     imu: Imu
     box: BoxState
     n_footsteps: Count
+    """Steps of single feet since the reset."""
     fallen: bool
+    """Whether the robot has fallen; then only a `Reset` is possible."""
     path: PathProgress | None
+    """Nil before a `Follow`, and after a `Push`."""
     push: PushReport | None
+    """Nil before the first `Push`."""
     appeared: tuple[Appearance, ...]
-    """What has appeared since the reset, in that order; it stays."""
+    """Obstacles that have appeared since the reset, in that order; they stay."""
 
 
 class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What was recorded at every tick of the step: one row per tick in each field."""
+    """Measurements at every tick of a step: each field has one row per tick."""
 
     tick: tuple[Count, ...]
     qpos: tuple[tuple[float, ...], ...]
-    """MuJoCo's generalized positions: trunk free joint (7), legs (12), box free joint (7)."""
+    """Generalized positions as in MuJoCo: free joint of the trunk (7), legs (12), free joint of the box (7)."""
     roll_pitch_rad: tuple[Point2, ...]
     tips_m: tuple[tuple[Point3, Point3, Point3, Point3], ...]
     contact_forces_n: tuple[tuple[Point3, Point3, Point3, Point3], ...]
-    """Of floor and box together on each foot, world frame."""
+    """Contact force on each foot, from floor and box together, world frame."""
     com_m: tuple[Point3, ...]
+    """Centre of mass of the robot."""
     zmp_m: tuple[Point2, ...]
-    """Zero-moment point on the floor: the centre of pressure of the feet; below the CoM where no foot carries load."""
+    """Zero-moment point on the floor: the centre of pressure of the feet, or the point below the CoM if no foot carries
+    load."""
     support_margin_m: tuple[float, ...]
-    """Signed distance from the CoM's ground projection to the border of the support polygon, inside positive."""
+    """Distance from the CoM's projection on the floor to the border of the support polygon, positive inside."""
 
 
 class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a motion led to."""
+    """Result of a motion."""
 
     world: WorldState
     state_crc: Annotated[int, Meta(ge=0, lt=2**32)]
-    """CRC-32 of MuJoCo's integration state: equal CRCs, equal physics, bit for bit."""
+    """CRC-32 of the simulator's whole state: equal CRCs mean equal states, bit for bit."""
     trace: Trace | None = None
 
 
@@ -177,19 +187,19 @@ class Observation(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
 
 
 class Refusal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="refusal"):
-    """The action of this episode and step was not carried out."""
+    """Says that the action of this episode and step was not carried out."""
 
     header: Header
     agent_incarnation: Name
     episode: Count
     step: Count
     cause: Literal["out_of_step", "conflict", "invalid"]
-    """`out_of_step`: not the step that comes next, see `next_*`. `conflict`: another action was carried out as this
-    step. `invalid`: the action cannot be carried out in this state."""
+    """`out_of_step`: the step is not the next one; `next_episode` and `next_step` say which is. `conflict`: another
+    action was carried out as this step. `invalid`: the action cannot be carried out in the present state."""
     reason: str
     next_episode: Count
     next_step: Count
-    """The step that this simulator can do next; (0, 0) of a fresh one."""
+    """With `next_episode`, the step that this simulator expects next; (0, 0) for a fresh simulator."""
 
 
 Answer = Observation | Refusal

@@ -1,4 +1,4 @@
-"""What processes say for people and recorders; the lockstep never waits for it."""
+"""Messages for people and recorders; the lockstep never waits for them."""
 
 from typing import Annotated
 
@@ -9,26 +9,28 @@ from legpush.messages.common import Count, Header, Role, Unit
 
 
 class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a process is doing, for people to watch; the protocol never depends on it."""
+    """What a process is doing, for people; the protocol does not depend on it."""
 
     header: Header
     phase: str
+    """What the process is doing, such as `walking`."""
     fraction: Unit | None = None
-    """Share of the phase that is done, where it is known."""
+    """Share of the phase that is done, if it is known."""
     detail: str = ""
+    """The same in more words, such as how far the robot has walked."""
     waiting_for: str = ""
-    """Whom the process waits for, if it does."""
+    """The peer that the process waits for; empty if it does not wait."""
 
 
 class RewardTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A part of a reward."""
+    """One term of a reward."""
 
     name: Name
     value: float
 
 
 class Reward(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a step earned, for people to watch; the lockstep never depends on it."""
+    """The reward of a step, for people; the lockstep does not depend on it."""
 
     header: Header
     sim: Name
@@ -41,29 +43,29 @@ class Reward(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Copy(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A message that was published, byte for byte."""
+    """A published message, byte for byte."""
 
     key: str
     sequence: Count
-    """Of its header."""
+    """The `sequence` of its header."""
     time_ns: Count
-    """When it was published, since 1970."""
+    """When it was published, in nanoseconds since 1970."""
     payload: bytes
 
 
 class Published(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How much was published under a key."""
+    """How many messages were published under a key."""
 
     key: str
     n: Count
     """The sequence of the next message under this key."""
     since: Count
-    """This batch and those after it have the messages under this key from this sequence on, but for what is lost: those
-    before it were in other batches, or published when nobody recorded."""
+    """This batch and later ones hold the messages under this key from this sequence on, except lost ones. Earlier
+    messages were in earlier batches, or were published while nobody recorded."""
 
 
 class Fact(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A file that a recording should have: what a process works with, or what came of it."""
+    """A file for the recording, such as a scenario that a process works with or a report that it wrote."""
 
     name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,64}$(?!\n)")]
     media_type: str
@@ -71,7 +73,7 @@ class Fact(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Origin(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Whose messages are copied: those of this incarnation."""
+    """The process whose messages are copied."""
 
     role: Role
     name: Name
@@ -79,23 +81,24 @@ class Origin(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Copies(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Copies of what a process published, in that order, for recorders; sent again until it is `Taken`."""
+    """A batch of copies of what a process published, in that order. It is sent again until a recorder answers with
+    `Taken`."""
 
     header: Header
     origin: Origin
-    """The sender itself, or in a replay whom it stands for."""
+    """The process that published the messages: the sender itself, or the one that it hands copies over for."""
     batch: Count
-    """Counts the origin's batches, from 0; the next one comes when this one is taken."""
+    """Number of the batch among those of the origin, from 0; the next one follows when this one is taken."""
     copies: tuple[Copy, ...]
     published: tuple[Published, ...]
-    """Of every key that this origin has used: what is not among the copies of any batch is lost to recorders."""
+    """One entry for every key that the origin has used. A message that is in no batch is lost to recorders."""
     facts: tuple[Fact, ...]
     final: bool
-    """Whether the origin ends: nothing follows."""
+    """Whether the origin ends: no batch follows."""
 
 
 class Taken(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A recorder has this batch."""
+    """Says that a recorder has this batch."""
 
     header: Header
     origin_incarnation: Name

@@ -1,15 +1,14 @@
-"""What `legpush plan-check` can be told."""
+"""Options of `legpush plan-check`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from legpush.errors import ConfigError
-from legpush.options.run import program_path
+from legpush.options.checks import program_path, require_positive
 
 USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- COMMAND..."
 
@@ -22,21 +21,24 @@ class PlanCheckOptions:
     """
 
     deadline_s: Annotated[float, tyro.conf.arg(name="deadline", metavar="S")] = 20.0
-    """The planner has so long for each answer."""
+    """How long the planner may take for each answer."""
     only: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT ...")] = ()
     """Run only the checks that have one of these texts in their name."""
     json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Write the findings there as well."""
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
-            raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")
+        require_positive(self.deadline_s, "--deadline", "seconds")
         if self.json is not None and not self.json.absolute().parent.is_dir():
             raise ConfigError(f"Expected a file in an existing folder for --json, got {self.json}")
 
 
 def split_at_dashes(argv: Sequence[str]) -> tuple[list[str], tuple[str, ...]]:
-    """Flags, and the planner's command with its program's absolute path; `ConfigError` where there is no command."""
+    """Split at `--` into flags and the planner's command, which gets its program's absolute path.
+
+    Raises:
+        ConfigError: The command is missing, or its program is not found.
+    """
     words = list(argv)
     if "--" not in words:
         return (words, ()) if {"-h", "--help"} & set(words) else _refuse(words)

@@ -1,4 +1,4 @@
-"""What `legpush export` and `legpush render` can be told."""
+"""Options of `legpush export`."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -9,8 +9,8 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.exports import ENDINGS, FASTEST_GIF_FPS, FILMS, LARGEST_FRAME, Format, View
+from legpush.options.checks import require_new_file, require_not_negative, require_positive
 from legpush.options.recordings import Files
-from legpush.options.run import require_new_file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +59,11 @@ class ExportOptions:
             require_new_file(self.target(), "--out")
 
     def format(self) -> Format:
-        """What is made; `ConfigError` where it is not said, or twice and not the same."""
+        """Return the format to make, from --to, the ending of --out, or both.
+
+        Raises:
+            ConfigError: Neither says it, or they contradict each other.
+        """
         if self.out is None:
             if self.to is None:
                 raise ConfigError(
@@ -100,15 +104,13 @@ class ExportOptions:
             for flag, value in given.items():
                 if value is not None:
                     raise ConfigError(f"Expected --{flag} only with {' and '.join(FILMS)}, got it with {made}")
-        for flag, number in (("speed", self.speed), ("fps", self.fps)):
-            if number is not None and not (isfinite(number) and number > 0.0):
-                raise ConfigError(f"Expected more than 0 for --{flag}, got {number}")
+        require_positive(self.speed, "--speed")
+        require_positive(self.fps, "--fps")
         if made == "gif" and self.fps is not None and self.fps > FASTEST_GIF_FPS:
             raise ConfigError(f"Expected at most {FASTEST_GIF_FPS:g} for --fps of a GIF, got {self.fps}")
         for flag, pixels, most in (("width", self.width, LARGEST_FRAME[0]), ("height", self.height, LARGEST_FRAME[1])):
             if pixels is not None and not (16 <= pixels <= most and pixels % 2 == 0):
                 raise ConfigError(f"Expected an even number of pixels from 16 to {most} for --{flag}, got {pixels}")
-        if not (isfinite(self.start_s) and self.start_s >= 0.0):
-            raise ConfigError(f"Expected 0 or more for --start, got {self.start_s}")
+        require_not_negative(self.start_s, "--start")
         if self.end_s is not None and not (isfinite(self.end_s) and self.end_s > self.start_s):
             raise ConfigError(f"Expected more than --start, {self.start_s:g}, for --end, got {self.end_s}")

@@ -1,4 +1,4 @@
-"""What `legpush train`, `evaluate` and `calibrate` can be told, and how their programs are started."""
+"""Options of `legpush train`, `evaluate` and `calibrate`."""
 
 import os
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import tyro
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require, require_seeds
 from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M
-from legpush.options.run import require_new_file
+from legpush.options.checks import require_new_file
 
 MAX_SIMULATORS: Final = 8
 """Started at most unless more are asked for."""

@@ -1,4 +1,4 @@
-"""What `legpush map` can be told."""
+"""Options of `legpush map`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.options.checks import require_positive
 from legpush.scenarios.map_files import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 
 
@@ -40,8 +41,7 @@ class MapOptions:
                 raise ConfigError(f"{self.file}: expected --cell-m and --first-row, which a {suffix} file does not say")
             if value is not None and suffix not in CELL_SUFFIXES:
                 raise ConfigError(f"{self.file}: expected {flag} only with {' and '.join(CELL_SUFFIXES)} files")
-        if self.cell_m is not None and not 0.0 < self.cell_m < float("inf"):
-            raise ConfigError(f"Expected more than 0 for --cell-m, got {self.cell_m}")
+        require_positive(self.cell_m, "--cell-m")
         if self.output is not None and (suffix_of(self.output.name) != ".png" or not self.output.parent.is_dir()):
             raise ConfigError(f"Expected a .png file in an existing folder for --output, got {self.output}")
 

@@ -1,6 +1,5 @@
-"""What `legpush record`, `info`, `recover`, `replay` and `branch` can be told."""
+"""Options of `legpush record`, `info`, `recover`, `replay` and `branch`."""
 
-import re
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -10,7 +9,8 @@ import tyro
 
 from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
-from legpush.fields import Name, require
+from legpush.fields import Name, episode_and_step, require
+from legpush.options.checks import require_not_negative, require_positive
 from legpush.scene.scenario import PlannerName
 
 File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
@@ -50,9 +50,12 @@ class RecordOptions:
 
     def __post_init__(self) -> None:
         require(Name, self.name, "--name")
-        for flag, number in (("split-mb", self.split_mb), ("split-s", self.split_s), ("duration", self.duration_s)):
-            if number is not None and not (isfinite(number) and number > 0.0):
-                raise ConfigError(f"Expected more than 0 for --{flag}, got {number}")
+        for flag, number in (
+            ("--split-mb", self.split_mb),
+            ("--split-s", self.split_s),
+            ("--duration", self.duration_s),
+        ):
+            require_positive(number, flag)
         for item in self.about:
             if "=" not in item:
                 raise ConfigError(f"Expected NAME=VALUE for --about, got {item!r}")
@@ -110,10 +113,8 @@ class ReplayOptions:
             raise ConfigError("Expected the file of a recording, got none")
         if self.verify and self.as_role is not None:
             raise ConfigError("Expected either --verify or --as, got both")
-        if not (isfinite(self.rate) and self.rate > 0.0):
-            raise ConfigError(f"Expected more than 0 for --rate, got {self.rate}")
-        if not (isfinite(self.start_s) and self.start_s >= 0.0):
-            raise ConfigError(f"Expected 0 or more for --start, got {self.start_s}")
+        require_positive(self.rate, "--rate")
+        require_not_negative(self.start_s, "--start")
         require(Name, self.run, "--run")
 
 
@@ -148,11 +149,8 @@ class BranchOptions:
     def __post_init__(self) -> None:
         if not self.files:
             raise ConfigError("Expected the file of a recording, got none")
-        if re.fullmatch(r"\d+:\d+", self.at) is None:
-            got = f"got {self.at!r}; `legpush info` lists both"
-            raise ConfigError(f"Expected EPISODE:STEP for --at, such as 0:12, {got}")
+        episode_and_step(self.at, "--at")
         least_kg = 0.001
         if self.box_mass_kg is not None and not (isfinite(self.box_mass_kg) and self.box_mass_kg >= least_kg):
             raise ConfigError(f"Expected at least {least_kg} kg for --box-mass-kg, got {self.box_mass_kg}")
-        if self.box_friction is not None and not (isfinite(self.box_friction) and self.box_friction > 0.0):
-            raise ConfigError(f"Expected more than 0 for --box-friction, got {self.box_friction}")
+        require_positive(self.box_friction, "--box-friction")

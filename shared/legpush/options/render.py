@@ -10,7 +10,7 @@ from legpush.exports import View
 
 
 @dataclass(frozen=True)
-class Render:
+class RenderOptions:
     """Film a run again, from what it recorded: writes mission.mp4 into its folder."""
 
     run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]

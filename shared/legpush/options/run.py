@@ -1,10 +1,7 @@
-"""What `legpush run` can be told."""
+"""Options of `legpush run`."""
 
-import os
 import shlex
-import shutil
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -12,6 +9,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
+from legpush.options.checks import program_path, require_new_file, require_positive
 from legpush.scene.scenario import PlannerName, Scenario, Steering
 
 DEFAULT_POLICY: Final = "variable"
@@ -50,6 +48,8 @@ class RunOptions:
     """Replaces the scenario's box friction."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Record everything that the processes publish into this new MCAP file; see `legpush replay`."""
+    picture: bool = True
+    """Draw mission.png at the end."""
     video: bool = True
     """Render mission.mp4 at the end."""
     deadline_s: Annotated[float | None, tyro.conf.arg(name="deadline", metavar="S")] = None
@@ -65,8 +65,7 @@ class RunOptions:
             require_new_file(self.record, "--record")
         if self.planner_command is not None:
             split_command(self.planner_command)
-        if self.deadline_s is not None and not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
-            raise ConfigError(f"Expected more than 0 seconds for --deadline, got {self.deadline_s}")
+        require_positive(self.deadline_s, "--deadline", "seconds")
 
     def resolved_scenario(self) -> Scenario:
         """Load the scenario, with what these options replace in it.
@@ -86,7 +85,11 @@ class RunOptions:
 
 
 def split_command(command: str) -> tuple[str, ...]:
-    """Program, with its absolute path, and arguments; `ConfigError` where there is no such program."""
+    """Split the command of a planner into its program, with its absolute path, and the arguments.
+
+    Raises:
+        ConfigError: It is no command, or there is no such program.
+    """
     try:
         words = shlex.split(command)
     except ValueError as error:
@@ -94,18 +97,3 @@ def split_command(command: str) -> tuple[str, ...]:
     if not words:
         raise ConfigError("Expected a command for --planner-command, got nothing")
     return (program_path(words[0]), *words[1:])
-
-
-def program_path(name: str) -> str:
-    """Absolute path of a program by name or path; `ConfigError` where there is none."""
-    program = shutil.which(name)
-    if program is None:
-        raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is none")
-    return os.path.abspath(program)
-
-
-def require_new_file(path: Path, flag: str) -> None:
-    """`ConfigError` unless the file can be made."""
-    folder = path.absolute().parent
-    if os.path.lexists(path) or not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise ConfigError(f"Expected a new file in an existing folder for {flag}, got {path}")

@@ -1,4 +1,4 @@
-"""What `legpush view` can be told."""
+"""Options of `legpush view`."""
 
 from dataclasses import dataclass
 from pathlib import Path

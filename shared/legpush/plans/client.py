@@ -46,11 +46,11 @@ class PlanLink:
         return self._revision(revision)
 
     def _revision(self, revision: int) -> Plan:
-        self._exchange.take_in(self._keep)
+        self._exchange.offer_answers(self._keep)
         if not self._has(revision):
             what = f"plan request {self._request_id}" + (f", revision {revision}" if revision else "")
             self._exchange.ask(what, self._send, lambda result: self._keep(result) and self._has(revision))
-            self._exchange.settle()
+            self._exchange.forgive_restarts()
         return self._plans[min(revision, max(self._plans))]
 
     def cancel(self) -> None:

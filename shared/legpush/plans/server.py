@@ -23,24 +23,24 @@ LISTEN_S: Final = 0.02
 
 def serve_plans(bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:
     """Announce this planner and answer requests until `stop`; an error of the planner's own is raised."""
-    with StatusBeacon(bus) as status:
+    with StatusBeacon(bus) as beacon:
         server = _Server(bus, make_plans, stop)
         bus.announce()
         while not stop.is_set():
             server.listen()
-            if case := server.desk.next_case():
-                status.say("planning", detail=case)
+            if case := server.queue.next_case():
+                beacon.publish_status("planning", detail=case)
                 server.work()
             else:
-                status.say("idle")
+                beacon.publish_status("idle")
                 server.wait()
 
 
 class _Server:
-    """A desk with its mail."""
+    """A request queue, fed from the bus, and the way back of its answers."""
 
     def __init__(self, bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:
-        self.desk = RequestQueue(make_plans)
+        self.queue = RequestQueue(make_plans)
         self._bus = bus
         self._stop = stop
         self._requests = bus.subscribe(channels.plan_requests(bus.run, "*"))
@@ -52,23 +52,23 @@ class _Server:
         """For a request, but not for long."""
         request = self._requests.next(IDLE_S)
         if request is not None:
-            self._send(self.desk.ask(request) or ())
+            self._send(self.queue.ask(request) or ())
 
     def listen(self) -> None:
         """Take in what came; answer what can be answered at once."""
         self._listened_at = monotonic()
         for request in self._requests.drain():
-            answers = self.desk.ask(request)
+            answers = self.queue.ask(request)
             if answers is None:
                 old = f"request {request.request_id} of {request.header.name} is not its newest"
                 self._bus.tally.add("superseded", old, logging.INFO)
             self._send(answers or ())
         for cancel in self._cancels.drain():
-            self._send(self.desk.cancel(cancel))
+            self._send(self.queue.cancel(cancel))
 
     def work(self) -> None:
         """On the next answer."""
-        answer = self.desk.work(self._interrupted)
+        answer = self.queue.work(self._interrupted)
         if answer is not None:
             self._send([answer])
 
@@ -76,7 +76,7 @@ class _Server:
         if monotonic() - self._listened_at < LISTEN_S:
             return False
         self.listen()
-        return self._stop.is_set() or self.desk.should_stop()
+        return self._stop.is_set() or self.queue.should_stop()
 
     def _send(self, answers: Iterable[Answer]) -> None:
         for answer in answers:

@@ -12,7 +12,7 @@ from typing import Final
 
 import psutil
 
-from legpush.processes import parent_watch as leash
+from legpush.processes import parent_watch
 
 TAIL_LINES: Final = 12
 
@@ -53,7 +53,7 @@ class Process:
         with command.log.open("ab") as log:
             self._log_start = log.tell()
             self._child = subprocess.Popen(
-                [sys.executable, "-I", "-S", leash.__file__, str(os.getpid()), *command.argv],
+                [sys.executable, "-I", "-S", parent_watch.__file__, str(os.getpid()), *command.argv],
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,

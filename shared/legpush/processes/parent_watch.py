@@ -1,4 +1,4 @@
-"""Run as a script: `leash.py PARENT COMMAND...` becomes COMMAND, which the kernel kills should PARENT die.
+"""Run as a script: `parent_watch.py PARENT COMMAND...` becomes COMMAND, which the kernel kills should PARENT die.
 
 So no process outlives a launcher that had no time to say goodbye. It stands alone, without the package around it: it
 has to start fast, before anything else does.

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Mapping
-from itertools import count
 from pathlib import Path
 from typing import Final
 
@@ -23,16 +22,6 @@ def recorder_arguments(
     for name, value in (about or {}).items():
         argv += ["--about", f"{name}={value}"]
     return tuple(argv)
-
-
-def next_file(file: Path) -> Path:
-    """A new file for what goes on after this one: `m-2.mcap` after `m.mcap`, or with the first number that is free."""
-    stem, _, number = file.stem.rpartition("-")
-    first = file.with_name(f"{stem}{file.suffix}")
-    if not (number.isdecimal() and first.exists()):
-        first = file
-    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
-    return next(path for path in map(first.with_name, names) if not path.exists())
 
 
 def what_is_missing(process: Process) -> list[str]:

@@ -1,9 +1,11 @@
-"""Replaces this process by one of the programs of a process package."""
+"""Replaces this process by a program of the planner, the simulator or the agent."""
 
 import os
 import sys
 from collections.abc import Sequence
 from typing import Literal, NoReturn
+
+from legpush.processes.environment import child_environment
 
 Program = Literal[
     "agent_proc.programs.train",
@@ -19,9 +21,7 @@ Program = Literal[
 
 
 def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
-    """Become the program for it; `argv` are its options."""
-    from legpush.processes.environment import child_environment
-
+    """Become this program; `argv` are its options."""
     # -P: what lies in the working directory is no part of the program.
     command = [sys.executable, "-P", "-m", program, *argv]
     os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted

@@ -1,12 +1,12 @@
 """The past of a branch: what a recorded episode was asked and answered before the step at which the branch begins."""
 
-import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from msgspec.structs import replace
 
-from legpush.errors import ConfigError, MotionError, RecordingError
+from legpush.errors import MotionError, RecordingError
+from legpush.fields import episode_and_step
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
@@ -27,18 +27,23 @@ class BranchPoint(NamedTuple):
 
 
 def parse_point(text: str) -> BranchPoint:
-    """`EPISODE:STEP`; `ConfigError` where it is not that."""
-    if re.fullmatch(r"\d+:\d+", text) is None:
-        raise ConfigError(f"Expected EPISODE:STEP for --at, such as 0:12, got {text!r}; `legpush info` lists both")
-    episode, step = map(int, text.split(":"))
-    return BranchPoint(episode, step)
+    """Parse `EPISODE:STEP`.
+
+    Raises:
+        ConfigError: The text is something else.
+    """
+    return BranchPoint(*episode_and_step(text, "--at"))
 
 
 class RecordedPast:
     """Answers from a recording, up to a branch point."""
 
     def __init__(self, recording: Recording, at: BranchPoint, alter: Alter | None = None) -> None:
-        """`alter` changes the box at the branch point. `RecordingError` where there is no such point, or something before it is damaged."""
+        """Read the past of the branch point; `alter` changes the box there.
+
+        Raises:
+            RecordingError: The recording has no such point, or something before it is damaged.
+        """
         episodes = read_episodes(recording)
         if at.episode >= len(episodes):
             raise RecordingError(f"Expected an episode {_range(0, len(episodes) - 1)} for --at, got {at.episode}")

@@ -77,7 +77,7 @@ class Ledger:
         self._sources: dict[str, _Source] = {}
         self._silent: dict[str, str] = {}
 
-    def seen(self, origin: Origin) -> None:
+    def note_process(self, origin: Origin) -> None:
         """A process is there, whether it hands over copies or not."""
         if origin.incarnation not in self._sources:
             self._silent[origin.incarnation] = _label(origin)
@@ -94,7 +94,7 @@ class Ledger:
             return batch.copies
         return tuple(copy for copy in batch.copies if copy.sequence not in source.heard.get(copy.key, ()))
 
-    def take(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
+    def note_batch(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
         """Note a batch, of which these copies, those under the keys `recorded`, are in the file."""
         origin = batch.origin
         self._silent.pop(origin.incarnation, None)

@@ -30,10 +30,10 @@ def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: t
             origin = message.origin
             if origin.incarnation not in taps:
                 taps[origin.incarnation] = _tap(bus, recording, origin, turn)
-            taps[origin.incarnation].buffer.note(message.copy.key, message.copy.sequence, message.copy.payload)
+            taps[origin.incarnation].buffer.note_message(message.copy.key, message.copy.sequence, message.copy.payload)
     finally:
         for tap in taps.values():
-            bus.taps.leave(tap)
+            bus.taps.close_stand_in(tap)
     return len(messages)
 
 
@@ -64,7 +64,7 @@ def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
 def _tap(bus: Bus, recording: Recording, origin: Origin, turn: int) -> Tap:
     """The tap of a process that was recorded, with its files but those that are damaged."""
     name = f"{origin.incarnation}-{turn}"[-NAME_LENGTH:] if turn else origin.incarnation
-    tap = bus.taps.stand_in(Origin(role=origin.role, name=origin.name, incarnation=name))
+    tap = bus.taps.stand_in_for(Origin(role=origin.role, name=origin.name, incarnation=name))
     for attachment in recording.attachments.values():
         is_whole = attachment.name not in recording.damaged_attachments
         if is_whole and attachment.name.startswith(f"{origin.role}/{origin.name}/"):

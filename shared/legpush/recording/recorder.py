@@ -54,12 +54,12 @@ class Recorder:
         self.ledger = Ledger()
         self.n_recorded = 0
 
-    def take(self, batch: Copies) -> None:
+    def write_batch(self, batch: Copies) -> None:
         """Write what is new in a batch."""
         if not self.ledger.is_new(batch):
             return
         copies = tuple(copy for copy in self.ledger.fresh(batch) if self._wanted.takes(copy.key))
-        self.ledger.take(batch, copies, {each.key for each in batch.published if self._wanted.takes(each.key)})
+        self.ledger.note_batch(batch, copies, {each.key for each in batch.published if self._wanted.takes(each.key)})
         origin = batch.origin
         for fact in batch.facts:
             self._file.attach(Attachment(f"{origin.role}/{origin.name}/{fact.name}", fact.media_type, fact.data))
@@ -85,7 +85,7 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
                 stopped_at = now
             batch = batches.next(LOOK_S)
             if batch is not None:
-                recorder.take(batch)
+                recorder.write_batch(batch)
                 sender = (batch.header.role, batch.header.name)
                 if sender not in answers:
                     answers[sender] = bus.publisher(channels.taken(bus.run, *sender))
@@ -93,11 +93,11 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
             if now - flushed_at >= FLUSH_S:
                 file.flush()
                 flushed_at = now
-                beacon.say("recording", detail=f"{recorder.n_recorded} messages")
+                beacon.publish_status("recording", detail=f"{recorder.n_recorded} messages")
             peers = _peers(bus)
             live = {origin.incarnation for origin in peers}
             for origin in peers:
-                recorder.ledger.seen(origin)
+                recorder.ledger.note_process(origin)
             seen_at |= dict.fromkeys(live, now)
             if stopped_at is None:
                 continue

@@ -66,7 +66,10 @@ def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun
 def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
     """Processes that were started by hand, on their fixed ports if no endpoints are given."""
     name = _name(run) or DEFAULT_RUN
-    require(Name, name, f"--run (live: {_list(find_live_runs()) or 'none'})")
+    try:
+        require(Name, name, "--run")
+    except ConfigError as error:
+        raise ConfigError(f"{error}; live: {_list(find_live_runs()) or 'none'}") from error
     return ChosenRun(run=name, endpoints=Endpoints(connect=connect or local("recorder").connect))
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError
+from legpush.files import new_file
 from legpush.scenarios.file import dump_scenario
 from legpush.scene.scenario import Scenario
 
@@ -73,7 +74,8 @@ def _fill(folder: Path, scenario: bytes) -> None:
         elif any(folder.iterdir()):
             raise ConfigError(f"{folder}: expected a new or empty folder, or that of a run, got one with other files")
         else:
-            file.write_bytes(scenario)
+            with new_file(file) as scratch:
+                scratch.write_bytes(scenario)
         (folder / LOGS).mkdir(exist_ok=True)
     except OSError as error:
         raise _unusable(folder, error) from error

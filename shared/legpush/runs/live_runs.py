@@ -8,7 +8,7 @@ import fcntl
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from time import time
@@ -20,6 +20,7 @@ from msgspec import Meta, Struct
 from legpush.bus.endpoints import Endpoints
 from legpush.errors import EndpointError
 from legpush.fields import Name
+from legpush.files import new_file
 from legpush.messages.common import PROTOCOL_VERSION, Count
 
 PREFIX: Final = "legpush-"
@@ -75,16 +76,17 @@ def socket_directory() -> Iterator[Path]:
 @contextmanager
 def shown(run: LiveRun, directory: Path) -> Iterator[None]:
     """Let others find this run by its directory of sockets, until the context is left or this process ends."""
-    half, whole = directory / f"{RUN_FILE}.part", directory / RUN_FILE
-    with half.open("wb") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        file.write(msgspec.json.encode(run))
-        file.flush()
-        half.rename(whole)
+    path = directory / RUN_FILE
+    with ExitStack() as until_the_end:
+        with new_file(path) as scratch:
+            file = until_the_end.enter_context(scratch.open("wb"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+            file.write(msgspec.json.encode(run))
+            file.flush()
         try:
             yield
         finally:
-            whole.unlink(missing_ok=True)
+            path.unlink(missing_ok=True)
 
 
 def find_live_runs() -> tuple[LiveRun, ...]:

@@ -14,6 +14,7 @@ import msgspec
 import tomli_w
 
 from legpush.errors import MessageError, ScenarioError
+from legpush.files import new_file
 from legpush.messages.codec import convert
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
@@ -159,8 +160,8 @@ def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
 
 def _write_new(path: Path, content: bytes) -> None:
     try:
-        with path.open("xb") as file:
-            file.write(content)
+        with new_file(path) as scratch:
+            scratch.write_bytes(content)
     except OSError as error:
         raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
 

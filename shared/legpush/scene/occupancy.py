@@ -1,4 +1,4 @@
-"""The occupancy map of a room: what the planner is told about it."""
+"""The occupancy map of a room, as the planner gets it."""
 
 from collections.abc import Collection, Sequence
 from itertools import compress
@@ -16,14 +16,14 @@ from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import PlanSettings, Room
 
 TOUCH_M: Final = 1e-9
-"""A cell that is overlapped by less than this is not touched: a wall along a cell border stays on its side of it."""
+"""An overlap of less than this does not occupy a cell, so a wall along the border of a cell stays on its side."""
 
 MAX_CELLS: Final = 4096 * 4096
-"""Most cells of a grid."""
+"""Largest number of cells of a grid."""
 
 
 class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Square cells; row 0 lies at the lowest y, column 0 at the lowest x; outside is occupied."""
+    """A grid of square cells. Row 0 has the lowest y, column 0 the lowest x; everything outside is occupied."""
 
     n_columns: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
     n_rows: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
@@ -31,36 +31,35 @@ class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     origin_m: Point2
     """World position of the lower left corner of cell (0, 0)."""
     cells: Annotated[bytes, Meta(min_length=1, max_length=MAX_CELLS)]
-    """One byte per cell, row after row: 0 free, 1 occupied."""
+    """One byte per cell, row by row: 0 is free, 1 is occupied."""
 
     def far_corner_m(self) -> Point2:
-        """World position of the corner with the highest x and y."""
+        """Return the world position of the corner with the highest x and y."""
         x_m, y_m = self.origin_m
         return x_m + self.n_columns * self.resolution_m, y_m + self.n_rows * self.resolution_m
 
     def extent(self) -> str:
-        """The area that the grid covers, in words."""
+        """Describe the area that the grid covers."""
         right_m, top_m = self.far_corner_m()
         return f"x {self.origin_m[0]:g} to {right_m:g} m and y {self.origin_m[1]:g} to {top_m:g} m"
 
 
 def clearance_m(planning: PlanSettings) -> float:
-    """What the trunk centre keeps from everything occupied: the foot rectangle's radius and the margin."""
+    """Return the clearance of the trunk centre from occupied cells: the foot rectangle's radius plus the margin."""
     return FOOT_RECTANGLE_RADIUS_M + planning.margin_m
 
 
 def room_by_now(room: Room, appeared: Collection[int]) -> Room:
-    """The room without the obstacles that are yet to appear; `appeared` are the indices of those that have."""
+    """Return the room without the obstacles that are yet to appear; `appeared` has the indices of those that have."""
     stands = [obstacle.appears_at_s == 0.0 or index in appeared for index, obstacle in enumerate(room.obstacles)]
     return room if all(stands) else replace(room, obstacles=tuple(compress(room.obstacles, stands)))
 
 
 def occupancy_grid(room: Room, footprints: Sequence[Footprint] = ()) -> OccupancyGrid:
-    """The room with its obstacles and whatever else stands in it, such as the box; every touched cell is occupied.
+    """Return the grid of a room; a cell is occupied if an obstacle or one of `footprints`, such as the box, touches it.
 
-    Whether an obstacle has appeared is not asked: `room_by_now` leaves out what has not.
-
-    Where the size of the room is no whole number of cells, the cells that reach beyond it are occupied.
+    All obstacles count, even those that have not appeared yet: use `room_by_now` to leave those out. If the size of the
+    room is not a whole number of cells, the cells that reach beyond it are occupied.
     """
     n_columns, n_rows = grid_shape(room)
     occupied = np.zeros((n_rows, n_columns), dtype=np.uint8)
@@ -79,13 +78,13 @@ def occupancy_grid(room: Room, footprints: Sequence[Footprint] = ()) -> Occupanc
 
 
 def grid_shape(room: Room) -> tuple[int, int]:
-    """Columns and rows of the room's occupancy map."""
+    """Return the numbers of columns and rows of the room's occupancy map."""
     width_m, height_m = room.size_m
     return ceil((width_m - TOUCH_M) / room.resolution_m), ceil((height_m - TOUCH_M) / room.resolution_m)
 
 
 def _occupy(occupied: NDArray[np.uint8], footprint: Footprint, resolution_m: float) -> None:
-    """Mark the cells, (rows, columns), that overlap the footprint: no axis of either square or footprint parts them."""
+    """Mark the cells, (rows, columns), that overlap the footprint (separating axis test of square and footprint)."""
     corners = footprint.corners()
     low = np.floor((corners.min(axis=0) + TOUCH_M) / resolution_m).astype(int)
     high = np.ceil((corners.max(axis=0) - TOUCH_M) / resolution_m).astype(int)

@@ -1,4 +1,4 @@
-"""A curve that the box is to be pushed along: a sine, or straight stretches and arcs in turn (Figs. 20, 21)."""
+"""Curves that a box is pushed along: a sine, or a sequence of straight stretches and arcs (Figs. 20, 21)."""
 
 from math import atan, ceil, pi
 from typing import Annotated, Final
@@ -13,11 +13,11 @@ Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Angle = Annotated[float, Meta(gt=0.0, le=720.0)]
 
 STEP_M: Final = 0.01
-"""Between two points of a curve, at most."""
+"""Largest distance between two points of a curve."""
 
 
 class Sine(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="sine"):
-    """y = amplitude sin(2 pi x / wavelength), its x axis turned so that it begins along the heading of the box."""
+    """y = amplitude sin(2 pi x / wavelength); x is turned so that the curve begins along the heading of the box."""
 
     amplitude_m: Length
     wavelength_m: Annotated[float, Meta(ge=0.01, le=1000.0)]
@@ -31,19 +31,19 @@ class Straight(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, ta
 
 
 class Left(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="left"):
-    """An arc counter-clockwise."""
+    """A counter-clockwise arc."""
 
     angle_deg: Angle
 
 
 class Right(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="right"):
-    """An arc clockwise."""
+    """A clockwise arc."""
 
     angle_deg: Angle
 
 
 class Arcs(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="arcs"):
-    """Straight stretches and arcs of one radius, as Dubins paths are made of."""
+    """A sequence of straight stretches and arcs of one radius, as in a Dubins path."""
 
     radius_m: Length
     segments: Annotated[tuple[Straight | Left | Right, ...], Meta(min_length=1, max_length=100)]
@@ -53,13 +53,13 @@ Reference = Sine | Arcs
 
 
 def reference_curve(reference: Reference, begin: Pose2) -> Floats:
-    """Positions and tangent directions, not wrapped, from `begin` on in its direction, (n, 3)."""
+    """Return x, y and tangent direction, not wrapped, of the points of a curve that begins at `begin`, (n, 3)."""
     curve = _sine(reference) if isinstance(reference, Sine) else _arcs(reference)
     return np.column_stack([begin.apply(curve[:, :2]), curve[:, 2] + begin.yaw_rad])
 
 
 def least_radius_m(reference: Reference) -> float:
-    """Of curvature, anywhere on it; infinite where it is straight all along."""
+    """Return the least radius of curvature of the curve; infinite for a straight one."""
     if isinstance(reference, Sine):
         return 1.0 / (reference.amplitude_m * (2 * pi / reference.wavelength_m) ** 2)
     straight = all(isinstance(segment, Straight) for segment in reference.segments)
@@ -67,7 +67,7 @@ def least_radius_m(reference: Reference) -> float:
 
 
 def first_straight_m(reference: Reference) -> float:
-    """How far it goes straight on first."""
+    """Return the length of the straight stretch that the curve begins with, or 0."""
     first = reference.segments[0] if isinstance(reference, Arcs) else None
     return first.length_m if isinstance(first, Straight) else 0.0
 

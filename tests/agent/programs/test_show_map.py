@@ -10,7 +10,7 @@ from PIL import Image
 
 from agent_proc.programs.show_map import run
 from agent_proc.reporting.map_picture import KEPT_CLEAR, UNKNOWN
-from agent_proc.reporting.picture import BOX, GOAL, WALL
+from agent_proc.reporting.style import BOX, GOAL, WALL
 from legpush.arrays import Floats, Integers
 from legpush.errors import ConfigError, LegpushError
 from legpush.options.maps import MapOptions

@@ -1,10 +1,7 @@
-"""Report and picture, from journals made by hand and by a mission."""
+"""The report on a mission, from journals made by hand and by a mission."""
 
-from dataclasses import replace as with_changes
 from math import pi, sqrt
-from pathlib import Path
 
-import numpy as np
 import pytest
 from msgspec.structs import replace
 
@@ -13,23 +10,16 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.queries import query_for_box
-from agent_proc.reporting.mission_record import MissionRecord, read_record
-from agent_proc.reporting.picture import save_picture
-from agent_proc.reporting.picture_parts import appeared, followed
+from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m, make_report, tracking_rms_m
-from legpush.errors import JournalError
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
-from legpush.messages.planning import Plan, PlanQuery, Tree
-from legpush.messages.poses import planar_pose
-from legpush.messages.stepping import Follow, Outcome, Push, Reset, Trace, Walk
+from legpush.messages.planning import Plan
+from legpush.messages.stepping import Follow, Outcome, Push, Reset, Walk
 from legpush.scene.reference import Arcs, Straight
-from legpush.scene.scenario import Rectangle
-from legpush.versions import installed_versions
-from tests.agent.fake_world import FakeWorld, make_scenario, make_state, scenario_at_station, straight_plan
+from tests.agent.fake_world import FakeWorld, make_state
+from tests.agent.reporting.missions import BOX, NOTHING, SCENARIO, blocked_mission, journal_by_hand, outcome, trace
 
-SCENARIO = make_scenario()
-BOX = Pose2(x_m=6.98, y_m=3.0, yaw_rad=0.02)
 DONE = MissionResult(
     success=True,
     reason="success",
@@ -53,31 +43,6 @@ REPORT_KEYS = (
 )
 
 
-def trace(ticks: range, trunks: list[tuple[float, float]], tilt: float, margin_m: float) -> Trace:
-    """A trunk at these places, rolled by `tilt` and pitched by twice that, in the last tick only."""
-    states = [make_state(Pose2(x_m=x, y_m=y, yaw_rad=0.0), BOX) for x, y in trunks]
-    quiet = [(0.0, 0.0)] * (len(states) - 1)
-    return Trace(
-        tick=tuple(ticks),
-        qpos=tuple(
-            (
-                *s.trunk.position_m,
-                *s.trunk.orientation_wxyz,
-                *s.joint_positions_rad,
-                *s.box.position_m,
-                *s.box.orientation_wxyz,
-            )
-            for s in states
-        ),
-        roll_pitch_rad=(*quiet, (-tilt, 2 * tilt)),
-        tips_m=tuple(s.tips_m for s in states),
-        contact_forces_n=tuple(((0.0, 0.0, 80.0),) * 4 for _ in states),
-        com_m=tuple(s.trunk.position_m for s in states),
-        zmp_m=((0.0, 0.0),) * len(states),
-        support_margin_m=(*(0.1,) * (len(states) - 1), margin_m),
-    )
-
-
 BOX_QUERY = query_for_box(SCENARIO, 5, BOX, {"rear": PushEstimate(SCENARIO.box)}, None)
 
 
@@ -86,26 +51,11 @@ def box_plan(*points: tuple[float, float]) -> Plan:
     return Plan(status="exact", reason="", waypoints=waypoints, sides=(0,) * len(waypoints))
 
 
-NOTHING = Trace(
-    tick=(), qpos=(), roll_pitch_rad=(), tips_m=(), contact_forces_n=(), com_m=(), zmp_m=(), support_margin_m=()
-)
-
-
-def outcome(tick: int, crc: int, ticks: Trace = NOTHING, n_footsteps: int = 0) -> Outcome:
-    state = replace(make_state(Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0), BOX, tick=tick), n_footsteps=n_footsteps)
-    return Outcome(world=state, state_crc=crc, trace=ticks)
-
-
-def journal_by_hand() -> list[StepRecord | PlanRecord]:
-    """Two ticks of walking beside a path along y = 3, two ticks of pushing."""
-    path = Follow(waypoints=(Pose2(x_m=1.0, y_m=3.0, yaw_rad=0.0), Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)))
+def pushed_to(*boxes: tuple[float, float]) -> list[StepRecord]:
     push = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
-    return [
-        StepRecord(Reset(scenario=SCENARIO, seed=5), outcome(0, 1)),
-        StepRecord(path, outcome(0, 2)),
-        StepRecord(Walk(), outcome(2, 3, trace(range(1, 3), [(1.0, 3.03), (1.2, 2.96)], 0.01, 0.04), 4)),
-        StepRecord(push, outcome(4, 0xBEEF, trace(range(3, 5), [(1.2, 4.0), (1.2, 4.0)], pi / 180, -0.02), 8)),
-    ]
+    trunk = Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)
+    states = [make_state(trunk, Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0)) for x_m, y_m in boxes]
+    return [StepRecord(push, Outcome(world=state, state_crc=0, trace=NOTHING)) for state in states]
 
 
 def test_every_number_of_the_report_is_that_of_the_journal() -> None:
@@ -162,128 +112,11 @@ def test_each_gait_cycle_is_measured_against_the_path_that_was_followed_then() -
     assert tracking_rms_m([]) is None
 
 
-def test_the_ticks_of_a_mission_end_where_its_state_does() -> None:
-    world = FakeWorld(box_offset=(0.02, 0.03, 0.05))
-    run_mission(world, SCENARIO, 5, ScriptedPolicy())
-
-    record = read_record(world.records)
-
-    ticks, last = record.ticks(), record.steps[-1].world
-    box = planar_pose(last.box)
-    assert len(ticks.time_s) == last.tick
-    assert ticks.time_s[-1] == pytest.approx(last.tick * 0.02)
-    np.testing.assert_allclose(ticks.box[-1], [box.x_m, box.y_m, box.yaw_rad])
-    np.testing.assert_allclose(ticks.trunk_m[-1], last.trunk.position_m[:2])
-    np.testing.assert_allclose(ticks.tips_m[-1], last.tips_m)
-    assert record.pushing()[0].world.box.position_m[:2] == (6.02, 3.03)
-
-
-def test_a_journal_that_does_not_begin_with_a_reset_is_refused() -> None:
-    with pytest.raises(JournalError, match="Expected a reset as the first step"):
-        read_record(journal_by_hand()[1:])
-    with pytest.raises(JournalError, match="Expected a reset as the first step"):
-        read_record([])
-
-
-def test_a_step_without_its_trace_is_refused() -> None:
-    motion, result = journal_by_hand()[0]
-    bare = StepRecord(motion, replace(result, trace=None))  # type: ignore[arg-type]
-
-    with pytest.raises(JournalError, match="got step 0 without one"):
-        read_record([bare])
-
-
-def test_versions_are_named_and_null_where_nothing_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("agent_proc.reporting.report.PACKAGES", {"numpy": "numpy", "nothing": "no-such-distribution"})
-
-    versions = installed_versions()
-
-    assert versions == {
-        "protocol": "6",
-        "python": versions["python"],
-        "numpy": np.__version__,
-        "nothing": None,
-    }
-
-
-def branching_plan(query: PlanQuery) -> Plan:
-    """A straight plan with a tree and a raw path."""
-    plan = straight_plan(query)
-    corner = (query.start.x_m, query.goal.y_m)
-    points = ((query.start.x_m, query.start.y_m), corner, (query.goal.x_m, query.goal.y_m))
-    return replace(plan, raw_path_m=points, tree=Tree(points_m=points, parents=(0, 0, 1)))
-
-
-def whole_mission() -> tuple[MissionRecord, MissionResult]:
-    world = FakeWorld(planner=branching_plan)
-    result = run_mission(world, SCENARIO, 5, ScriptedPolicy())
-    return read_record(world.records), result
-
-
-def unplanned_mission() -> tuple[MissionRecord, MissionResult]:
-    world = FakeWorld(planner=lambda _: Plan(status="invalid", reason="walled in"))
-    result = run_mission(world, SCENARIO, 5, ScriptedPolicy())
-    return read_record(world.records), result
-
-
-def push_alone() -> tuple[MissionRecord, MissionResult]:
-    world = FakeWorld()
-    result = run_mission(world, scenario_at_station(), 5, ScriptedPolicy())
-    return read_record(world.records), result
-
-
-def blocked_mission() -> tuple[MissionRecord, MissionResult]:
-    """Two obstacles appear, one in the way, and a third would have."""
-    wall = Rectangle(x_min_m=3.2, x_max_m=3.4, y_min_m=2.0, y_max_m=4.0)
-    gate, aside, late = (replace(wall, appears_at_s=at_s) for at_s in (2.0, 4.0, 1e6))
-    aside = replace(aside, y_min_m=0.0, y_max_m=1.0)
-    world = FakeWorld(planner=branching_plan)
-    scenario = replace(SCENARIO, room=replace(SCENARIO.room, obstacles=(late, gate, aside)))
-    result = run_mission(world, scenario, 5, ScriptedPolicy())
-    return read_record(world.records), result
-
-
 def test_the_report_says_what_appeared_when_and_how_often_that_was_in_the_way() -> None:
     report = make_report(*blocked_mission(), 1.0, {})
 
     assert [(each.obstacle, each.time_s) for each in report.appeared] == [(1, 3.2), (2, pytest.approx(4.8))]
     assert report.n_replans == 1
-
-
-def test_a_path_is_given_up_that_an_obstacle_appeared_in_and_no_other() -> None:
-    record, _ = blocked_mission()
-
-    assert [given_up for _, given_up in followed(record)] == [True, False, False]
-    assert [each.obstacle for each in appeared(record)] == [1, 2]
-    assert not any(given_up for _, given_up in followed(whole_mission()[0]))
-
-
-@pytest.mark.parametrize("mission", [whole_mission, unplanned_mission, push_alone, blocked_mission])
-def test_every_mission_can_be_drawn(mission: object, tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
-    record, result = mission()  # type: ignore[operator]
-
-    save_picture(record, result, tmp_path / "mission.png")
-
-    assert (tmp_path / "mission.png").read_bytes().startswith(b"\x89PNG")
-    assert [str(warning.message) for warning in recwarn] == []
-
-
-def test_a_picture_of_another_mission_is_another_picture(tmp_path: Path) -> None:
-    record, result = whole_mission()
-    save_picture(record, result, tmp_path / "a.png")
-    save_picture(record, result, tmp_path / "b.png")
-    save_picture(with_changes(record, seed=6), result, tmp_path / "c.png")
-
-    a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
-    assert a == b
-    assert a != c
-
-
-def pushed_to(*boxes: tuple[float, float]) -> list[StepRecord]:
-    push = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
-    trunk = Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)
-    states = [make_state(trunk, Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0)) for x_m, y_m in boxes]
-    return [StepRecord(push, Outcome(world=state, state_crc=0, trace=NOTHING)) for state in states]
 
 
 def test_each_push_is_measured_against_the_path_of_the_box_that_was_planned_last() -> None:

@@ -12,6 +12,7 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import ASTRAY
 from agent_proc.task.reward_tuned import (
     CYCLE_COST,
+    FALL_PENALTY,
     POSITION_WEIGHT,
     STEERING_WEIGHT,
     errors_in_tolerances,
@@ -65,6 +66,13 @@ def test_falling_pays_less_than_the_worst_that_can_be_done_standing(path: list[P
     fallen = value(first, [*(view_of(box) for box in path), view_of(fall_at, fallen=True)], arrived=False)
 
     assert fallen < worst_standing
+
+
+def test_a_fall_takes_back_all_progress() -> None:
+    first = at(6.0, 3.1, 5.0)
+    fallen = view_of(Pose2(x_m=6.8, y_m=3.0, yaw_rad=0.0), fallen=True)
+
+    assert value(first, [at(6.4), at(6.7), fallen], arrived=False) == pytest.approx(-FALL_PENALTY - 3 * CYCLE_COST)
 
 
 def test_the_end_pays_more_the_nearer_it_is_and_success_most() -> None:

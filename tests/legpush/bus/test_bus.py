@@ -1,40 +1,28 @@
-"""The bus on a real link: headers, quality of service, who is there, and everything that must not come through."""
+"""The bus on a network in memory: headers, who is there, and everything that must not come through."""
 
-import json
-import queue
-import signal
-import socket
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import msgpack
 import pytest
-import zenoh
 
 from legpush.bus import channels, keys, ports
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import Endpoints, in_directory
-from legpush.errors import EndpointError, MessageError
+from legpush.bus.endpoints import Endpoints
+from legpush.bus.faults import Faults
+from legpush.bus.ports import Subscription
+from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header
-from legpush.messages.telemetry import Status
+from legpush.messages.stepping import Action, Walk
+from legpush.messages.telemetry import Copies, Fact, Status
+from legpush.recording.recorder import taken_by
+from tests.legpush.bus.memory_session import RUN, MemoryNetwork, MemorySession
 from tests.legpush.examples import MESSAGES
-from tests.legpush.fakes import RUN, bus, eventually
+from tests.legpush.fakes import eventually
 
-HOLD_SOCKET = """
-import sys, time
-from pathlib import Path
-from legpush.bus.bus import Bus
-from legpush.bus.endpoints import in_directory
-with Bus("test", "sim", "main", in_directory(Path(sys.argv[1]), "sim")) as bus:
-    bus.announce()
-    print("ready", flush=True)
-    sys.stdin.read()
-"""
+FACT = Fact(name="model.xml", media_type="application/xml", data=b"<mujoco/>")
+ANY_STATUS: dict[str, Any] = msgpack.unpackb(codec.encode(MESSAGES["status"]))
 
 
 def say(phase: str) -> Callable[[Header], Status]:
@@ -42,120 +30,136 @@ def say(phase: str) -> Callable[[Header], Status]:
     return lambda header: Status(header=header, phase=phase)
 
 
-@contextmanager
-def raw_session(directory: Path) -> Iterator[zenoh.Session]:
-    """Zenoh as anybody could use it, connected to the simulator."""
-    config = zenoh.Config()
-    settings: dict[str, Any] = {
-        "mode": "peer",
-        "listen/endpoints": [],
-        "connect/endpoints": list(in_directory(directory, "sim").listen),
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "open/return_conditions/connect_scouted": False,
-    }
-    for path, value in settings.items():
-        config.insert_json5(path, json.dumps(value))
-    with zenoh.open(config) as session:
-        yield session
-
-
-def put(session: zenoh.Session, key: str, payload: bytes) -> None:
-    """Put once somebody listens."""
-    publisher = session.declare_publisher(key)
-    assert eventually(lambda: publisher.matching_status.matching)  # type: ignore[attr-defined]
-    publisher.put(payload)
-
-
-@pytest.fixture
-def pair(tmp_path: Path) -> Iterator[tuple[Bus, Bus]]:
-    """A simulator and an agent that see each other."""
-    with bus(tmp_path, "sim") as sim, bus(tmp_path, "agent") as agent:
-        sim.announce()
-        assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
-        yield sim, agent
-
-
-def test_every_header_says_who_and_counts_the_messages_of_its_key(pair: tuple[Bus, Bus]) -> None:
-    sim, agent = pair
-    heard = agent.subscribe(channels.statuses(RUN))
-    publisher = sim.publisher(channels.statuses(RUN, "sim", "main"))
-    first = publisher.send(say("0"))
-    assert eventually(lambda: publisher.send(say("more")).header.sequence > 0 and heard.next(0.01) is not None)
-    assert first.header == Header(
-        protocol=PROTOCOL_VERSION, run=RUN, role="sim", name="main", incarnation=sim.incarnation, sequence=0
-    )
-    sequences = [message.header.sequence for message in heard.drain()]
-    assert sequences == sorted(set(sequences))
-
-
-def test_a_message_that_cannot_be_encoded_uses_up_no_sequence_number(pair: tuple[Bus, Bus]) -> None:
-    publisher = pair[0].publisher(channels.statuses(RUN, "sim", "main"))
-    with pytest.raises(MessageError, match="finite"):
-        publisher.send(lambda header: Status(header=header, phase="x", fraction=float("nan")))
-    assert publisher.send(say("x")).header.sequence == 0
-
-
-def test_a_watcher_is_told_who_is_there_and_who_comes_and_goes(tmp_path: Path) -> None:
-    seen: queue.Queue[tuple[str, str, str, bool]] = queue.Queue()
-    with bus(tmp_path, "agent") as agent:
-        with bus(tmp_path, "sim") as sim:
-            sim.announce()
-            assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
-            agent.watch(lambda *event: seen.put(event))
-            assert seen.get(timeout=10.0) == ("sim", "main", sim.incarnation, True)
-        assert seen.get(timeout=10.0) == ("sim", "main", sim.incarnation, False)
-
-
-def test_a_process_is_not_on_its_own_roster(pair: tuple[Bus, Bus]) -> None:
-    sim, agent = pair
-    agent.announce()
-    assert eventually(lambda: len(sim.liveliness.live()) == 1)
-    assert [sighting.incarnation for sighting in sim.liveliness.live()] == [agent.incarnation]
-
-
-def test_own_messages_do_not_come_back(pair: tuple[Bus, Bus]) -> None:
-    sim, agent = pair
-    own, others = sim.subscribe(channels.statuses(RUN)), agent.subscribe(channels.statuses(RUN))
-    publisher = sim.publisher(channels.statuses(RUN, "sim", "main"))
-    assert eventually(lambda: publisher.send(say("x")) is not None and others.next(0.01) is not None)
-    assert own.drain() == []
-
-
-def test_messages_and_tokens_of_another_run_do_not_arrive(tmp_path: Path) -> None:
-    with Bus("other", "sim", "main", in_directory(tmp_path, "sim")) as sim, bus(tmp_path, "agent") as agent:
-        sim.announce()
-        with Bus("other", "agent", "second", Endpoints(connect=in_directory(tmp_path, "sim").listen)) as second:
-            assert eventually(lambda: len(second.liveliness.live("sim")) == 1)
-        assert agent.liveliness.live() == []
-
-
-def test_a_token_that_names_no_process_is_counted(tmp_path: Path) -> None:
-    with bus(tmp_path, "sim") as sim, raw_session(tmp_path) as session:
-        with session.liveliness().declare_token(keys.liveliness(RUN, "ghost", "main", "a")):
-            assert eventually(lambda: sim.tally["malformed"] > 0)
-        assert sim.liveliness.live() == []
-
-
-def test_more_messages_than_the_inbox_holds_are_counted_and_do_not_block(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(ports, "INBOX_SIZE", 4)
-    with bus(tmp_path, "sim") as sim, raw_session(tmp_path) as session:
-        inbox = sim.subscribe(channels.actions(RUN, "main"))
-        payload = codec.encode(MESSAGES["action_walk"])
-        key = keys.action(RUN, "main")
-        assert eventually(lambda: session.put(key, payload) is None and sim.tally["overflow"] >= 3)
-        assert len(inbox.drain()) == 4
-
-
-ANY_STATUS: dict[str, Any] = msgpack.unpackb(codec.encode(MESSAGES["status"]))
-
-
 def status_with(**header: object) -> bytes:
     """A status whose header differs in these fields."""
     packed: bytes = msgpack.packb({**ANY_STATUS, "header": {**ANY_STATUS["header"], **header}})
     return packed
+
+
+@pytest.fixture
+def network() -> MemoryNetwork:
+    """Nobody is on it yet."""
+    return MemoryNetwork()
+
+
+@pytest.fixture
+def stranger(network: MemoryNetwork) -> MemorySession:
+    """A session as anybody could open it."""
+    return network.open_session(Endpoints(), "a stranger")
+
+
+def test_every_header_says_who_and_counts_the_messages_of_its_key(network: MemoryNetwork) -> None:
+    with network.bus("sim") as sim, network.bus("agent") as agent:
+        heard = agent.subscribe(channels.statuses(RUN))
+        publisher = sim.publisher(channels.statuses(RUN, "sim", "main"))
+        for _ in range(3):
+            publisher.send(say("stepping"))
+        headers = [message.header for message in heard.drain()]
+    assert headers[0] == Header(
+        protocol=PROTOCOL_VERSION, run=RUN, role="sim", name="main", incarnation=sim.incarnation, sequence=0
+    )
+    assert [header.sequence for header in headers] == [0, 1, 2]
+
+
+def test_a_message_that_cannot_be_encoded_uses_up_no_sequence_number(network: MemoryNetwork) -> None:
+    with network.bus("sim") as sim:
+        publisher = sim.publisher(channels.statuses(RUN, "sim", "main"))
+        with pytest.raises(MessageError, match="finite"):
+            publisher.send(lambda header: Status(header=header, phase="x", fraction=float("nan")))
+        assert publisher.send(say("x")).header.sequence == 0
+
+
+def test_each_start_is_another_incarnation(network: MemoryNetwork) -> None:
+    assert len({network.bus("sim").incarnation for _ in range(3)}) == 3
+
+
+def test_a_channel_is_sent_with_its_quality(network: MemoryNetwork) -> None:
+    with network.bus("agent") as agent:
+        action, status = channels.actions(RUN, "main"), channels.statuses(RUN, "agent", "main")
+        agent.publisher(action)
+        agent.publisher(status)
+        assert (network.qualities[action.key], network.qualities[status.key]) == ("lockstep", "tap")
+
+
+def test_injected_faults_meet_lockstep_messages_alone(network: MemoryNetwork) -> None:
+    faults = Faults(probability=0.999, seed=0)
+    with network.bus("agent", faults=faults) as agent, network.bus("sim") as sim:
+        actions, statuses = sim.subscribe(channels.actions(RUN, "main")), sim.subscribe(channels.statuses(RUN))
+        acting = agent.publisher(channels.actions(RUN, "main"))
+        telling = agent.publisher(channels.statuses(RUN, "agent", "main"))
+        for _ in range(20):
+            acting.send(lambda header: Action(header=header, episode=1, step=2, motion=Walk()))
+            telling.send(say("acting"))
+        assert len(statuses.drain()) == 20
+    assert len(actions.drain()) < 20
+
+
+def test_a_watcher_is_told_who_is_there_and_who_comes_and_goes(network: MemoryNetwork) -> None:
+    seen: list[tuple[str, str, str, bool]] = []
+    with network.bus("agent") as agent:
+        with network.bus("sim") as first:
+            first.announce()
+            agent.watch(lambda *event: seen.append(event))
+            assert seen == [("sim", "main", first.incarnation, True)]
+            with network.bus("planner") as second:
+                second.announce()
+        assert seen[1:] == [
+            ("planner", "main", second.incarnation, True),
+            ("planner", "main", second.incarnation, False),
+            ("sim", "main", first.incarnation, False),
+        ]
+
+
+def test_a_process_shows_its_token_when_it_is_announced_and_not_before(network: MemoryNetwork) -> None:
+    with network.bus("agent") as agent, network.bus("sim") as sim:
+        assert agent.liveliness.live() == []
+        sim.announce()
+        assert [peer.incarnation for peer in agent.liveliness.live()] == [sim.incarnation]
+
+
+def test_a_process_is_no_peer_of_its_own(network: MemoryNetwork) -> None:
+    with network.bus("sim") as sim, network.bus("agent") as agent:
+        sim.announce()
+        agent.announce()
+        assert [peer.incarnation for peer in sim.liveliness.live()] == [agent.incarnation]
+
+
+def test_messages_and_tokens_of_another_run_do_not_arrive(network: MemoryNetwork) -> None:
+    with network.bus("sim", run="other") as sim, network.bus("agent") as agent:
+        heard = agent.subscribe(channels.statuses(RUN))
+        sim.announce()
+        sim.publisher(channels.statuses("other", "sim", "main")).send(say("x"))
+        assert (heard.drain(), agent.liveliness.live()) == ([], [])
+
+
+def test_a_token_that_names_no_process_is_counted(network: MemoryNetwork, stranger: MemorySession) -> None:
+    with network.bus("sim") as sim:
+        stranger.show_token(keys.liveliness(RUN, "ghost", "main", "a"))
+        assert sim.tally.as_dict() == {"malformed": 1}
+        assert sim.liveliness.live() == []
+
+
+def test_what_a_peer_says_of_itself_is_known_once_its_status_is_followed(network: MemoryNetwork) -> None:
+    with network.bus("agent") as agent, network.bus("sim") as sim:
+        telling = sim.publisher(channels.statuses(RUN, "sim", "main"))
+        sim.announce()
+        telling.send(say("stepping"))
+        assert "stepping" not in agent.liveliness.describe("sim")
+        agent.follow("sim")
+        telling.send(say("stepping"))
+        assert 'it says "stepping"' in agent.liveliness.describe("sim")
+
+
+def test_more_messages_than_the_inbox_holds_are_counted_and_do_not_block(
+    network: MemoryNetwork, stranger: MemorySession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ports, "INBOX_SIZE", 4)
+    with network.bus("sim") as sim:
+        inbox = sim.subscribe(channels.actions(RUN, "main"))
+        for _ in range(7):
+            stranger.put(keys.action(RUN, "main"), codec.encode(MESSAGES["action_walk"]))
+        assert sim.tally.as_dict() == {"overflow": 3}
+        assert len(inbox.drain()) == 4
 
 
 @pytest.mark.parametrize(
@@ -175,66 +179,89 @@ def status_with(**header: object) -> bytes:
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_what_is_wrong_with_a_message_is_counted_by_cause_and_named_in_the_log(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture, cause: str, payload: bytes
+    network: MemoryNetwork, stranger: MemorySession, caplog: pytest.LogCaptureFixture, cause: str, payload: bytes
 ) -> None:
-    with bus(tmp_path, "sim") as sim, raw_session(tmp_path) as session:
+    with network.bus("sim") as sim:
         heard = sim.subscribe(channels.statuses(RUN))
-        put(session, keys.status(RUN, "agent", "main"), payload)
-        assert eventually(lambda: sim.tally.as_dict() != {})
+        stranger.put(keys.status(RUN, "agent", "main"), payload)
         assert sim.tally.as_dict() == {cause: 1}
         assert heard.drain() == []
-        text = f"{cause} (1 so far): legpush/v{PROTOCOL_VERSION}/test/tap/agent/main/status: "
-        assert eventually(lambda: text in caplog.text)
+        assert f"{cause} (1 so far): legpush/v{PROTOCOL_VERSION}/test/tap/agent/main/status: " in caplog.text
 
 
-def test_only_an_agent_may_act(tmp_path: Path) -> None:
-    with bus(tmp_path, "sim") as sim, raw_session(tmp_path) as session:
-        sim.subscribe(channels.actions(RUN, "main"))
+def test_only_an_agent_may_act(network: MemoryNetwork, stranger: MemorySession) -> None:
+    with network.bus("sim") as sim:
+        inbox = sim.subscribe(channels.actions(RUN, "main"))
         plain = msgpack.unpackb(codec.encode(MESSAGES["action_walk"]))
         plain["header"]["role"] = "planner"
-        put(session, keys.action(RUN, "main"), msgpack.packb(plain))
-        assert eventually(lambda: sim.tally["sender"] == 1)
+        stranger.put(keys.action(RUN, "main"), msgpack.packb(plain))
+        assert sim.tally.as_dict() == {"sender": 1}
+        assert inbox.drain() == []
 
 
-def test_a_second_process_on_the_same_socket_has_one_clear_error(tmp_path: Path) -> None:
-    with (
-        bus(tmp_path, "sim"),
-        pytest.raises(EndpointError, match=r"listen on unixsock-stream/.*sim\.sock as sim main"),
-        bus(tmp_path, "sim"),
-    ):
-        pass
+class Recorder(Subscription[Copies]):
+    """Keeps the batches that come, and says that it has them."""
+
+    def __init__(self, opened: Bus) -> None:
+        super().__init__(channels.copies(RUN), opened.tally)
+        self.batches: list[Copies] = []
+        self._taken = opened.publisher(channels.taken(RUN, "sim", "main"))
+        opened.subscribe(channels.copies(RUN), self)
+
+    def put(self, message: Copies) -> None:
+        self.batches.append(message)
+        self._taken.send(taken_by(message))
+
+    def copied(self) -> list[tuple[str, int]]:
+        """Key and sequence of everything that was copied."""
+        return [(copy.key, copy.sequence) for batch in self.batches for copy in batch.copies]
 
 
-def test_a_second_process_on_the_same_port_has_one_clear_error() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        locator = f"tcp/127.0.0.1:{server.getsockname()[1]}"
-        with (
-            pytest.raises(EndpointError, match=f"listen on {locator}"),
-            Bus(RUN, "sim", "main", Endpoints(listen=(locator,))),
-        ):
-            pass
+def test_a_recorder_is_handed_what_is_published_once_it_is_there_and_all_files(network: MemoryNetwork) -> None:
+    key = keys.status(RUN, "sim", "main")
+    with network.bus("recorder") as recording:
+        recorder = Recorder(recording)
+        with network.bus("sim") as sim:
+            telling = sim.publisher(channels.statuses(RUN, "sim", "main"))
+            sim.attach(FACT.name, FACT.media_type, FACT.data)
+            telling.send(say("before"))
+            recording.announce()
+            telling.send(say("after"))
+            assert eventually(lambda: recorder.copied() == [(key, 1)])
+            telling.send(say("at the end"))
+    assert recorder.copied() == [(key, 1), (key, 2)]
+    assert [fact for batch in recorder.batches for fact in batch.facts] == [FACT]
+    assert [batch.final for batch in recorder.batches] == [*[False] * (len(recorder.batches) - 1), True]
 
 
-def test_a_socket_left_behind_by_a_killed_process_is_taken_over(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", HOLD_SOCKET, str(tmp_path)]
-    with (
-        bus(tmp_path, "agent") as agent,
-        subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process,
-    ):
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-        assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
-        process.send_signal(signal.SIGKILL)
-        process.wait(10.0)
-        assert (tmp_path / "sim.sock").exists()
-        assert eventually(lambda: agent.liveliness.live("sim") == [])
-        with bus(tmp_path, "sim") as sim:
+def test_a_process_that_is_recorded_from_its_start_on_keeps_copies_for_a_later_recorder(network: MemoryNetwork) -> None:
+    with network.bus("recorder") as recording:
+        recorder = Recorder(recording)
+        with network.bus("sim", recorded=True) as sim:
+            sim.publisher(channels.statuses(RUN, "sim", "main")).send(say("before"))
+            recording.announce()
+    assert recorder.copied() == [(keys.status(RUN, "sim", "main"), 0)]
+
+
+def test_a_recorder_is_not_recorded_by_another_one(network: MemoryNetwork) -> None:
+    with network.bus("recorder") as recording, network.bus("recorder", "second") as second:
+        second.announce()
+        assert not recording.taps.own.buffer.active
+
+
+def test_bytes_can_be_put_as_they_are(network: MemoryNetwork) -> None:
+    with network.bus("agent") as agent, network.bus("sim") as sim:
+        sim.subscribe(channels.actions(RUN, "main"))
+        agent.put(keys.action(RUN, "main"), b"\xc1")
+        assert sim.tally.as_dict() == {"malformed": 1}
+
+
+def test_after_an_error_within_everything_is_closed(network: MemoryNetwork) -> None:
+    def work() -> None:
+        with network.bus("sim") as sim:
             sim.announce()
-            assert eventually(lambda: [s.incarnation for s in agent.liveliness.live("sim")] == [sim.incarnation])
+            raise RuntimeError("mission")
 
-
-def test_a_bus_can_be_opened_again_after_an_error_within(tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError, match="mission"), bus(tmp_path, "sim"):
-        raise RuntimeError("mission")
-    with bus(tmp_path, "sim") as sim:
-        assert sim.tally.as_dict() == {}
+    with pytest.raises(RuntimeError, match="mission"):
+        work()
+    assert network.sessions == []

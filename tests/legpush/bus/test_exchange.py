@@ -59,7 +59,7 @@ class Table:
         self.events.append((seconds, happens))
 
     def token(self, incarnation: str, alive: bool = True) -> None:
-        self.liveliness.token("sim", "main", incarnation, alive)
+        self.liveliness.note_token("sim", "main", incarnation, alive)
 
     def replace(self, old: str, new: str) -> None:
         """One incarnation dies, another one is started."""
@@ -165,7 +165,7 @@ def test_restarts_are_forgiven_when_the_peer_has_done_what_it_was_asked(table: T
     for old, new in pairwise("abcde"):
         table.answer(old)
         table.ask()
-        table.exchange.settle()
+        table.exchange.forgive_restarts()
         table.replace(old, new)
     table.answer("e")
     assert table.ask().header.incarnation == "e"

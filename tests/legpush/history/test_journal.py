@@ -132,3 +132,15 @@ def test_a_place_where_no_journal_can_be_is_refused(tmp_path: Path) -> None:
         Journal(tmp_path, OPENED)
     with pytest.raises(JournalError, match="No such file"):
         list(read_entries(tmp_path / "missing"))
+
+
+def test_of_two_processes_that_begin_the_same_journal_one_has_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "j"
+    with Journal(path, OPENED) as journal:
+        journal.append(ENTRIES[0])
+        monkeypatch.setattr(Path, "exists", lambda path: False)
+        with pytest.raises(JournalError, match="in use"):
+            Journal(path, OPENED)
+    assert list(read_entries(path)) == [OPENED, ENTRIES[0]]

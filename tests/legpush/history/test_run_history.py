@@ -1,4 +1,4 @@
-"""From messages to timelines: the same whatever the order in which senders are heard, and nothing twice."""
+"""From messages to the history of a run: the same in whatever order senders are heard, and nothing twice."""
 
 import random
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.messages import codec
 from legpush.messages.stepping import Action, Observation, Outcome, Push, Trace
@@ -28,16 +28,16 @@ def heard(actions: Sequence[Copy], answers: Sequence[Copy]) -> tuple[Heard, Hear
     )
 
 
-def made(messages: Heard, scenario: Scenario | None = None) -> Timelines:
-    timelines = Timelines()
-    timelines.scenario = scenario
+def made(messages: Heard, scenario: Scenario | None = None) -> RunHistory:
+    history = RunHistory()
+    history.scenario = scenario
     for message in messages:
-        timelines.take(*message)
-    return timelines
+        history.take_message(*message)
+    return history
 
 
-def only(timelines: Timelines) -> Timeline:
-    (timeline,) = timelines.episodes.values()
+def only(history: RunHistory) -> Timeline:
+    (timeline,) = history.episodes.values()
     return timeline
 
 
@@ -66,10 +66,10 @@ def test_a_message_that_comes_twice_counts_once() -> None:
 
 def test_after_a_step_that_is_missing_nothing_is_shown_until_it_comes() -> None:
     asked, answered = heard(*traffic(mission()))
-    timelines = made(asked + answered[:5] + answered[6:])
-    assert numbers(only(timelines)) == [0, 1, 2, 3, 4]
-    timelines.take(*answered[5])
-    assert numbers(only(timelines)) == list(range(len(asked)))
+    history = made(asked + answered[:5] + answered[6:])
+    assert numbers(only(history)) == [0, 1, 2, 3, 4]
+    history.take_message(*answered[5])
+    assert numbers(only(history)) == list(range(len(asked)))
 
 
 def test_whoever_comes_late_begins_where_he_came_with_the_scenario_that_he_was_told() -> None:
@@ -140,9 +140,9 @@ def test_an_answer_whose_trace_lacks_numbers_is_none(lacking: dict[str, Any]) ->
 
     for each, n_unreadable in ((trace, 0), (replace(trace, **lacking), 1)):
         answer = replace(message, outcome=replace(message.outcome, trace=each))
-        timelines = made([*asked, *answered[:-1], (topic, origin, replace(last, payload=codec.encode(answer)))])
-        assert timelines.n_unreadable == n_unreadable
-        assert len(only(timelines).steps) == len(asked) - n_unreadable
+        history = made([*asked, *answered[:-1], (topic, origin, replace(last, payload=codec.encode(answer)))])
+        assert history.n_unreadable == n_unreadable
+        assert len(only(history).steps) == len(asked) - n_unreadable
 
 
 def test_rewards_find_their_step_whether_they_come_before_it_or_after() -> None:
@@ -166,9 +166,9 @@ def test_rewards_find_their_step_whether_they_come_before_it_or_after() -> None:
 
 def test_bytes_that_are_no_message_are_counted_and_passed_over() -> None:
     asked, answered = heard(*traffic(mission()))
-    timelines = made([("sim/main/action", AGENT, copy(ACTIONS, 0, b"\xc1")), *asked, *answered])
-    assert timelines.n_unreadable == 1
-    assert numbers(only(timelines)) == list(range(len(asked)))
+    history = made([("sim/main/action", AGENT, copy(ACTIONS, 0, b"\xc1")), *asked, *answered])
+    assert history.n_unreadable == 1
+    assert numbers(only(history)) == list(range(len(asked)))
 
 
 def nth(number: int, messages: Heard) -> Heard:
@@ -182,12 +182,12 @@ def nth(number: int, messages: Heard) -> Heard:
 
 
 def test_of_a_run_that_goes_on_for_long_the_newest_episodes_are_kept_and_the_one_that_is_held() -> None:
-    timelines = Timelines()
+    history = RunHistory()
     asked, answered = heard(*traffic(mission(2)))
     for number in range(6):
         for message in nth(number, asked + answered):
-            timelines.take(*message)
-        timelines.take(
+            history.take_message(*message)
+        history.take_message(
             "agent/main/status",
             AGENT,
             replace(
@@ -197,40 +197,40 @@ def test_of_a_run_that_goes_on_for_long_the_newest_episodes_are_kept_and_the_one
             ),
         )
         if number == 0:
-            timelines.held = only(timelines)
-    span = timelines.span_ns(only_held(timelines))
+            history.held = only(history)
+    span = history.span_ns(only_held(history))
 
-    timelines.keep(2)
+    history.keep_newest(2)
 
-    assert [number - EPISODE for _, number in timelines.episodes] == [0, 1, 4, 5]
-    assert list(timelines.indices.values()) == [0, 1, 4, 5]
-    assert timelines.span_ns(only_held(timelines)) == span
-    assert [(said.time_ns - asked[0][2].time_ns) // 10**12 for said in timelines.said] == [0, 4, 5]
-    timelines.held = None
-    timelines.keep(2)
-    assert list(timelines.indices.values()) == [4, 5]
+    assert [number - EPISODE for _, number in history.episodes] == [0, 1, 4, 5]
+    assert list(history.indices.values()) == [0, 1, 4, 5]
+    assert history.span_ns(only_held(history)) == span
+    assert [(said.time_ns - asked[0][2].time_ns) // 10**12 for said in history.said] == [0, 4, 5]
+    history.held = None
+    history.keep_newest(2)
+    assert list(history.indices.values()) == [4, 5]
 
 
-def only_held(timelines: Timelines) -> Timeline:
-    assert timelines.held is not None
-    return timelines.held
+def only_held(history: RunHistory) -> Timeline:
+    assert history.held is not None
+    return history.held
 
 
 def test_an_episode_that_has_just_begun_is_not_forgotten_with_old_ones() -> None:
-    timelines = Timelines()
+    history = RunHistory()
     asked, answered = heard(*traffic(mission(2)))
     for number in range(2):
         for message in nth(number, asked + answered):
-            timelines.take(*message)
+            history.take_message(*message)
     for message in nth(2, asked):
-        timelines.take(*message)
-    timelines.keep(1)
+        history.take_message(*message)
+    history.keep_newest(1)
     for message in nth(2, answered):
-        timelines.take(*message)
-    assert list(timelines.indices.values()) == [1, 2]
+        history.take_message(*message)
+    assert list(history.indices.values()) == [1, 2]
 
 
 def test_of_an_episode_that_is_not_known_plans_are_sought_in_vain() -> None:
     asked, answered = heard(*traffic(mission()))
-    timelines, other = made([]), only(made([*asked, *answered]))
-    assert list(timelines.plans_of(other)) == []
+    history, other = made([]), only(made([*asked, *answered]))
+    assert list(history.plans_of(other)) == []

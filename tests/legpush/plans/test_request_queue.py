@@ -1,4 +1,4 @@
-"""The desk of the planner, without a network: what is planned, repeated, improved, cancelled, and put off."""
+"""The request queue of the planner, without a network: what is planned, repeated, improved, cancelled, and put off."""
 
 from collections.abc import Iterator
 
@@ -44,18 +44,18 @@ def cancel(request_id: int, client: str = "main", incarnation: str = "a") -> Pla
     return PlanCancel(header=replace(header("agent"), name=client, incarnation=incarnation), request_id=request_id)
 
 
-def asked(desk: RequestQueue, one: PlanRequest) -> list[Answer]:
+def asked(queue: RequestQueue, one: PlanRequest) -> list[Answer]:
     """What is answered once it has been worked on."""
-    at_once = desk.ask(one)
+    at_once = queue.ask(one)
     assert at_once is not None
-    return at_once or worked(desk)
+    return at_once or worked(queue)
 
 
-def worked(desk: RequestQueue) -> list[Answer]:
+def worked(queue: RequestQueue) -> list[Answer]:
     """All that there is to do."""
     answers = []
-    while desk.next_case():
-        answer = desk.work(lambda: False)
+    while queue.next_case():
+        answer = queue.work(lambda: False)
         assert answer is not None
         answers.append(answer)
     return answers
@@ -63,87 +63,87 @@ def worked(desk: RequestQueue) -> list[Answer]:
 
 def test_a_request_is_planned_once_and_its_copies_get_the_same_answer() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    first = asked(desk, request(0))
+    queue = RequestQueue(planner)
+    first = asked(queue, request(0))
     assert [(answer.revision, answer.final) for answer in first] == [(0, True)]
-    assert asked(desk, request(0)) == first
+    assert asked(queue, request(0)) == first
     assert planner.seeds == [1]
 
 
 def test_a_copy_that_comes_while_the_request_waits_is_no_request_of_its_own() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    assert desk.ask(request(0)) == []
-    assert desk.ask(request(0)) == []
-    assert len(worked(desk)) == 1
+    queue = RequestQueue(planner)
+    assert queue.ask(request(0)) == []
+    assert queue.ask(request(0)) == []
+    assert len(worked(queue)) == 1
 
 
 def test_a_request_older_than_the_newest_is_not_answered() -> None:
-    desk = RequestQueue(Planner())
-    asked(desk, request(4))
-    assert desk.ask(request(3)) is None
+    queue = RequestQueue(Planner())
+    asked(queue, request(4))
+    assert queue.ask(request(3)) is None
 
 
 def test_the_newest_request_of_a_client_supersedes_the_one_that_waits() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
+    queue = RequestQueue(planner)
     for request_id in (0, 2):
-        desk.ask(request(request_id, seed=request_id + 5))
-    assert desk.ask(request(1)) is None
-    assert [answer.request_id for answer in worked(desk)] == [2]
+        queue.ask(request(request_id, seed=request_id + 5))
+    assert queue.ask(request(1)) is None
+    assert [answer.request_id for answer in worked(queue)] == [2]
     assert planner.seeds == [7]
 
 
 def test_another_query_under_the_same_request_id_is_invalid() -> None:
-    desk = RequestQueue(Planner())
-    asked(desk, request(4, seed=1))
-    (answer,) = asked(desk, request(4, seed=2))
+    queue = RequestQueue(Planner())
+    asked(queue, request(4, seed=1))
+    (answer,) = asked(queue, request(4, seed=2))
     assert answer.plan.status == "invalid"
     assert answer.final
     assert "request id 4" in answer.plan.reason
 
 
 def test_a_client_that_was_restarted_begins_anew() -> None:
-    desk = RequestQueue(Planner())
-    asked(desk, request(4, seed=1, incarnation="a"))
-    (answer,) = asked(desk, request(0, seed=2, incarnation="b"))
+    queue = RequestQueue(Planner())
+    asked(queue, request(4, seed=1, incarnation="a"))
+    (answer,) = asked(queue, request(0, seed=2, incarnation="b"))
     assert (answer.incarnation, answer.plan.n_iterations) == ("b", 2)
 
 
 def test_answers_are_kept_for_a_bounded_number_of_clients() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
+    queue = RequestQueue(planner)
     for index in range(1, MAX_CLIENTS + 2):
-        asked(desk, request(0, seed=index, client=f"c{index}"))
-    asked(desk, request(0, seed=2, client="c2"))
-    asked(desk, request(0, seed=1, client="c1"))
+        asked(queue, request(0, seed=index, client=f"c{index}"))
+    asked(queue, request(0, seed=2, client="c2"))
+    asked(queue, request(0, seed=1, client="c1"))
     assert planner.seeds == [*range(1, MAX_CLIENTS + 2), 1]
 
 
 def test_improvements_follow_the_first_answer_and_all_are_repeated_on_demand() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    answers = asked(desk, request(0, anytime=ANYTIME))
+    queue = RequestQueue(planner)
+    answers = asked(queue, request(0, anytime=ANYTIME))
     assert [(answer.revision, answer.final) for answer in answers] == [(0, False), (1, False), (2, True)]
     assert [answer.plan.length_m for answer in answers] == [10.0, 9.0, 8.0]
-    assert desk.ask(request(0, anytime=ANYTIME)) == answers
+    assert queue.ask(request(0, anytime=ANYTIME)) == answers
     assert planner.seeds == [1]
 
 
 def test_what_is_invalid_is_not_improved() -> None:
-    desk = RequestQueue(Planner())
-    (answer,) = asked(desk, request(0, seed=0, anytime=ANYTIME))
+    queue = RequestQueue(Planner())
+    (answer,) = asked(queue, request(0, seed=0, anytime=ANYTIME))
     assert answer.final
 
 
 def test_a_first_answer_comes_before_improvements_of_others_which_go_on_where_they_were() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    desk.ask(request(0, seed=1, client="a", anytime=ANYTIME))
-    first = desk.work(lambda: False)
-    desk.ask(request(0, seed=2, client="b"))
-    assert desk.should_stop()
-    rest = worked(desk)
+    queue = RequestQueue(planner)
+    queue.ask(request(0, seed=1, client="a", anytime=ANYTIME))
+    first = queue.work(lambda: False)
+    queue.ask(request(0, seed=2, client="b"))
+    assert queue.should_stop()
+    rest = worked(queue)
     assert first is not None
     assert [(answer.client, answer.revision) for answer in [first, *rest]] == [("a", 0), ("b", 0), ("a", 1), ("a", 2)]
     assert [answer.plan.length_m for answer in rest if answer.client == "a"] == [9.0, 8.0]
@@ -152,62 +152,62 @@ def test_a_first_answer_comes_before_improvements_of_others_which_go_on_where_th
 
 def test_a_search_that_is_interrupted_gives_no_answer_and_is_begun_anew() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    desk.ask(request(0))
-    assert desk.work(lambda: True) is None
-    assert [answer.revision for answer in worked(desk)] == [0]
+    queue = RequestQueue(planner)
+    queue.ask(request(0))
+    assert queue.work(lambda: True) is None
+    assert [answer.revision for answer in worked(queue)] == [0]
     assert planner.seeds == [1, 1]
 
 
 def test_a_cancelled_request_ends_with_the_best_so_far() -> None:
-    desk = RequestQueue(Planner())
-    desk.ask(request(0, anytime=ANYTIME))
-    first = desk.work(lambda: False)
+    queue = RequestQueue(Planner())
+    queue.ask(request(0, anytime=ANYTIME))
+    first = queue.work(lambda: False)
     assert first is not None
-    assert desk.cancel(cancel(0)) == [first._replace(final=True)]
-    assert desk.should_stop()
-    assert not desk.next_case()
-    assert desk.ask(request(0, anytime=ANYTIME)) == [first._replace(final=True)]
+    assert queue.cancel(cancel(0)) == [first._replace(final=True)]
+    assert queue.should_stop()
+    assert not queue.next_case()
+    assert queue.ask(request(0, anytime=ANYTIME)) == [first._replace(final=True)]
 
 
 def test_one_that_is_cancelled_before_there_was_a_plan_says_so() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    desk.ask(request(3))
-    (answer,) = desk.cancel(cancel(3))
+    queue = RequestQueue(planner)
+    queue.ask(request(3))
+    (answer,) = queue.cancel(cancel(3))
     assert (answer.plan.status, answer.final) == ("cancelled", True)
-    assert worked(desk) == []
+    assert worked(queue) == []
     assert planner.seeds == []
 
 
 def test_a_cancel_that_overtakes_its_request_holds_and_one_of_an_old_request_does_not() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    (answer,) = desk.cancel(cancel(5))
-    assert desk.ask(request(5)) == [answer]
-    assert desk.cancel(cancel(4)) == []
-    assert [answer.request_id for answer in asked(desk, request(6))] == [6]
+    queue = RequestQueue(planner)
+    (answer,) = queue.cancel(cancel(5))
+    assert queue.ask(request(5)) == [answer]
+    assert queue.cancel(cancel(4)) == []
+    assert [answer.request_id for answer in asked(queue, request(6))] == [6]
     assert planner.seeds == [1]
 
 
 def test_a_search_that_is_begun_anew_may_be_interrupted_before_it_comes_to_something_new() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
-    desk.ask(request(0, client="a", anytime=ANYTIME))
-    first = desk.work(lambda: False)
-    desk.ask(request(0, client="b", seed=2))
-    second = desk.work(lambda: False)
-    assert desk.work(lambda: True) is None
-    rest = worked(desk)
+    queue = RequestQueue(planner)
+    queue.ask(request(0, client="a", anytime=ANYTIME))
+    first = queue.work(lambda: False)
+    queue.ask(request(0, client="b", seed=2))
+    second = queue.work(lambda: False)
+    assert queue.work(lambda: True) is None
+    rest = worked(queue)
     assert (first is not None, second is not None) == (True, True)
     assert [(answer.client, answer.revision) for answer in rest] == [("a", 1), ("a", 2)]
 
 
 def test_the_improvements_at_hand_go_on_before_those_of_others() -> None:
     planner = Planner()
-    desk = RequestQueue(planner)
+    queue = RequestQueue(planner)
     for client in ("a", "b"):
-        desk.ask(request(0, client=client, anytime=ANYTIME))
-    order = [(answer.client, answer.revision) for answer in worked(desk)]
+        queue.ask(request(0, client=client, anytime=ANYTIME))
+    order = [(answer.client, answer.revision) for answer in worked(queue)]
     assert order == [("a", 0), ("b", 0), ("b", 1), ("b", 2), ("a", 1), ("a", 2)]
     assert len(planner.seeds) == 3

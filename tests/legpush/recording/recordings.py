@@ -11,6 +11,7 @@ from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
 from legpush.messages.stepping import Action, Motion, Observation, Refusal
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published
+from legpush.recording.mcap_file.reader import Recording, read_recording
 from legpush.recording.mcap_file.writer import WHOLE, RecordingFile, Split
 from legpush.recording.recorder import Recorder, Wanted, statement
 from tests.legpush.fakes import RUN, FakeStepper, mission
@@ -95,7 +96,7 @@ def write(
     for number, begin in enumerate(range(0, max(len(actions), 1), n_per_batch)):
         end = begin + n_per_batch
         for origin, copies in ((AGENT, actions), (SIM, answers)):
-            recorder.take(batch(origin, number, copies[begin:end], final=end >= len(copies), facts=facts))
+            recorder.write_batch(batch(origin, number, copies[begin:end], final=end >= len(copies), facts=facts))
         file.flush()
     file.finish(statement(recorder.ledger.completeness()))
     return file.parts
@@ -105,3 +106,11 @@ def a_recording(path: Path, motions: Sequence[Motion] | None = None) -> Path:
     """Of a fake mission."""
     write(path, *traffic(mission() if motions is None else motions))
     return path
+
+
+def damaged(path: Path, at: bytes, shift: int = 0) -> Recording:
+    """The recording, after a bit has flipped where these bytes begin, or beyond."""
+    data = bytearray(path.read_bytes())
+    data[data.index(at) + shift] ^= 1
+    path.write_bytes(data)
+    return read_recording([path])

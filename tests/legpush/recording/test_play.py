@@ -1,4 +1,4 @@
-"""A recording in the place of a simulator or planner, and as the past of a branch: what was answered, nothing else."""
+"""A recording in the place of a simulator or a planner: what was answered, and nothing else."""
 
 from pathlib import Path
 
@@ -6,25 +6,21 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.bus import keys
-from legpush.errors import ConfigError, MotionError, RecordingError
+from legpush.errors import MotionError, RecordingError
 from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
 from legpush.messages.stepping import Motion, Push, Walk
 from legpush.messages.telemetry import Copies
 from legpush.plans.planner import PlanningInterruptedError
-from legpush.recording.branch import BranchPoint, RecordedPast, parse_point
 from legpush.recording.episodes import read_episodes
-from legpush.recording.facts import CONTINUED, read_facts, unpack_mission
-from legpush.recording.info import lines
 from legpush.recording.mcap_file.reader import Recording, read_recording
 from legpush.recording.mcap_file.writer import RecordingFile
 from legpush.recording.plans import read_plans
 from legpush.recording.play import RecordedPlanner, RecordedSim
-from legpush.recording.publish import from_start
 from legpush.recording.recorder import Recorder, Wanted
 from tests.legpush.examples import QUERY
 from tests.legpush.fakes import RUN, FakeStepper, fake_plan, mission
-from tests.legpush.recording.recordings import ABOUT, AGENT, a_recording, batch, copy, header, traffic
+from tests.legpush.recording.recordings import ABOUT, AGENT, a_recording, batch, copy, header
 
 PLANNER = replace(AGENT, role="planner", incarnation="planner-1")
 OTHER = Push(w1=0.5, w2=0.123, leg="FL", depth_m=0.1)
@@ -86,7 +82,7 @@ def planned(path: Path, n: int = 2) -> Recording:
     told = [copy(keys.plan_result(RUN, "main"), i, codec.encode(each)) for i, each in enumerate(results)]
     batches: list[Copies] = [batch(AGENT, 0, asked, final=True), batch(PLANNER, 0, told, final=True)]
     for each in batches:
-        recorder.take(each)
+        recorder.write_batch(each)
     file.finish({})
     return read_recording([path])
 
@@ -99,70 +95,3 @@ def test_a_recorded_planner_gives_the_recorded_revisions_and_then_waits(tmp_path
         next(plans)
     with pytest.raises(RecordingError, match="no such query; it differs from the last one of its kind in seed: 1, 77"):
         next(player.make_plans(replace(QUERY, seed=77), lambda: True))
-
-
-def test_the_past_of_a_branch_answers_the_recorded_motions_only(tmp_path: Path) -> None:
-    past = RecordedPast(read_recording([a_recording(tmp_path / "a.mcap")]), BranchPoint(0, 8))
-    fake = FakeStepper()
-    for step, motion in enumerate(mission()[:8]):
-        assert past.act(step, motion, with_trace=True) == fake.perform(motion, with_trace=True)
-    with pytest.raises(RecordingError, match=r"step 7 of the recording: expected push with w2 0.15 as recorded"):
-        past.act(7, OTHER, with_trace=True)
-
-
-@pytest.mark.parametrize(
-    ("point", "words"),
-    [
-        (BranchPoint(1, 3), "Expected an episode from 0 to 0 for --at, got 1"),
-        (BranchPoint(0, 25), "Expected a step from 1 to 24 of episode 0 for --at, got 25"),
-        (BranchPoint(0, 0), "Expected a step from 1 to 24 of episode 0 for --at, got 0"),
-    ],
-)
-def test_a_branch_point_that_does_not_exist_is_refused(tmp_path: Path, point: BranchPoint, words: str) -> None:
-    with pytest.raises(RecordingError, match=words):
-        RecordedPast(read_recording([a_recording(tmp_path / "a.mcap")]), point)
-
-
-def test_a_branch_from_behind_a_damaged_step_is_refused(tmp_path: Path) -> None:
-    path = a_recording(tmp_path / "a.mcap")
-    data = bytearray(path.read_bytes())
-    data[data.index(traffic(mission())[0][4].payload) + 40] ^= 1
-    path.write_bytes(data)
-    RecordedPast(read_recording([path]), BranchPoint(0, 4))
-    with pytest.raises(RecordingError, match="episode 0, step 4: its action is damaged"):
-        RecordedPast(read_recording([path]), BranchPoint(0, 4 + 1))
-
-
-@pytest.mark.parametrize("text", ["", "3", "0:", "0:-1", "a:1", "0:1:2"])
-def test_a_branch_point_is_two_numbers(text: str) -> None:
-    with pytest.raises(ConfigError, match="Expected EPISODE:STEP for --at, such as 0:12, got "):
-        parse_point(text)
-
-
-def test_a_recording_that_is_no_mission_cannot_be_run_again(tmp_path: Path) -> None:
-    recording = read_recording([a_recording(tmp_path / "a.mcap")])
-    with pytest.raises(RecordingError, match=r"with mission.json in it, got one with no files"):
-        read_facts(recording)
-    recording.about |= {"parent_sha256": "0", "parent_file": "p.mcap", "parent_episode": "0", "parent_step": "3"}
-    with pytest.raises(RecordingError, match=r"got a branch of p.mcap at 0:3; it can be verified"):
-        unpack_mission(recording, tmp_path)
-
-
-def test_a_mission_that_was_interrupted_says_so_and_cannot_be_run_again_from_its_second_recording(
-    tmp_path: Path,
-) -> None:
-    recording = read_recording([a_recording(tmp_path / "a.mcap")])
-    assert not any("after an interruption" in line for line in lines(recording))
-    recording.about |= {CONTINUED: "yes"}
-    assert any("began         after an interruption" in line for line in lines(recording))
-    with pytest.raises(RecordingError, match="from its beginning on, got one that goes on after an interruption"):
-        unpack_mission(recording, tmp_path)
-
-
-def test_what_is_published_again_begins_where_it_is_asked_to(tmp_path: Path) -> None:
-    recording = read_recording([a_recording(tmp_path / "a.mcap")])
-    times = [message.copy.time_ns for message in from_start(recording, 0.1)]
-    assert times == sorted(times)
-    assert times[0] == min(message.copy.time_ns for message in recording.messages) + 100_000_000
-    with pytest.raises(RecordingError, match=r"Expected a --start of at most 0.2 s, where the recording ends"):
-        from_start(recording, 3.0)

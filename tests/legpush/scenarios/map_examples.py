@@ -85,3 +85,15 @@ def sides(wall: Rectangle) -> tuple[float, float, float, float]:
 def grey_of(cells: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """The picture of a map, black where it is occupied."""
     return np.where(cells == 1, OCCUPIED, FREE).astype(np.uint8)
+
+
+def as_pgm_in_ascii(folder: Path) -> dict[str, Any]:
+    write_pgm_ascii(folder / "map.pgm", grey_of(CELLS))
+    write_yaml(folder / "map.yaml")
+    return {"grid_file": "map.yaml"}
+
+
+def as_pgm_in_binary(folder: Path) -> dict[str, Any]:
+    write_pgm_binary(folder / "map.pgm", grey_of(CELLS))
+    write_yaml(folder / "map.yml", negate=False, mode="trinary", author="ignored")
+    return {"grid_file": "map.yml"}

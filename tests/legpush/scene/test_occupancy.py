@@ -1,6 +1,4 @@
-"""The occupancy map and the shapes on the floor."""
-
-from math import cos, hypot, pi, sin
+"""The occupancy map of a room."""
 
 import numpy as np
 import pytest
@@ -8,34 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.scenarios.grid import merged_rectangles
-from legpush.scene.footprints import Footprint, distance_m, distance_to_point_m, obstacle_footprint
+from legpush.scene.footprints import Footprint, distance_m
 from legpush.scene.occupancy import OccupancyGrid, clearance_m, grid_shape, occupancy_grid, room_by_now
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import PlanSettings, Rectangle, Room
-
-LENGTH = st.floats(0.1, 3.0)
-COORDINATE = st.floats(-1.0, 6.0)
-FOOTPRINT = st.builds(
-    Footprint,
-    pose=st.builds(Pose2, x_m=COORDINATE, y_m=COORDINATE, yaw_rad=st.floats(-pi, pi)),
-    length_m=LENGTH,
-    width_m=LENGTH,
-)
+from tests.legpush.scene.floor_shapes import FOOTPRINT, samples_in
 
 
 def cells_of(grid: OccupancyGrid) -> NDArray[np.uint8]:
     """(rows, columns)."""
     return np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
-
-
-def samples_in(footprint: Footprint) -> Floats:
-    """Points strictly inside, also near its border and corners, (n, 2)."""
-    ticks = np.linspace(-0.4999, 0.4999, 41)
-    u, v = np.meshgrid(ticks * footprint.length_m, ticks * footprint.width_m)
-    return footprint.pose.apply(np.stack([u.ravel(), v.ravel()], axis=-1))
 
 
 @given(footprint=FOOTPRINT, resolution_m=st.sampled_from([0.05, 0.1, 0.3]))
@@ -110,55 +91,3 @@ def test_a_whole_number_of_cells_makes_no_further_one(n: int, resolution_m: floa
 def test_the_clearance_is_the_foot_rectangles_radius_and_the_margin() -> None:
     assert clearance_m(PlanSettings(margin_m=0.1)) == pytest.approx(FOOT_RECTANGLE_RADIUS_M + 0.1)
     assert clearance_m(PlanSettings()) == pytest.approx(0.442, abs=0.001)
-
-
-@given(a=FOOTPRINT, b=FOOTPRINT)
-def test_the_distance_of_footprints_is_that_of_their_nearest_points(a: Footprint, b: Footprint) -> None:
-    distance = distance_m(a, b)
-    nearest = min(distance_to_point_m(a, point) for point in samples_in(b))
-    spacing = hypot(b.length_m, b.width_m) / 40
-    if distance > 0.0:
-        assert distance - 1e-9 <= nearest <= distance + spacing
-    else:
-        assert nearest <= spacing
-    assert distance == pytest.approx(distance_m(b, a), abs=1e-9)
-
-
-@given(a=FOOTPRINT, b=FOOTPRINT)
-def test_footprints_that_overlap_part_when_moved_by_what_the_distance_says(a: Footprint, b: Footprint) -> None:
-    depth = -distance_m(a, b)
-    if depth <= 0.0:
-        return
-    ways = [f.pose.yaw_rad + quarter * pi / 2 for f in (a, b) for quarter in range(4)]
-    moved = [
-        Footprint(
-            pose=Pose2(x_m=b.pose.x_m + depth * cos(way), y_m=b.pose.y_m + depth * sin(way), yaw_rad=b.pose.yaw_rad),
-            length_m=b.length_m,
-            width_m=b.width_m,
-        )
-        for way in ways
-    ]
-    assert max(distance_m(a, m) for m in moved) == pytest.approx(0.0, abs=1e-9)
-
-
-@given(data=st.data(), n_rows=st.integers(1, 12), n_columns=st.integers(1, 12))
-def test_merged_rectangles_cover_exactly_the_occupied_cells_once(
-    data: st.DataObject, n_rows: int, n_columns: int
-) -> None:
-    bits = data.draw(st.lists(st.booleans(), min_size=n_rows * n_columns, max_size=n_rows * n_columns))
-    occupied = np.array(bits).reshape(n_rows, n_columns)
-    covered = np.zeros_like(occupied, dtype=int)
-    for r in merged_rectangles(occupied, 0.5):
-        covered[round(r.y_min_m * 2) : round(r.y_max_m * 2), round(r.x_min_m * 2) : round(r.x_max_m * 2)] += 1
-    assert (covered == occupied).all()
-
-
-def test_a_solid_block_of_cells_is_one_rectangle() -> None:
-    assert merged_rectangles(np.ones((3, 4), dtype=bool), 2.0) == (
-        Rectangle(x_min_m=0.0, x_max_m=8.0, y_min_m=0.0, y_max_m=6.0),
-    )
-
-
-def test_an_obstacle_and_its_footprint_are_the_same_rectangle() -> None:
-    wall = Rectangle(x_min_m=1.0, x_max_m=3.0, y_min_m=2.0, y_max_m=2.5)
-    assert obstacle_footprint(wall).corners().tolist() == [[3.0, 2.5], [1.0, 2.5], [1.0, 2.0], [3.0, 2.0]]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Motion, Push, Reset
 from legpush.messages.telemetry import Copy
@@ -24,18 +24,18 @@ def messages() -> tuple[list[Copy], list[Copy]]:
 
 
 @pytest.fixture(scope="session")
-def timelines(messages: tuple[list[Copy], list[Copy]]) -> Timelines:
+def timelines(messages: tuple[list[Copy], list[Copy]]) -> RunHistory:
     """The same as timelines."""
-    made = Timelines()
+    made = RunHistory()
     for origin, copies in ((AGENT, messages[0]), (SIM, messages[1])):
         for copy in copies:
-            made.take("sim/main/action" if copy.key == ACTIONS else "sim/main/observation", origin, copy)
+            made.take_message("sim/main/action" if copy.key == ACTIONS else "sim/main/observation", origin, copy)
     assert {copy.key for copies in messages for copy in copies} == {ACTIONS, ANSWERS}
     return made
 
 
 @pytest.fixture(scope="session")
-def timeline(timelines: Timelines) -> Timeline:
+def timeline(timelines: RunHistory) -> Timeline:
     """The episode."""
     (only,) = timelines.episodes.values()
     return only

@@ -5,7 +5,7 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.messages.telemetry import Origin
 from sim_proc.view.listener import Listener
 from tests.legpush.recording.recordings import SIM, batch
@@ -18,7 +18,7 @@ def test_whom_a_replay_stands_for_is_there_as_long_as_the_replay_is() -> None:
     bus: Any = SimpleNamespace(liveliness=SimpleNamespace(live=lambda: peers))
     listener, handed_over = Listener(bus), batch(SIM, 0, [])
     listener.take(
-        replace(handed_over, header=replace(handed_over.header, role="launcher", incarnation="replay-1")), Timelines()
+        replace(handed_over, header=replace(handed_over.header, role="launcher", incarnation="replay-1")), RunHistory()
     )
     assert listener.live() == [REPLAY, SIM]
     peers.clear()
@@ -28,5 +28,5 @@ def test_whom_a_replay_stands_for_is_there_as_long_as_the_replay_is() -> None:
 def test_whose_own_copies_came_is_there_only_as_long_as_it_is_seen() -> None:
     bus: Any = SimpleNamespace(liveliness=SimpleNamespace(live=list))
     listener = Listener(bus)
-    listener.take(batch(SIM, 0, []), Timelines())
+    listener.take(batch(SIM, 0, []), RunHistory())
     assert listener.live() == []

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from msgspec.structs import replace
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.messages import codec
 from legpush.messages.stepping import Action, Observation
 from legpush.messages.telemetry import Copy, Origin
@@ -30,7 +30,7 @@ class Training:
         self._left += range(self._n, self._n + n_episodes)
         self._n += n_episodes
 
-    def pump(self, timelines: Timelines, budget_s: float) -> None:
+    def pump(self, timelines: RunHistory, budget_s: float) -> None:
         assert budget_s > 0.0
         for number in self._left:
             for topic, origin, copies, kind in (
@@ -40,9 +40,9 @@ class Training:
                 for each in copies:
                     message = replace(codec.decode(each.payload, kind), episode=EPISODE + number)
                     payload, at_ns = codec.encode(message), each.time_ns + number * 10**12
-                    timelines.take(topic, origin, replace(each, payload=payload, time_ns=at_ns))
+                    timelines.take_message(topic, origin, replace(each, payload=payload, time_ns=at_ns))
         self._left.clear()
-        timelines.keep(2)
+        timelines.keep_newest(2)
 
     def live(self) -> list[Origin]:
         return []

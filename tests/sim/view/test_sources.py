@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from legpush.history.run_history import Timelines
+from legpush.history.run_history import RunHistory
 from legpush.messages.stepping import Reset
 from legpush.messages.telemetry import Copy, Fact
 from legpush.runs.folder import SCENARIO_FILE
@@ -12,8 +12,8 @@ from tests.legpush.recording.recordings import write
 from tests.sim.view.conftest import MOTIONS
 
 
-def read(path: Path) -> Timelines:
-    timelines = Timelines()
+def read(path: Path) -> RunHistory:
+    timelines = RunHistory()
     with RecordedSource([path]) as run:
         while run.is_reading:
             run.pump(timelines, 0.02)

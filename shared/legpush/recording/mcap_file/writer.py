@@ -16,8 +16,7 @@ from mcap.writer import CompressionType, Writer
 from msgspec import Struct
 
 from legpush.errors import RecordingError
-from legpush.messages import codec, planning, stepping
-from legpush.messages import telemetry as tap
+from legpush.messages import codec, planning, stepping, telemetry
 from legpush.messages.schemas import json_schema
 from legpush.messages.telemetry import Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digest, Digests, Key, Mark, mark_of
@@ -116,7 +115,7 @@ class RecordingFile:
     def flush(self) -> None:
         """What was written up to now survives a kill; where the part is long enough, begin another."""
         self._writer.flush()  # type: ignore[no-untyped-call]
-        self._stream.keep()
+        self._stream.mark_whole()
         limit_bytes, limit_s = self._split
         too_large = limit_bytes is not None and self._stream.position >= limit_bytes
         if too_large or (limit_s is not None and monotonic() - self._began >= limit_s):
@@ -157,11 +156,11 @@ class RecordingFile:
         for attachment in self._attachments.values():
             self._add(attachment)
         self._writer.flush()  # type: ignore[no-untyped-call]
-        self._stream.keep()
+        self._stream.mark_whole()
 
     def _end(self) -> None:
         self._writer.finish()  # type: ignore[no-untyped-call]
-        self._stream.keep()
+        self._stream.mark_whole()
         self._stream.close_at_kept()
 
     def _add(self, attachment: Attachment) -> None:
@@ -199,8 +198,8 @@ _KINDS: Final[dict[str, tuple[type[Struct], ...]]] = {
     "result": (planning.PlanResult,),
     "action": (stepping.Action,),
     "observation": (stepping.Observation, stepping.Refusal),
-    "reward": (tap.Reward,),
-    "status": (tap.Status,),
+    "reward": (telemetry.Reward,),
+    "status": (telemetry.Status,),
     "digests": (Digests,),
 }
 """Last segment of a topic to what it carries."""
@@ -241,12 +240,12 @@ class _Stream:
     def flush(self) -> None:
         """Nothing is held back."""
 
-    def keep(self) -> None:
+    def mark_whole(self) -> None:
         """The file is fit to be read up to here."""
         self._kept = self.position
 
     def close_at_kept(self) -> None:
-        """Close it; what came after the last `keep` is cut off."""
+        """Close it; what came after the last `mark_whole` is cut off."""
         if self._file >= 0:
             os.ftruncate(self._file, self._kept)
             os.close(self._file)

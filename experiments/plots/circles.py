@@ -1,4 +1,4 @@
-"""The picture of `python -m experiments.circles`, from what it left in `results/`."""
+"""Draws the picture of `python -m experiments.circles` from its tables in `results/`."""
 
 from pathlib import Path
 from typing import Any, Final
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from experiments.evaluations import RESULTS, read_table
 from legpush.arrays import Floats
 
-PUBLISHED: Final = Path(__file__).parent / "published"
+PUBLISHED: Final = Path(__file__).parents[1] / "published"
 SHOWN: Final = (0.03, 0.05, 0.08)
 FRICTION: Final = 0.5
 USUAL_DEPTH_M: Final = 0.05
@@ -18,11 +18,11 @@ PUBLISHED_FITS: Final = {
     "left": (1.2570082, 4.24756e-4, -1.5136131, 9.8818031, 4515.874, 0.838),
     "right": (1.0896589, 4.67027e-4, -2.2201639, 10.3937474, 5933.365, 0.908),
 }
-"""Amplitude [m], omega [rad/s], phi [rad], offset [m], where the fit begins [s], and R2."""
+"""Amplitude [m], omega [rad/s], phi [rad], offset [m], begin of the fit [s], and R2."""
 
 
 def draw() -> None:
-    """Tracks from above, a coordinate over time with its sine, and the published one with its own."""
+    """Draw the tracks from above, a coordinate over time with its sine, and the published coordinate with its sine."""
     rows, series = (
         [{key: _number(value) for key, value in row.items()} for row in read_table(RESULTS / name)]
         for name in ("circles.csv", "circles_series.csv.gz")
@@ -37,7 +37,7 @@ def draw() -> None:
 
 
 def _of(rows: list[dict[str, Any]], direction: str, depth_m: float) -> list[dict[str, Any]]:
-    """Rows of the first start at a depth and the usual friction."""
+    """Return the rows of the first start at a depth and the usual friction."""
     found = [r for r in rows if (r["direction"], r["depth_m"], r["friction"]) == (direction, depth_m, FRICTION)]
     return [row for row in found if row["seed"] == found[0]["seed"]]
 

@@ -1,4 +1,4 @@
-"""The mosaic of `python -m experiments.random_rooms`: every room, with the ways of robot and box."""
+"""Draws the mosaic of `python -m experiments.random_rooms`: every room with the tracks of robot and box."""
 
 from math import ceil
 from typing import Any, Final
@@ -17,7 +17,7 @@ GOOD, BAD = "#2b8a4b", "#c0392b"
 
 
 def draw(rows: list[dict[str, Any]], scenarios: list[Scenario], tracks: list[dict[str, Any]]) -> None:
-    """All rooms; a frame is green where the mission succeeded."""
+    """Draw all rooms; the frame is green if the mission succeeded, else red."""
     by_seed: dict[int, list[dict[str, Any]]] = {}
     for point in tracks:
         by_seed.setdefault(int(point["seed"]), []).append(point)

@@ -1,0 +1,95 @@
+"""The charts in the picture of a mission: tilt of the trunk, support margin, and error of the box."""
+
+from itertools import groupby
+from math import degrees
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from agent_proc.reporting.mission_record import MissionRecord
+from agent_proc.reporting.picture_parts import MAX_POINTS
+from agent_proc.reporting.style import BLUE, BOX, GOAL, RAW
+from legpush.arrays import Floats
+from legpush.messages.stepping import Motion, Push, Walk
+from legpush.scene.robot import CONTROL_PERIOD_S
+
+PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
+LEAST_NAMED: Final = 0.08
+"""Share of the mission's time below which a phase has no room for its name."""
+ERROR_TICKS: Final = (0, 1, 3, 10, 30, 100, 300, 1000)
+
+
+def draw_tilt(axes: Axes, record: MissionRecord) -> None:
+    """Pitch and roll of the trunk over time."""
+    ticks = record.ticks()
+    _shade_phases(axes, record)
+    roll, pitch = np.degrees(ticks.roll_pitch_rad).T
+    _draw_series(axes, ticks.time_s, pitch, RAW, "pitch")
+    _draw_series(axes, ticks.time_s, roll, BLUE, "roll")
+    axes.set(ylabel="angle [°]")
+    axes.set_title("Trunk pitch and roll")
+    _legend_above(axes)
+
+
+def draw_margin(axes: Axes, record: MissionRecord) -> None:
+    """Support margin of the CoM over time."""
+    ticks = record.ticks()
+    _shade_phases(axes, record)
+    _draw_series(axes, ticks.time_s, 100.0 * ticks.support_margin_m, "#4a6b5d", "")
+    axes.axhline(0.0, color=RAW, lw=0.8)
+    axes.set(xlabel="simulated time [s]", ylabel="margin [cm]")
+    axes.set_title("Support margin of the CoM")
+
+
+def draw_box_error(axes: Axes, record: MissionRecord) -> None:
+    """Errors of the box over the push cycles in tolerances, so that one line means success."""
+    goal = record.scenario.goal
+    errors = [record.box_error(step) for step in record.pushing()]
+    cycles = range(len(errors))
+    position = [error.position_m / goal.position_tolerance_m for error in errors]
+    angle = [degrees(error.angle_rad) / goal.angle_tolerance_deg for error in errors]
+    axes.axhspan(0.0, 1.0, color=GOAL, alpha=0.1, lw=0)
+    for values, color, label in (
+        (position, BOX, f"position (in {100 * goal.position_tolerance_m:g} cm)"),
+        (angle, BLUE, f"angle (in {goal.angle_tolerance_deg:g}°)"),
+    ):
+        axes.plot(cycles, values, color=color, label=label, marker="o", ms=2.6, lw=1.0)
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
+    top = 1.6 * max([2.0, *position, *angle])
+    axes.set(xlabel="push cycle", ylabel="error / tolerance", ylim=(0.0, top))
+    axes.set_yticks([tick for tick in ERROR_TICKS if tick < top], minor=False)
+    axes.set_yticks([], minor=True)
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_title("Box error")
+    _legend_above(axes)
+
+
+def _legend_above(axes: Axes) -> None:
+    """Place the legend on the line of the title, at the right."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1, handlelength=1.4)
+
+
+def _draw_series(axes: Axes, time_s: Floats, values: Floats, color: str, label: str) -> None:
+    """Draw a line over time as the band between the extremes of its chunks, so that thinning loses no extreme."""
+    starts = np.linspace(0, len(values), min(len(values), MAX_POINTS // 4), endpoint=False).astype(int)
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    axes.fill_between(time_s[starts], low, high, color=color, lw=0.6, alpha=0.85, label=label)
+
+
+def _shade_phases(axes: Axes, record: MissionRecord) -> None:
+    """Shade the background by walking and pushing, and name each phase that is wide enough."""
+    end_s = max(record.steps[-1].world.tick * CONTROL_PERIOD_S, 1.0)
+    moving = [step for step in record.steps if isinstance(step.motion, Walk | Push) and len(step.ticks.time_s)]
+    for kind, run in groupby(moving, key=lambda step: type(step.motion)):
+        steps = list(run)
+        name, color = PHASES[kind]
+        begin, end = steps[0].ticks.time_s[0], steps[-1].ticks.time_s[-1]
+        axes.axvspan(begin, end, color=color, lw=0, zorder=0)
+        if end - begin >= LEAST_NAMED * end_s:
+            where = axes.get_xaxis_transform()
+            axes.text(begin, 0.96, f" {name}", transform=where, va="top", fontsize=7.5, color="#6b717b")
+    axes.margins(y=0.25)
+    axes.set_xlim(0.0, end_s)

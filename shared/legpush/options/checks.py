@@ -1,0 +1,51 @@
+"""Checks of flags that several commands have."""
+
+import os
+import shutil
+from math import isfinite
+from pathlib import Path
+
+from legpush.errors import ConfigError
+
+
+def require_positive(value: float | None, flag: str, unit: str = "") -> None:
+    """Check that a number, if given, is finite and above 0.
+
+    Raises:
+        ConfigError: It is not; names the flag.
+    """
+    if value is not None and not (isfinite(value) and value > 0.0):
+        raise ConfigError(f"Expected more than 0{f' {unit}' if unit else ''} for {flag}, got {value}")
+
+
+def require_not_negative(value: float, flag: str) -> None:
+    """Check that a number is finite and at least 0.
+
+    Raises:
+        ConfigError: It is not; names the flag.
+    """
+    if not (isfinite(value) and value >= 0.0):
+        raise ConfigError(f"Expected 0 or more for {flag}, got {value}")
+
+
+def require_new_file(path: Path, flag: str) -> None:
+    """Check that a file can be made.
+
+    Raises:
+        ConfigError: There is one of this name, or its folder is not there or cannot be written to.
+    """
+    folder = path.absolute().parent
+    if os.path.lexists(path) or not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise ConfigError(f"Expected a new file in an existing folder for {flag}, got {path}")
+
+
+def program_path(name: str) -> str:
+    """Absolute path of a planner's program, given by name or path.
+
+    Raises:
+        ConfigError: No such program is found.
+    """
+    program = shutil.which(name)
+    if program is None:
+        raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is none")
+    return os.path.abspath(program)

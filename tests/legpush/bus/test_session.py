@@ -1,0 +1,169 @@
+"""Sessions, on Zenoh and in memory: what arrives where, who is alive, and how a process on a taken address ends."""
+
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import Endpoints, in_directory
+from legpush.bus.session import ZenohSession
+from legpush.bus.transport import Session
+from legpush.errors import EndpointError
+from tests.legpush.bus.memory_session import RUN, MemoryNetwork
+from tests.legpush.fakes import bus, eventually
+
+HOLD_SOCKET = """
+import sys, time
+from pathlib import Path
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import in_directory
+with Bus("test", "sim", "main", in_directory(Path(sys.argv[1]), "sim")) as bus:
+    bus.announce()
+    print("ready", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture(params=["memory", "zenoh"])
+def pair(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Session, Session]]:
+    """Two sessions that are linked, of each kind."""
+    if request.param == "memory":
+        network = MemoryNetwork()
+        yield network.open_session(Endpoints(), "one"), network.open_session(Endpoints(), "other")
+        return
+    address = in_directory(tmp_path, "sim").listen
+    one = ZenohSession(Endpoints(listen=address), "one")
+    other = ZenohSession(Endpoints(connect=address), "other")
+    yield one, other
+    other.close()
+    one.close()
+
+
+class Heard:
+    """What came in a session under a key."""
+
+    def __init__(self, session: Session, pattern: str) -> None:
+        self.messages: list[tuple[str, bytes]] = []
+        self.undeclare = session.subscribe(pattern, lambda key, payload: self.messages.append((key, payload)))
+
+
+class Seen:
+    """The tokens that came and went in a session."""
+
+    def __init__(self, session: Session, pattern: str) -> None:
+        self.tokens: list[tuple[str, bool]] = []
+        self.undeclare = session.watch_tokens(pattern, lambda key, alive: self.tokens.append((key, alive)))
+
+
+def link(one: Session, other: Session) -> None:
+    """Wait until each hears the other."""
+    heard = Heard(one, "link/one"), Heard(other, "link/other")
+
+    def both() -> bool:
+        one.put("link/other", b"")
+        other.put("link/one", b"")
+        return all(each.messages for each in heard)
+
+    assert eventually(both)
+
+
+def test_a_message_arrives_at_those_who_subscribe_to_its_key(pair: tuple[Session, Session]) -> None:
+    one, other = pair
+    exact, wild, else_where, own = (
+        Heard(other, "a/x/b"),
+        Heard(other, "a/*/b"),
+        Heard(other, "a/*"),
+        Heard(one, "a/*/b"),
+    )
+    link(one, other)
+    sender = one.publisher("a/x/b", "lockstep")
+    for payload in (b"1", b"2"):
+        sender.send(payload)
+    one.put("a/y/b", b"3")
+    assert eventually(lambda: len(wild.messages) == 3)
+    assert wild.messages == [("a/x/b", b"1"), ("a/x/b", b"2"), ("a/y/b", b"3")]
+    assert exact.messages == [("a/x/b", b"1"), ("a/x/b", b"2")]
+    assert (else_where.messages, own.messages) == ([], [])
+
+
+def test_after_undeclaring_nothing_arrives(pair: tuple[Session, Session]) -> None:
+    one, other = pair
+    heard, still = Heard(other, "a"), Heard(other, "a")
+    link(one, other)
+    heard.undeclare()
+    one.put("a", b"1")
+    assert eventually(lambda: still.messages == [("a", b"1")])
+    assert heard.messages == []
+
+
+def test_tokens_are_seen_by_those_who_came_before_and_by_those_who_come_later(pair: tuple[Session, Session]) -> None:
+    one, other = pair
+    early = Seen(other, "live/*")
+    hide, hide_other = one.show_token("live/a"), one.show_token("dead/a")
+    assert eventually(lambda: early.tokens == [("live/a", True)])
+    late = Seen(other, "live/*")
+    assert eventually(lambda: late.tokens == [("live/a", True)])
+    late.undeclare()
+    hide_other()
+    hide()
+    assert eventually(lambda: early.tokens == [("live/a", True), ("live/a", False)])
+    assert late.tokens == [("live/a", True)]
+
+
+def test_the_tokens_of_a_session_go_when_it_is_closed(pair: tuple[Session, Session]) -> None:
+    one, other = pair
+    seen = Seen(one, "live/*")
+    hide = other.show_token("live/a")
+    assert eventually(lambda: seen.tokens == [("live/a", True)])
+    other.close()
+    assert eventually(lambda: seen.tokens == [("live/a", True), ("live/a", False)])
+    del hide
+
+
+def test_a_second_process_on_the_same_socket_has_one_clear_error(tmp_path: Path) -> None:
+    with (
+        bus(tmp_path, "sim"),
+        pytest.raises(EndpointError, match=r"listen on unixsock-stream/.*sim\.sock as sim main"),
+        bus(tmp_path, "sim"),
+    ):
+        pass
+
+
+def test_a_second_process_on_the_same_port_has_one_clear_error() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        locator = f"tcp/127.0.0.1:{server.getsockname()[1]}"
+        with (
+            pytest.raises(EndpointError, match=f"listen on {locator}"),
+            Bus(RUN, "sim", "main", Endpoints(listen=(locator,))),
+        ):
+            pass
+
+
+def test_a_socket_left_behind_by_a_killed_process_is_taken_over(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", HOLD_SOCKET, str(tmp_path)]
+    with (
+        bus(tmp_path, "agent") as agent,
+        subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process,
+    ):
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        assert eventually(lambda: len(agent.liveliness.live("sim")) == 1)
+        process.send_signal(signal.SIGKILL)
+        process.wait(10.0)
+        assert (tmp_path / "sim.sock").exists()
+        assert eventually(lambda: agent.liveliness.live("sim") == [])
+        with bus(tmp_path, "sim") as sim:
+            sim.announce()
+            assert eventually(lambda: [s.incarnation for s in agent.liveliness.live("sim")] == [sim.incarnation])
+
+
+def test_a_bus_can_be_opened_again_after_an_error_within(tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="mission"), bus(tmp_path, "sim"):
+        raise RuntimeError("mission")
+    with bus(tmp_path, "sim") as sim:
+        assert sim.tally.as_dict() == {}

@@ -1,0 +1,85 @@
+"""The end of a run, for people: every number of the report, and the files that are there."""
+
+import json
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from legpush.launch.summary import ROWS, print_summary
+from legpush.runs.report import ReportError, read_report
+
+REPORT = {
+    "success": True,
+    "reason": "success",
+    "detail": "the box is at its goal",
+    "box_position_error_m": 0.0123,
+    "box_angle_error_deg": 1.26,
+    "walk_tracking_rms_m": None,
+    "box_path_rms_m": 0.0084,
+    "handover_distance_m": 0.95,
+    "trunk_max_abs_pitch_deg": 1.5,
+    "trunk_max_abs_roll_deg": 2.5,
+    "min_support_margin_m": 0.031,
+    "n_better_paths": 2,
+    "n_replans": 1,
+    "appeared": [{"obstacle": 3, "time_s": 12.0}],
+    "n_push_cycles": 17,
+    "n_footsteps": 240,
+    "sim_time_s": 101.25,
+    "wall_time_s": 7.5,
+    "real_time_factor": 13.5,
+    "state_crc": 123456789,
+    "seed": 3,
+    "recording": {"file": "mission.mcap", "complete": True, "notes": []},
+    "versions": {"legpush": "0.1.0"},
+}
+
+
+def test_the_summary_tells_every_number_and_only_the_files_that_are_there(tmp_path: Path) -> None:
+    (tmp_path / "report.json").write_text(json.dumps(REPORT))
+    (tmp_path / "logs").mkdir()
+    console = Console(file=StringIO(), width=200)
+    print_summary(console, tmp_path, read_report(tmp_path))
+    assert isinstance(console.file, StringIO)
+    text = console.file.getvalue()
+    for title, _ in ROWS.values():
+        assert title in text
+    for value in ("success", "1.2 cm", "1.3°", "-", "0.95 m", "3.1 cm", "17", "101.2 s", "13.5", "123456789"):
+        assert value in text
+    assert f"In {tmp_path}:\n  report.json" in text
+    assert "  logs" in text
+    assert "mission.mp4" not in text
+
+
+@pytest.mark.parametrize(
+    ("appeared", "shown"),
+    [
+        ([], False),
+        ([{"obstacle": 7, "time_s": 6.0}, {"obstacle": 8, "time_s": 65.04}], True),
+    ],
+)
+def test_the_summary_tells_what_appeared_if_anything_did(
+    appeared: list[dict[str, float]], shown: bool, tmp_path: Path
+) -> None:
+    console = Console(file=StringIO(), width=200)
+    print_summary(console, tmp_path, {**REPORT, "appeared": appeared, "n_replans": 2})
+    assert isinstance(console.file, StringIO)
+    text = console.file.getvalue()
+    assert ("room.obstacles[7] at 6.0 s, room.obstacles[8] at 65.0 s" in text) == shown
+    assert ("new paths because of them" in text) == shown
+
+
+def test_the_table_shows_every_field_of_a_report_but_the_versions() -> None:
+    assert {*ROWS, "versions"} == REPORT.keys()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"), [(None, "No such file"), ("{", "Expecting"), ("[]", "JSON object, got list")]
+)
+def test_a_report_that_cannot_be_read_is_named(content: str | None, words: str, tmp_path: Path) -> None:
+    if content is not None:
+        (tmp_path / "report.json").write_text(content)
+    with pytest.raises(ReportError, match=rf"report\.json: expected .*{words}"):
+        read_report(tmp_path)

@@ -1,0 +1,32 @@
+"""What people are told about a recording."""
+
+from pathlib import Path
+
+from legpush.messages.telemetry import Fact
+from legpush.recording.info import lines
+from legpush.recording.mcap_file.reader import read_recording
+from tests.legpush.fakes import mission
+from tests.legpush.recording.recordings import a_recording, traffic, write
+
+
+def test_info_says_what_is_there(tmp_path: Path) -> None:
+    path = a_recording(tmp_path / "a.mcap")
+    text = "\n".join(lines(read_recording([path])))
+    for words in ("run test, protocol 6", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
+        assert words in text
+
+
+def test_a_bit_that_flips_beside_the_messages_is_told(tmp_path: Path) -> None:
+    path = a_recording(tmp_path / "a.mcap")
+    data, actions = bytearray(path.read_bytes()), traffic(mission())[0]
+    data[data.index(actions[5].payload) - 3] ^= 1  # in the time of publishing
+    path.write_bytes(data)
+    text = "\n".join(lines(read_recording([path])))
+    assert "1 pieces of the file have a bit that flipped" in text
+
+
+def test_a_report_that_is_damaged_is_no_reason_to_show_nothing(tmp_path: Path) -> None:
+    actions, answers = traffic(mission())
+    report = Fact(name="report.json", media_type="application/json", data=b"[\xff")
+    paths = write(tmp_path / "a.mcap", actions, answers, facts=(report,))
+    assert "result        cannot be read: report.json is damaged" in lines(read_recording(paths))

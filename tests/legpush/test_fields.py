@@ -1,0 +1,41 @@
+"""Names, seeds and places of steps: what is taken, and what is refused with its flag."""
+
+import pytest
+
+from legpush.errors import ConfigError
+from legpush.fields import SEEDS, Name, Seed, episode_and_step, require, require_seeds
+
+
+@pytest.mark.parametrize(("kind", "value"), [(Name, "a"), (Name, "A-b_9" * 12), (Seed, 0), (Seed, SEEDS - 1)])
+def test_what_fits_is_taken(kind: object, value: object) -> None:
+    require(kind, value, "--flag")
+
+
+@pytest.mark.parametrize("value", ["", "a b", "a\n", "x" * 65, "a/b", "*"])
+def test_a_name_that_could_not_be_part_of_a_key_is_refused(value: str) -> None:
+    with pytest.raises(ConfigError, match="Expected 1 to 64 letters, digits, - or _ for --name, got "):
+        require(Name, value, "--name")
+
+
+@pytest.mark.parametrize("value", [-1, SEEDS])
+def test_a_seed_out_of_range_is_refused(value: int) -> None:
+    with pytest.raises(ConfigError, match=f"Expected a seed from 0 to 4294967295 for --seed, got {value}"):
+        require(Seed, value, "--seed")
+
+
+def test_a_row_of_seeds_has_to_end_before_the_seeds_do() -> None:
+    require_seeds(SEEDS - 3, 3, "--first-seed")
+    with pytest.raises(ConfigError, match="got 4 from --first-seed 4294967293 on"):
+        require_seeds(SEEDS - 3, 4, "--first-seed")
+    with pytest.raises(ConfigError, match="got 1 from --first-seed -1 on"):
+        require_seeds(-1, 1, "--first-seed")
+
+
+def test_the_place_of_a_step_is_two_numbers() -> None:
+    assert episode_and_step("0:12", "--at") == (0, 12)
+
+
+@pytest.mark.parametrize("text", ["", "3", "0:", "0:-1", "a:1", "0:1:2"])
+def test_a_place_that_is_something_else_is_refused(text: str) -> None:
+    with pytest.raises(ConfigError, match=f"Expected EPISODE:STEP for --at, such as 0:12, got '{text}'; "):
+        episode_and_step(text, "--at")
