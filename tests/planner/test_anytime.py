@@ -10,8 +10,8 @@ from legpush.plans.planner import PlanningInterruptedError
 from legpush.scene.scenario import Anytime, PlannerName, Rectangle
 from planner_proc.planning import make_plan, make_plans
 from tests.planner import maps
-from tests.planner.test_box_plan import OPEN, pose
-from tests.planner.test_box_plan import query as box_query
+from tests.planner.boxes import OPEN
+from tests.planner.boxes import query as box_query
 
 MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
 PLANNERS: tuple[PlannerName, ...] = get_args(PlannerName)
@@ -79,6 +79,6 @@ def test_a_search_stops_when_it_is_interrupted(planner: PlannerName) -> None:
 
 def test_a_search_for_a_path_of_the_box_stops_too() -> None:
     wall = Rectangle(x_min_m=3.9, x_max_m=4.1, y_min_m=0.0, y_max_m=8.0)
-    query = box_query(replace(OPEN, obstacles=(wall,)), pose(2.5, 4.0), pose(5.5, 4.0))
+    query = box_query(replace(OPEN, obstacles=(wall,)), maps.pose(2.5, 4.0), maps.pose(5.5, 4.0))
     with pytest.raises(PlanningInterruptedError):
         list(make_plans(query, lambda: True))
