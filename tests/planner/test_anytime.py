@@ -13,13 +13,12 @@ from tests.planner import maps
 from tests.planner.boxes import OPEN
 from tests.planner.boxes import query as box_query
 
-MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
 PLANNERS: tuple[PlannerName, ...] = get_args(PlannerName)
 
 
 def asked(planner: PlannerName, **changes: Any) -> PlanQuery:
     anytime = Anytime(n_improvements=4, improvement_iterations=400)
-    return maps.query(MAZE, (1.0, 1.0), (7.0, 5.0), planner=planner, **({"anytime": anytime} | changes))
+    return maps.query(maps.MAZE, (1.0, 1.0), (7.0, 5.0), planner=planner, **({"anytime": anytime} | changes))
 
 
 @pytest.mark.parametrize("planner", PLANNERS)
@@ -31,7 +30,7 @@ def test_each_revision_is_at_least_as_good_and_equal_queries_get_equal_ones(plan
     assert lengths_m == sorted(lengths_m, reverse=True)
     for plan in revisions:
         path = maps.samples(maps.positions(plan), 0.02)
-        assert maps.true_clearance(MAZE, path).min() >= maps.CLEARANCE_M - 1e-7
+        assert maps.true_clearance(maps.MAZE, path).min() >= maps.CLEARANCE_M - 1e-7
     assert list(make_plans(asked(planner), lambda: False)) == revisions
 
 
