@@ -12,7 +12,19 @@ from legpush import cli
 from legpush.options.run import RunOptions
 from legpush.scenarios.file import load_scenario, scenario_names
 
-HEAVY = ("numpy", "zenoh", "mujoco", "ompl", "torch", "matplotlib", "mcap", "PIL", "yaml", "rich.live", "legpush.bus.bus")
+HEAVY = (
+    "numpy",
+    "zenoh",
+    "mujoco",
+    "ompl",
+    "torch",
+    "matplotlib",
+    "mcap",
+    "PIL",
+    "yaml",
+    "rich.live",
+    "legpush.bus.bus",
+)
 
 
 def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
