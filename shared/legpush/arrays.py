@@ -1,4 +1,4 @@
-"""The array types, defined once; a docstring says the shape."""
+"""Array types for all packages; the docstring of a function has the shape."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,18 +1,18 @@
-"""The errors that legpush reports to its user: one sentence each, no traceback."""
+"""Errors that legpush reports to its user as one sentence, without a traceback."""
 
 from typing import Any, ClassVar, Final, Literal
 
 NO_OPENGL: Final = 4
-"""Exit code of programs that cannot draw because no OpenGL library can be used; they say so in a line."""
+"""Exit code of a program that cannot draw because no OpenGL library can be used."""
 INTERRUPTED: Final = 130
-"""Exit code of a program that was interrupted with its work not done."""
+"""Exit code of a program that was interrupted before its work was done."""
 
 
 class LegpushError(Exception):
-    """Something the user, a peer process or a file got wrong; its text says what was expected, what came and where."""
+    """An error of the user, a peer process or a file; its text has what was expected, what came, and where."""
 
     exit_code: ClassVar[int] = 3
-    """What the process ends with: 2 for bad input, 3 where a process failed, 130 where it was interrupted."""
+    """Exit code of the process: 2 for bad input, 3 if a process failed, 130 if it was interrupted."""
 
 
 class ConfigError(LegpushError):
@@ -41,7 +41,7 @@ class UnsolvableError(LegpushError):
     def __init__(self, text: str, run: Any) -> None:
         super().__init__(text)
         self.run = run
-        """The `MissionRun` up to there."""
+        """The `MissionRun` up to this error."""
 
 
 class ScenarioError(LegpushError):
@@ -51,7 +51,7 @@ class ScenarioError(LegpushError):
 
 
 class EndpointError(LegpushError):
-    """An address that cannot be listened on or connected to; names the address."""
+    """An address to which a process cannot listen or connect; names the address."""
 
     exit_code = 2
 
@@ -65,7 +65,7 @@ class MessageError(LegpushError):
 
 
 class PeerError(LegpushError):
-    """A peer process that is missing, frozen, refuses, or answers something else; names the peer and the step."""
+    """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
 class JournalError(LegpushError):
@@ -85,6 +85,6 @@ class MotionError(LegpushError):
 
 
 class StopRequestedError(LegpushError):
-    """The user or the launcher asked this process to stop while it was waiting, with its work not done."""
+    """The user or the launcher asked this process to stop before its work was done."""
 
     exit_code = 130

@@ -14,4 +14,4 @@ ENDINGS: Final[dict[Format, str]] = {
 FILMS: Final[tuple[Format, ...]] = ("mp4", "gif")
 LARGEST_FRAME: Final = (3840, 2160)
 FASTEST_GIF_FPS: Final = 50.0
-"""What viewers show; the pauses between frames are whole hundredths of a second."""
+"""Fastest rate that viewers show; the time between frames is a whole number of hundredths of a second."""

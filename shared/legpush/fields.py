@@ -1,4 +1,4 @@
-"""Types of fields that messages, files and command lines share, and checks of values on a command line."""
+"""Types of fields for messages, files and command lines, and checks of values on a command line."""
 
 import re
 from typing import Annotated, Any, Final
@@ -12,7 +12,7 @@ SEEDS: Final = 2**32
 """Number of seeds; the highest is one less."""
 
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
-"""Part of a key on the bus, and of file names."""
+"""A part of keys on the bus, and of file names."""
 Seed = Annotated[int, Meta(ge=0, lt=SEEDS)]
 """Seed of a random generator."""
 
@@ -48,7 +48,7 @@ def episode_and_step(text: str, flag: str) -> tuple[int, int]:
     """Parse the place of a step in a recording: `EPISODE:STEP`.
 
     Raises:
-        ConfigError: The text is something else; names the flag.
+        ConfigError: The text has another form; names the flag.
     """
     if re.fullmatch(r"\d+:\d+", text) is None:
         raise ConfigError(f"Expected EPISODE:STEP for {flag}, such as 0:12, got {text!r}; `legpush info` lists both")

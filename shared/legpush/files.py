@@ -1,4 +1,4 @@
-"""Files that are complete or not there at all: a full disk or a crash leaves the previous one as it was."""
+"""Writes files completely or not at all: after a full disk or a crash, the previous file is unchanged."""
 
 import hashlib
 import os
@@ -12,14 +12,14 @@ from legpush.errors import LegpushError
 
 
 class DiskError(LegpushError):
-    """Something that could not be written; names the file and what is still there of it."""
+    """A file that could not be written; names the file, and says whether the previous one is kept."""
 
 
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file beside `path`, onto the disk, and only then put it in its place.
 
     Raises:
-        DiskError: It cannot be written; what was there before is as it was.
+        DiskError: The file cannot be written; the previous one is unchanged.
     """
     part = path.with_name(f"{path.name}.part")
     try:
@@ -36,9 +36,9 @@ def write_whole(path: Path, data: bytes) -> None:
 
 @contextmanager
 def new_file(path: Path) -> Iterator[Path]:
-    """Yield a path to write to; on exit the file there is put onto the disk and gets the name `path`, in one step.
+    """Yield a path to write to; on exit, put the file there onto the disk and name it `path`, in one step.
 
-    After an error within the context there is no file, and a file that has the name already is never replaced.
+    After an error within the context there is no file. An existing file is never replaced.
 
     Raises:
         OSError: The file cannot be made; `FileExistsError` if another one has the name.
@@ -52,7 +52,7 @@ def new_file(path: Path) -> Iterator[Path]:
 
 
 def _name(scratch: Path, path: Path) -> None:
-    """Name a file by a link, which fails if the name is taken; without links, the check comes just before."""
+    """Name a file by a link, which fails if the name is taken; without links, check the name just before."""
     try:
         os.link(scratch, path)
     except FileExistsError:
@@ -64,7 +64,11 @@ def _name(scratch: Path, path: Path) -> None:
 
 
 def replace_folder(folder: Path, fill: Callable[[Path], None]) -> None:
-    """Let `fill` make the contents in a folder of their own, and only then put that in the place of `folder`."""
+    """Let `fill` write into a new folder, and only then put that in the place of `folder`.
+
+    Raises:
+        DiskError: The folder cannot be written; the previous one is kept.
+    """
     part, old = (folder.with_name(f"{folder.name}.{suffix}") for suffix in ("part", "old"))
     try:
         for leftover in (part, old):
@@ -84,7 +88,7 @@ def replace_folder(folder: Path, fill: Callable[[Path], None]) -> None:
 
 
 def sha256_of(paths: Sequence[Path]) -> str:
-    """Of a recording, all parts together."""
+    """Return the SHA-256 of files, such as all parts of a recording, as if they were one file."""
     digest = hashlib.sha256()
     for path in paths:
         digest.update(path.read_bytes())

@@ -33,7 +33,7 @@ class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         )
 
     def inverse(self) -> "Pose2":
-        """`b_from_a` of `a_from_b`."""
+        """Return the inverse pose: `b_from_a` of `a_from_b`."""
         c, s = cos(self.yaw_rad), sin(self.yaw_rad)
         return Pose2(
             x_m=-c * self.x_m - s * self.y_m,
@@ -42,11 +42,11 @@ class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         )
 
     def xy(self) -> Floats:
-        """Position, (2,)."""
+        """Return the position, (2,)."""
         return np.array([self.x_m, self.y_m])
 
     def apply(self, points: ArrayLike) -> Floats:
-        """Points given in this pose's frame, (n, 2), in the frame that the pose is given in."""
+        """Transform points, (n, 2), from this pose's frame to the frame in which the pose is given."""
         c, s = cos(self.yaw_rad), sin(self.yaw_rad)
         rotation = np.array([[c, -s], [s, c]])
         turned: Floats = np.asarray(points, dtype=np.float64) @ rotation.T
@@ -54,19 +54,19 @@ class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 def wrap_angle(angle_rad: float) -> float:
-    """The same angle in (-pi, pi]."""
+    """Return the same angle in (-pi, pi]."""
     wrapped = atan2(sin(angle_rad), cos(angle_rad))
     return pi if wrapped == -pi else wrapped
 
 
 def rectangle_corners(length_m: float, width_m: float) -> Floats:
-    """Corners of a rectangle about the origin, counter-clockwise from front left, (4, 2)."""
+    """Return the corners of a rectangle about the origin, counter-clockwise from front left, (4, 2)."""
     x, y = length_m / 2, width_m / 2
     return np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
 
 
 def rotation_from_rpy(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Floats:
-    """World-from-body rotation `Rz(yaw) Ry(pitch) Rx(roll)` (Eq. 1), (3, 3)."""
+    """Return the world-from-body rotation `Rz(yaw) Ry(pitch) Rx(roll)` (Eq. 1), (3, 3)."""
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll_rad, pitch_rad, yaw_rad) for f in (cos, sin))
     return np.array(
         [
@@ -78,7 +78,7 @@ def rotation_from_rpy(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Floa
 
 
 def rpy_from_quaternion(quaternion_wxyz: ArrayLike) -> Floats:
-    """Roll, pitch and yaw of unit quaternions, (..., 4) to (..., 3)."""
+    """Return roll, pitch and yaw of unit quaternions, (..., 4) to (..., 3)."""
     w, x, y, z = np.moveaxis(np.asarray(quaternion_wxyz, dtype=np.float64), -1, 0)
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
@@ -87,5 +87,5 @@ def rpy_from_quaternion(quaternion_wxyz: ArrayLike) -> Floats:
 
 
 def distance_m(a: Pose2, b: Pose2) -> float:
-    """Between the positions of two poses."""
+    """Return the distance between the positions of two poses."""
     return hypot(a.x_m - b.x_m, a.y_m - b.y_m)

@@ -1,4 +1,4 @@
-"""Missions in this process: planner, simulator, policy and mission are found by name and called as functions."""
+"""Runs missions in this process: finds planner, simulator, policy and mission by name and calls them as functions."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -32,7 +32,7 @@ DEFAULT_POLICY = "variable"
 
 @dataclass(frozen=True)
 class MissionRun:
-    """A mission that came to its end."""
+    """A finished mission."""
 
     report: Report
     """The numbers, as in `report.json`."""
@@ -46,7 +46,7 @@ class MissionRun:
 
     @property
     def state_crc(self) -> str:
-        """CRC-32 of the simulator's last state, eight hexadecimal digits: equal missions have equal ones."""
+        """CRC-32 of the simulator's last state, eight hexadecimal digits; equal missions have the same one."""
         return self.report.state_crc
 
 
@@ -69,28 +69,28 @@ def run(
 
     Args:
         scenario: The name of a built-in scenario, the path of a scenario file, or a record.
-        seed: Draws the offsets of start and box, and the path. Equal seeds give equal missions, bit for bit, and the
-            same `state_crc` as `legpush run`.
-        policy: Chooses the pushes: the name of a plug-in (`scripted`, `fixed`, `variable`), the path of a policy folder
-            or model file, `module:function`, or an object with a method `decide`.
-        push_map: What pushes do to this box, as `legpush calibrate` measured it.
-        planner: The search that replaces the scenario's, such as `rrt_star`.
-        steering: Replaces how the scenario's paths are steered; `dubins` and `reeds_shepp` need a turning radius.
+        seed: Seed of the offsets of start and box, and of the path. Equal seeds give equal missions, bit for bit, with
+            the same `state_crc` as `legpush run`.
+        policy: The policy that chooses the pushes: the name of a plug-in (`scripted`, `fixed`, `variable`), the path of
+            a policy folder or model file, `module:function`, or an object with a method `decide`.
+        push_map: The push map of this box, measured by `legpush calibrate`.
+        planner: Replaces the scenario's search, such as `rrt_star`.
+        steering: Replaces the scenario's steering of paths; `dubins` and `reeds_shepp` need a turning radius.
         turning_radius_m: Replaces the least turning radius of the robot's paths, in m.
         changes: Other fields of the scenario by their path, such as `{"box.mass_kg": 2.0}`.
         progress: True shows a progress bar in a terminal or a notebook. A function gets phase, share and detail.
         planner_program: The plug-in that plans (`legpush.planners`).
         simulator: The plug-in that simulates (`legpush.simulators`).
-        mission: The plug-in that decides what to do (`legpush.missions`).
+        mission: The plug-in that carries out the mission (`legpush.missions`).
 
     Raises:
         ScenarioError: The scenario cannot be used.
         PluginError: A planner, simulator, policy or mission cannot be found or imported.
         PolicyError: The policy cannot be used, or raised an exception.
-        UnsolvableError: The planner finds no path; its `run` is this mission up to there.
+        UnsolvableError: The planner finds no path. Its `run` is the mission up to this error.
         ConfigError: Another argument cannot be used.
         LegpushError: The base of all of these.
-        KeyboardInterrupt: The user interrupted it.
+        KeyboardInterrupt: The user interrupted the mission.
     """
     require(Seed, seed, "seed")
     resolved = resolve_scenario(
@@ -150,7 +150,7 @@ def world(
 
 @contextmanager
 def _progress(progress: bool | Tell) -> Iterator[Tell]:
-    """What gets the progress of a mission."""
+    """Yield a function that shows the progress of a mission."""
     if callable(progress):
         yield progress
         return

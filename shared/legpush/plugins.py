@@ -16,12 +16,12 @@ _NOUNS: Final[dict[Group, str]] = {
 
 
 def plugin_names(group: Group) -> tuple[str, ...]:
-    """Names in a group, sorted."""
+    """Return the names in a group, sorted."""
     return tuple(sorted({entry.name for entry in entry_points(group=group)}))
 
 
 def load_plugin(group: Group, name: str) -> Any:
-    """Import what is registered under a name in a group.
+    """Import the plug-in with this name in a group.
 
     Raises:
         PluginError: There is no such name, two packages use it, or it cannot be imported; names the package, and the
@@ -54,6 +54,6 @@ def _package(entry: EntryPoint) -> str:
 
 
 def _remedy(entry: EntryPoint) -> str:
-    """The command that installs what is missing, if the entry point names an extra."""
+    """Return the command that installs the missing library, if the entry point names an extra."""
     extras = ",".join(entry.extras)
     return f"; pip install '{_package(entry)}[{extras}]' installs it" if extras else ""

@@ -1,4 +1,4 @@
-"""What a schema error in a file means to the person who wrote the file: field, expectation, value, valid choices."""
+"""Explains a schema error in a file to its author: field, expectation, value, valid choices."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -17,16 +17,16 @@ _WORDS: Final = {
     "`str`": "a text",
     "`bool`": "a truth value",
 }
-"""The types of a schema, as they are called in a file."""
+"""Words for the types of a schema."""
 _FIELD_NAME: Final = re.compile(r"field `(?P<name>.*)`\Z", re.DOTALL)
 
 
 def explain(
     error: str, plain: Any, kind: type[msgspec.Struct], *, at: str = "", also: Mapping[str, Sequence[str]] | None = None
 ) -> str:
-    """A message of `codec.convert(plain, kind)` with the value that was found and the choices that are valid.
+    """Return the text of an error of `codec.convert(plain, kind)`, with the wrong value and the valid choices.
 
-    `at` is where `plain` stands in its file. `also` lists fields that a table takes besides those of its record.
+    `at` is the path of `plain` in its file. `also` lists fields that a table takes besides those of its record.
     """
     located = _LOCATED.match(error)
     what, path = (located["what"], located["path"]) if located else (error, "")
@@ -61,14 +61,14 @@ def explain(
 
 
 def _value(plain: Any, steps: Sequence[str]) -> Any:
-    """What stands at a path of keys and indices."""
+    """Return the value at a path of keys and indices."""
     for step in steps:
         plain = plain[int(step)] if isinstance(plain, list) else plain[step]
     return plain
 
 
 def _node(kind: type[msgspec.Struct], plain: Any, steps: Sequence[str]) -> inspect.Type:
-    """The type that belongs at a path of keys and indices of a record; of a tag, all that it may choose from."""
+    """Return the type at a path of keys and indices of a record; for a tag, the union that it chooses from."""
     node = _chosen(inspect.type_info(kind), plain)
     for step in steps:
         if isinstance(node, inspect.UnionType):
@@ -85,7 +85,7 @@ def _node(kind: type[msgspec.Struct], plain: Any, steps: Sequence[str]) -> inspe
 
 
 def _chosen(node: inspect.Type, plain: Any) -> inspect.Type:
-    """The record of a union that the value's tag names; else the union."""
+    """Return the record of a union that the value's tag names; otherwise the type itself."""
     if isinstance(node, inspect.UnionType) and isinstance(plain, dict):
         for one in _records(node):
             if one.tag_field is not None and plain.get(one.tag_field) == one.tag:
@@ -98,12 +98,12 @@ def _records(node: inspect.UnionType) -> tuple[inspect.StructType, ...]:
 
 
 def _tags(node: inspect.UnionType) -> tuple[str, ...]:
-    """What the records of a union are told apart by; none where it has none."""
+    """Return the tags of the records of a union; empty if they have no tags."""
     return tuple(str(one.tag) for one in _records(node) if one.tag_field is not None)
 
 
 def _field_names(node: inspect.Type) -> tuple[str, ...]:
-    """Fields of a record, its tag first; none of anything else."""
+    """Return the fields of a record, its tag first; empty for any other type."""
     if not isinstance(node, inspect.StructType):
         return ()
     tag = () if node.tag_field is None else (node.tag_field,)

@@ -1,7 +1,7 @@
-"""What processes and programs have in common: command line, log, how they stop, and what they end with.
+"""The common parts of processes and programs: command line, log, signals and exit code.
 
-Exit codes: 0 done, or asked to stop where there is no end to come to; 2 bad input; 3 a peer or this process failed; 130
-interrupted with the work not done.
+Exit codes: 0 done, or stopped on request if the work has no end of its own; 2 bad input; 3 a peer or this process
+failed; 130 interrupted before the work was done.
 """
 
 import logging
@@ -32,19 +32,19 @@ class ServiceConfig:
     """Options of every process. Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas)."""
 
     run: str = DEFAULT_RUN
-    """Processes talk to each other only within one run."""
+    """Name of the run; processes talk to each other only within one run."""
     name: str = DEFAULT_NAME
-    """Tells processes of one role apart; also part of the keys."""
+    """Name of the process, to distinguish several processes of one role; it is a part of the keys."""
     listen: tuple[str, ...] = ()
     """Endpoints to listen on, such as tcp/127.0.0.1:17472 or unixsock-stream//tmp/run/sim.sock."""
     connect: tuple[str, ...] = ()
-    """Endpoints of the peers to connect to; they need not be there yet."""
+    """Endpoints of the peers to connect to; the peers may start later."""
     inject_faults: float = 0.0
-    """Drop, duplicate, delay and reorder each message sent, each with this probability (for tests)."""
+    """For tests: drop, duplicate, delay and reorder sent messages, each with this probability."""
     fault_seed: int = 0
-    """Draws the table of injected faults."""
+    """Seed of the injected faults."""
     recorded: bool = False
-    """Keep copies of what is sent from the start on, for a recorder that is about to come."""
+    """Keep copies of all sent messages from the start on, for a recorder that comes later."""
     log_level: Literal["debug", "info", "warning", "error"] = "info"
 
     def __post_init__(self) -> None:
@@ -52,10 +52,10 @@ class ServiceConfig:
             require(Name, getattr(self, field), f"--{field}")
 
     def endpoints(self) -> Endpoints:
-        """Return where to listen and connect.
+        """Return the endpoints to listen on and to connect to.
 
         Raises:
-            EndpointError: One of the endpoints is none.
+            EndpointError: One of the texts is not an endpoint.
         """
         return Endpoints(listen=self.listen, connect=self.connect)
 
@@ -72,9 +72,10 @@ C = TypeVar("C", bound=ServiceConfig)
 
 
 def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Mapping[str, str] = os.environ) -> C:
-    """The command line of a process as a `kind`; the environment gives defaults, then the ports of the role.
+    """Return the options of a process, of type `kind`, from its command line.
 
-    A wrong flag ends the process with code 2, as `--help` does with 0.
+    Defaults come from the environment, or else from the ports of the role. A wrong flag ends the process with code 2,
+    and `--help` with 0.
     """
     ports = endpoints.local(role)
     default = kind(
@@ -86,10 +87,10 @@ def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Map
 
 
 def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Event], int | None]) -> int:
-    """Parse, connect, `work`, disconnect; returns the exit code. A `LegpushError` is one line on standard error.
+    """Parse, connect, `work`, disconnect; return the exit code. A `LegpushError` is one line on standard error.
 
-    SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. What `work`
-    returns is the exit code, None is 0.
+    SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. The exit code
+    is the result of `work`, where None means 0.
     """
     stop = stop_on_signals()
 
@@ -106,13 +107,13 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
 
 
 def run_program(name: str, work: Callable[[], int]) -> int:
-    """Run one of the programs behind the `legpush` command, whose log lines begin with `name`; its exit code."""
+    """Run one of the programs behind the `legpush` command, with `name` in its log lines; return its exit code."""
     start_log(name, "warning")
     return exit_code_of(work)
 
 
 def exit_code_of(work: Callable[[], int]) -> int:
-    """Do the work and return its exit code; a `LegpushError` becomes one line on standard error, and its code."""
+    """Do the work and return its exit code, or that of a `LegpushError`, which is one line on standard error."""
     try:
         return work()
     except LegpushError as error:
@@ -121,26 +122,26 @@ def exit_code_of(work: Callable[[], int]) -> int:
 
 
 def start_log(who: str, level: str) -> None:
-    """Log to standard error, one line per record, each with the time and `who` says it."""
+    """Log to standard error, one line per record, with the time and the process `who`."""
     handler = logging.StreamHandler()
     handler.setFormatter(_OneLine(f"%(asctime)s.%(msecs)03d {who} %(levelname)s %(message)s", "%H:%M:%S"))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
 
 
 def one_line(text: str) -> str:
-    """The text with its line breaks, and other control characters, written out."""
+    """Return the text with line breaks and other control characters as escape sequences."""
     return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
 
 
 class _OneLine(logging.Formatter):
-    """A record is one line, whatever a peer or a file put into it."""
+    """Formats a record as one line, even if a peer or a file put line breaks into it."""
 
     def format(self, record: logging.LogRecord) -> str:
         return one_line(super().format(record))
 
 
 def stop_on_signals() -> threading.Event:
-    """An event that SIGINT and SIGTERM set; a second signal ends the process at once."""
+    """Return an event that SIGINT and SIGTERM set; the same signal once more ends the process at once."""
     stop = threading.Event()
 
     def on_signal(number: int, _: FrameType | None) -> None:

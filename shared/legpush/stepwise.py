@@ -19,7 +19,7 @@ from legpush.scene.station import last_stretch
 
 
 class StepwiseWorld:
-    """A robot beside a box, moved motion by motion; poses are in the world frame."""
+    """Moves a robot beside a box, motion by motion; poses are in the world frame."""
 
     def __init__(self, world: World, scenario: Scenario, seed: int, *, with_trace: bool = False) -> None:
         """Reset the world; with `with_trace`, every outcome has a trace of its ticks."""
@@ -28,7 +28,7 @@ class StepwiseWorld:
         self._world = world
         self._with_trace = with_trace
         self.outcome = self.reset()
-        """What the last motion led to."""
+        """The outcome of the last motion."""
 
     @property
     def state(self) -> WorldState:
@@ -46,7 +46,11 @@ class StepwiseWorld:
         return planar_pose(self.state.box)
 
     def reset(self, seed: int | None = None) -> Outcome:
-        """Begin an episode; `seed` draws the offsets of robot and box, the world's own if None."""
+        """Begin an episode; `seed` draws the offsets of robot and box. If it is None, the last seed is used.
+
+        Raises:
+            ConfigError: The seed is out of range.
+        """
         if seed is not None:
             require(Seed, seed, "seed")
             self.seed = seed
@@ -109,7 +113,7 @@ class StepwiseWorld:
         """Carry out any motion.
 
         Raises:
-            MotionError: It cannot be carried out; the state is as it was.
+            MotionError: The motion cannot be carried out; the state is unchanged.
         """
         self.outcome = self._world.step(motion, with_trace=self._with_trace)
         return self.outcome

@@ -8,10 +8,10 @@ from legpush.messages.common import PROTOCOL_VERSION
 
 
 class Package(NamedTuple):
-    """A package whose version is noted somewhere."""
+    """A package whose version is noted in reports or recordings."""
 
     distribution: str
-    """Name of the distribution, by which recordings call it."""
+    """Name of the distribution, which recordings use."""
     name: str
     """Name in reports and journals."""
     noted_in: tuple[Literal["report", "recording"], ...]
@@ -30,11 +30,11 @@ PACKAGES: Final = (
     Package("msgspec", "msgspec", ("report", "recording")),
     Package("matplotlib", "matplotlib", ("report",)),
 )
-"""A recorder needs few of them; what a mission computes depends on the rest."""
+"""A recorder depends on few of them; the results of a mission depend on the others."""
 
 
 def installed_versions() -> dict[str, str | None]:
-    """What this process runs with, by name, for reports and journals; None for a package that is not installed."""
+    """Return the versions for reports and journals, by name; None for a package that is not installed."""
     return {
         "protocol": str(PROTOCOL_VERSION),
         "python": platform.python_version(),
@@ -43,7 +43,7 @@ def installed_versions() -> dict[str, str | None]:
 
 
 def recorder_versions() -> dict[str, str]:
-    """What a recorder runs with, by distribution, for the metadata of recordings."""
+    """Return the versions of a recorder, by distribution, for the metadata of recordings."""
     return {each.distribution: version(each.distribution) for each in PACKAGES if "recording" in each.noted_in}
 
 

@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import shlex
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import NoReturn
 
@@ -18,6 +19,8 @@ PAGES = sorted(generate.DOCS.glob("*.md"))
 ALL = [README, *PAGES, ROOT / "CHANGELOG.md"]
 CODE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"`([^`\n]+)`")
+GROUPS = entry_points().groups
+"""Groups of plug-ins, whose names look like those of modules."""
 
 
 def prose(page: Path) -> str:
@@ -48,6 +51,10 @@ WITH_PYTHON = [page for page in PAGES if page.stem != "write_a_planner" and pyth
 
 def test_some_page_has_python() -> None:
     assert WITH_PYTHON
+
+
+GROUPS = entry_points().groups
+"""Groups of plug-ins, whose names look like those of modules."""
 
 
 @pytest.mark.parametrize("page", ALL, ids=lambda page: page.stem)
@@ -93,7 +100,7 @@ def test_the_files_and_modules_that_a_page_names_exist(page: Path) -> None:
     for name in INLINE.findall(prose(page)):
         if re.fullmatch(r"[\w./*-]+", name) and "/" in name and name.split("/")[0] in folders:
             assert list(ROOT.glob(name)), name
-        elif re.fullmatch(r"(legpush|agent_proc|planner_proc|sim_proc)(\.\w+)+", name):
+        elif re.fullmatch(r"(legpush|agent_proc|planner_proc|sim_proc)(\.\w+)+", name) and name not in GROUPS:
             assert importlib.util.find_spec(name) is not None, name
 
 

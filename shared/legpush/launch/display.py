@@ -1,4 +1,4 @@
-"""What the user sees of a mission while it runs: one progress line, and notices above it."""
+"""Shows the progress of a mission to the user: one progress line, and notices above it."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager

@@ -53,8 +53,8 @@ FILES: Final = {
     REPORT_FILE: "these numbers, and the versions of everything",
     PICTURE_FILE: "map, search tree, paths, feet and box",
     VIDEO_FILE: "the mission, filmed",
-    SCENARIO_FILE: "what it started from, complete",
-    LOGS: "what each process said",
+    SCENARIO_FILE: "the scenario, with every field",
+    LOGS: "the log of each process",
 }
 
 
