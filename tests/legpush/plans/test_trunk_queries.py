@@ -13,9 +13,9 @@ from legpush.scenarios.file import load_scenario
 from legpush.scene.clearance import clearance_at
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.footprints import box_footprint
+from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import Face
 from legpush.scene.station import nominal_obstacle, stand_off
 
 SCENARIO = load_scenario("default")
