@@ -29,7 +29,7 @@ _PLANNERS: Final[dict[PlannerName, type]] = {
     "bit_star": og.BITstar,
 }
 _GROWS_ON: Final[frozenset[PlannerName]] = frozenset({"rrt_star", "informed_rrt_star", "bit_star"})
-"""Planners that improve their path when they run on. The others would have to search anew."""
+"""Planners that improve their path when they run on. The others have to start another search."""
 _TOWARD_A_POINT: Final[frozenset[PlannerName]] = frozenset({"rrt_connect", "bit_star"})
 """Planners that sample the goal itself and cannot aim at a region."""
 _CURVED_STEP_M: Final = 2.0

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-MIRRORED = {"shared/legpush": "legpush"}
+MIRRORED = {"shared/legpush": "legpush", "planner_proc": "planner", "sim_proc": "sim", "agent_proc": "agent"}
 """Package to the folder of its tests."""
 ROW = re.compile(r"^\| `(?P<module>(?!\S*/test_)[\w/]+\.py)` \| (?P<covered_by>.+) \|$", re.MULTILINE)
 

@@ -1,4 +1,4 @@
-"""What plan-check knows about clearance, against every square looked at, and about paths of the box."""
+"""Faults of a path of the trunk, each of them put into an honest plan, and the exact clearance."""
 
 from collections.abc import Callable
 from math import pi
@@ -8,11 +8,11 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.geometry import Pose2
-from legpush.messages.planning import Plan
+from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.clearance import clearance
 from planner_proc.clearance.field import ClearanceField
-from planner_proc.conformance.box_truth import box_faults
-from planner_proc.conformance.cases import ASIDE, box_query
+from planner_proc.conformance.bench import EASY
+from planner_proc.conformance.truth import differences, faults
 from planner_proc.planning import make_plan
 from tests.planner.maps import grid, random_room
 
@@ -40,7 +40,7 @@ def test_a_point_alone_and_an_empty_map_have_a_clearance() -> None:
     assert clearance(empty, np.array([[0.5, 0.4], [2.5, 0.4]])).distance_m == 0.0
 
 
-BOX = box_query(ASIDE)
+STEERED = replace(EASY, planner="rrt", steering="dubins", min_turning_radius_m=0.5, max_iterations=5000)
 
 
 def each(change: Callable[[int, Pose2], Pose2]) -> Callable[[Plan], Plan]:
@@ -48,32 +48,57 @@ def each(change: Callable[[int, Pose2], Pose2]) -> Callable[[Plan], Plan]:
     return lambda plan: replace(plan, waypoints=tuple(change(k, pose) for k, pose in enumerate(plan.waypoints)))
 
 
-def test_an_honest_path_of_the_box_has_no_faults() -> None:
-    plan = make_plan(BOX)
+@pytest.mark.parametrize("query", [EASY, STEERED])
+def test_an_honest_path_of_the_trunk_has_no_faults(query: TrunkPathQuery) -> None:
+    plan = make_plan(query)
 
     assert plan.status == "exact", plan.reason
-    assert box_faults(BOX, plan) == []
+    assert faults(query, plan) == []
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda plan: replace(plan, sides=()), "waypoints and 0 sides, expected equally many"),
-        (lambda plan: replace(plan, sides=(3,) * len(plan.sides)), "it pushes side 3, expected one below 1"),
-        (lambda plan: replace(plan, waypoints=plan.waypoints[:9], sides=plan.sides[:9]), "the box ends at"),
-        (each(lambda _, at: replace(at, x_m=100 * at.x_m)), "the box begins at (300, 3)"),
-        (each(lambda _, at: replace(at, yaw_rad=at.yaw_rad + pi)), "side 0 is pulled: the box moves backward"),
-        (each(lambda k, at: replace(at, y_m=at.y_m + 0.01 * (k % 2))), "the box slips sideways"),
-        (
-            each(lambda k, at: replace(at, yaw_rad=at.yaw_rad + 0.1 * (k % 2))),
-            "it turns on a radius below the 0.7 m of side 0",
-        ),
-        (
-            lambda plan: replace(plan, waypoints=plan.waypoints[::30], sides=plan.sides[::30]),
-            "farther than 0.25 m apart",
-        ),
-        (each(lambda _, at: replace(at, y_m=at.y_m - 2.8)), "it collides: near"),
+        (lambda plan: replace(plan, waypoints=()), "its status is exact, and it has no waypoints"),
+        (lambda plan: replace(plan, status="failed", reason=""), "its status is failed, and its reason is empty"),
+        (lambda plan: replace(plan, waypoints=plan.waypoints[:-20]), "it ends at"),
+        (lambda plan: replace(plan, waypoints=plan.waypoints[::20]), "m apart, expected at most 0.25 m"),
+        (each(lambda _, at: replace(at, x_m=100 * at.x_m, y_m=100 * at.y_m)), "are these centimetres?"),
+        (each(lambda _, at: replace(at, x_m=20 * at.x_m, y_m=20 * at.y_m)), "are these cells?"),
+        (each(lambda _, at: replace(at, yaw_rad=at.yaw_rad + 30.0)), "are these degrees?"),
+        (each(lambda k, at: replace(at, x_m=min(at.x_m, 3.6) if 3 < k < 200 else at.x_m)), "m apart"),
+        (each(lambda k, at: replace(at, y_m=max(at.y_m - 0.6, 1.0))), "it collides: near"),
     ],
 )
-def test_each_fault_of_a_path_of_the_box_is_named(change: Callable[[Plan], Plan], words: str) -> None:
-    assert words in "; ".join(box_faults(BOX, change(make_plan(BOX))))
+def test_each_fault_of_a_path_of_the_trunk_is_named(change: Callable[[Plan], Plan], words: str) -> None:
+    assert words in "; ".join(faults(EASY, change(make_plan(EASY))))
+
+
+def test_exchanged_axes_are_named() -> None:
+    asked = replace(EASY, start=Pose2(x_m=1.0, y_m=1.5, yaw_rad=0.0))
+    plan = each(lambda _, at: replace(at, x_m=at.y_m, y_m=at.x_m))(make_plan(asked))
+
+    assert "it begins at (1.5, 1), 0.707 m from (1, 1.5); are x and y the wrong way around?" in "; ".join(
+        faults(asked, plan)
+    )
+
+
+def test_a_steered_path_that_turns_tightly_or_moves_backward_is_named() -> None:
+    plan = make_plan(STEERED)
+
+    tighter = "; ".join(faults(replace(STEERED, min_turning_radius_m=1.0), plan))
+    assert "it turns on a radius of 0.5" in tighter
+    assert "expected at least 1 m" in tighter
+    backward = each(lambda _, at: replace(at, yaw_rad=at.yaw_rad + pi))(plan)
+    assert "it does not move forward along its heading" in "; ".join(faults(STEERED, backward))
+
+
+def test_the_first_difference_of_two_plans_is_named() -> None:
+    plan = make_plan(EASY)
+    shifted = replace(plan, waypoints=(*plan.waypoints[:3], plan.waypoints[0], *plan.waypoints[4:]))
+
+    assert differences(plan, plan) == ""
+    assert differences(plan, replace(plan, length_m=1.0)) == f"`length_m` is {plan.length_m} and 1.0"
+    assert differences(plan, replace(plan, sides=(0,))) == "`sides` has 0 and 1 entries"
+    assert differences(plan, shifted).startswith("`waypoints[3]` is Pose2(")
+    assert differences(plan, replace(plan, tree=None)) == "`tree` differs"

@@ -11,13 +11,12 @@ from legpush.scene.paths import distances_m
 from legpush.scene.scenario import Smoothing
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
-from planner_proc.smoothing.fillets import fillet
-from planner_proc.smoothing.shortcut import shortcut
 from planner_proc.smoothing.spline import smooth
 from planner_proc.smoothing.tube import Tube
 from tests.planner import maps
 
 BAND = Smoothing()
+CORNER = np.array([[1.0, 1.0], [4.0, 1.0], [4.0, 5.0], [7.0, 5.0]])
 
 
 def curvature(path: Floats) -> Floats:
@@ -87,23 +86,6 @@ def test_the_shortest_paths_are_straight(length_m: float) -> None:
     assert (np.diff(path[:, 0]) > 0.0).all()
 
 
-def test_a_shortcut_is_free_and_no_longer_and_taut_in_the_open() -> None:
-    grid = maps.room((3.0, 4.0, 0.0, 4.0))
-    field = ClearanceField(grid)
-    jagged = np.array([[1.0, 1.0], [0.6, 3.0], [2.0, 3.2], [1.8, 5.4], [4.5, 4.8], [6.0, 5.4], [5.0, 3.0], [7.0, 1.0]])
-    assert field.free_segments(jagged, 0.44).all()
-    path = shortcut(jagged, Tube(field, 0.44, jagged))
-    assert maps.true_clearance(grid, maps.samples(path, 0.005)).min() >= 0.44 - 1e-8
-    shortest = 2 * np.hypot(1.56, 3.0) + np.hypot(0.0, 1.0)
-    assert shortest < polylines.length(path) < 0.75 * polylines.length(jagged)
-    np.testing.assert_array_equal(path[[0, -1]], jagged[[0, -1]])
-    detour = np.array([[0.6, 5.0], [1.0, 5.4], [2.0, 4.6], [2.4, 5.0]])
-    np.testing.assert_array_equal(shortcut(detour, Tube(field, 0.44, detour)), detour[[0, -1]])
-
-
-CORNER = np.array([[1.0, 1.0], [4.0, 1.0], [4.0, 5.0], [7.0, 5.0]])
-
-
 def smoothed(grid: OccupancyGrid, polyline: Floats, radius_m: float = 0.0, **options: Any) -> list[Floats]:
     field = ClearanceField(grid)
     chosen = Smoothing(**options)
@@ -165,20 +147,3 @@ def test_more_comfort_keeps_farther_away() -> None:
     field = ClearanceField(grid)
     near, far = (np.concatenate(smoothed(grid, corner, comfort_m=comfort_m))[20:-20] for comfort_m in (0.0, 0.6))
     assert field.clearance_m(far).mean() > field.clearance_m(near).mean() + 0.05
-
-
-def test_arcs_at_corners_join_lines_without_a_kink() -> None:
-    path = fillet(CORNER, 0.7, 0.05)
-    assert path is not None
-    assert polylines.turning_radii(path).min() >= 0.99 * 0.7
-    assert distances_m(path, CORNER).max() == pytest.approx(0.7 * (1.0 - np.sqrt(0.5)), abs=0.01)
-    assert fillet(CORNER, 2.1, 0.05) is None
-    assert fillet(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]), 0.1, 0.05) is None
-
-
-def test_distances_and_radii_of_a_circle() -> None:
-    angles = np.linspace(0.0, 3.0, 50)
-    circle = 2.0 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    np.testing.assert_allclose(polylines.turning_radii(circle), 2.0)
-    assert distances_m(np.array([[0.0, 0.0], [3.0, 0.0]]), circle) == pytest.approx([2.0, 1.0], abs=0.01)
-    assert np.isinf(polylines.turning_radii(np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]))).all()

@@ -1,0 +1,51 @@
+"""Faults of a path of the box, each of them put into an honest plan."""
+
+from collections.abc import Callable
+from math import pi
+
+import pytest
+from msgspec.structs import replace
+
+from legpush.geometry import Pose2
+from legpush.messages.planning import Plan
+from planner_proc.conformance.box_truth import box_faults
+from planner_proc.conformance.cases import ASIDE, box_query
+from planner_proc.planning import make_plan
+
+BOX = box_query(ASIDE)
+
+
+def each(change: Callable[[int, Pose2], Pose2]) -> Callable[[Plan], Plan]:
+    """The plan with its waypoints changed by their numbers."""
+    return lambda plan: replace(plan, waypoints=tuple(change(k, pose) for k, pose in enumerate(plan.waypoints)))
+
+
+def test_an_honest_path_of_the_box_has_no_faults() -> None:
+    plan = make_plan(BOX)
+
+    assert plan.status == "exact", plan.reason
+    assert box_faults(BOX, plan) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda plan: replace(plan, sides=()), "waypoints and 0 sides, expected equally many"),
+        (lambda plan: replace(plan, sides=(3,) * len(plan.sides)), "it pushes side 3, expected one below 1"),
+        (lambda plan: replace(plan, waypoints=plan.waypoints[:9], sides=plan.sides[:9]), "the box ends at"),
+        (each(lambda _, at: replace(at, x_m=100 * at.x_m)), "the box begins at (300, 3)"),
+        (each(lambda _, at: replace(at, yaw_rad=at.yaw_rad + pi)), "side 0 is pulled: the box moves backward"),
+        (each(lambda k, at: replace(at, y_m=at.y_m + 0.01 * (k % 2))), "the box slips sideways"),
+        (
+            each(lambda k, at: replace(at, yaw_rad=at.yaw_rad + 0.1 * (k % 2))),
+            "it turns on a radius below the 0.7 m of side 0",
+        ),
+        (
+            lambda plan: replace(plan, waypoints=plan.waypoints[::30], sides=plan.sides[::30]),
+            "farther than 0.25 m apart",
+        ),
+        (each(lambda _, at: replace(at, y_m=at.y_m - 2.8)), "it collides: near"),
+    ],
+)
+def test_each_fault_of_a_path_of_the_box_is_named(change: Callable[[Plan], Plan], words: str) -> None:
+    assert words in "; ".join(box_faults(BOX, change(make_plan(BOX))))
