@@ -1,6 +1,7 @@
 """The running world: what it measures, and what ends an episode."""
 
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,12 @@ from legpush.scene.robot import JOINT_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.kinematics.body import STANDING_HEIGHT_M
 from sim_proc.physics.physics import Physics
+
+
+@pytest.fixture
+def logs_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its warnings to a file in the present folder."""
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture
@@ -72,6 +79,7 @@ def test_a_fall_ends_a_run_early(physics: Physics) -> None:
     assert physics.tick == len(log.qpos)
 
 
+@pytest.mark.usefixtures("logs_elsewhere")
 def test_a_warning_of_mujoco_ends_the_episode_with_the_ticks_in_which_it_came(physics: Physics) -> None:
     stand(physics, 3)
     physics.data.qvel[0] = 1e12
@@ -79,6 +87,7 @@ def test_a_warning_of_mujoco_ends_the_episode_with_the_ticks_in_which_it_came(ph
         stand(physics, 2)
 
 
+@pytest.mark.usefixtures("logs_elsewhere")
 def test_a_state_that_is_not_finite_ends_the_episode(physics: Physics) -> None:
     targets = np.full((1, 12), np.nan)
     with pytest.raises(LegpushError, match=r"between ticks 0 and 1: the episode cannot go on"):
