@@ -38,7 +38,7 @@ from legpush.history.timeline import BOX, JOINTS, TRUNK, TimelineStep
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Reset
 from legpush.scene.robot import CONTROL_PERIOD_S
-from sim_proc.export.columns import Column, columns_of
+from sim_proc.export.columns import columns_of
 from sim_proc.export.foxglove_scene import (
     BOX_BROWN,
     TREE_GREY,
@@ -51,6 +51,7 @@ from sim_proc.export.foxglove_scene import (
     robot_bodies,
     vector,
 )
+from sim_proc.export.foxglove_schemas import STEP_SCHEMA, signals_schema
 from sim_proc.export.source import Exported, Source
 from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
@@ -115,7 +116,7 @@ class _Writer:
         events = self._events()
         frames = moving_frames(self._parts, timeline.qpos)
         series = [column for column in columns_of([self._episode]) if column.name not in NOT_PLOTTED]
-        schema = _schema("legpush.Signals", {each.name: (_json_type(each), each.about, each.unit) for each in series})
+        schema = signals_schema(series)
         values = [column.values.tolist() for column in series]
         names = [column.name for column in series]
         for row in range(timeline.n_rows):
@@ -270,34 +271,3 @@ def _transforms(frames: Sequence[Frame], row: int, stamp: Timestamp) -> FrameTra
             for frame in frames
         ]
     )
-
-
-def _json_type(column: Column) -> str:
-    return "integer" if column.values.dtype.kind == "i" else "number"
-
-
-def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str, Any]:
-    """JSON Schema of a flat message, from type, description and unit of each field. Unknown values are left out."""
-    properties = {
-        name: {"type": kind, "description": about + (f" [{unit}]" if unit else "")}
-        for name, (kind, about, unit) in fields.items()
-    }
-    return {"title": title, "type": "object", "properties": properties}
-
-
-STEP_SCHEMA: Final = _schema(
-    "legpush.Step",
-    {
-        "step": ("integer", "number of the step in the episode", ""),
-        "motion": ("string", "reset, follow, walk, push or alter", ""),
-        "reward": ("number", "reward of the step", ""),
-        "leg": ("string", "leg that pushes", ""),
-        "face": ("string", "pushed face of the box", ""),
-        "locus": ("string", "curve along which w1 and w2 run", ""),
-        "w1": ("number", "place of the first inner control point", ""),
-        "w2": ("number", "place of the second inner control point", ""),
-        "depth_m": ("number", "how far beyond the face the curve ends", "m"),
-        "box_mass_kg": ("number", "mass of the box from here on", "kg"),
-        "box_friction": ("number", "friction of the box from here on", ""),
-    },
-)
