@@ -51,7 +51,7 @@ from sim_proc.export.foxglove_scene import (
     robot_bodies,
     vector,
 )
-from sim_proc.export.foxglove_schemas import STEP_SCHEMA, flat_schema, json_type
+from sim_proc.export.foxglove_schemas import STEP_SCHEMA, signals_schema
 from sim_proc.export.source import Exported, Source
 from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
@@ -116,9 +116,7 @@ class _Writer:
         events = self._events()
         frames = moving_frames(self._parts, timeline.qpos)
         series = [column for column in columns_of([self._episode]) if column.name not in NOT_PLOTTED]
-        schema = flat_schema(
-            "legpush.Signals", {each.name: (json_type(each), each.about, each.unit) for each in series}
-        )
+        schema = signals_schema(series)
         values = [column.values.tolist() for column in series]
         names = [column.name for column in series]
         for row in range(timeline.n_rows):

@@ -1,16 +1,12 @@
-"""JSON Schemas of the messages that have no type of Foxglove's."""
+"""JSON Schemas of the messages without a schema of Foxglove's: the numbers to plot, and the steps."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from sim_proc.export.columns import Column
 
 
-def json_type(column: Column) -> str:
-    return "integer" if column.values.dtype.kind == "i" else "number"
-
-
-def flat_schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str, Any]:
+def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str, Any]:
     """JSON Schema of a flat message, from type, description and unit of each field. Unknown values are left out."""
     properties = {
         name: {"type": kind, "description": about + (f" [{unit}]" if unit else "")}
@@ -19,7 +15,7 @@ def flat_schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[
     return {"title": title, "type": "object", "properties": properties}
 
 
-STEP_SCHEMA: Final = flat_schema(
+STEP_SCHEMA: Final = _schema(
     "legpush.Step",
     {
         "step": ("integer", "number of the step in the episode", ""),
@@ -35,3 +31,13 @@ STEP_SCHEMA: Final = flat_schema(
         "box_friction": ("number", "friction of the box from here on", ""),
     },
 )
+"""A step of the episode: a motion, and the fields of that motion."""
+
+
+def signals_schema(columns: Sequence[Column]) -> dict[str, Any]:
+    """Schema of a row of these columns."""
+    return _schema("legpush.Signals", {each.name: (_json_type(each), each.about, each.unit) for each in columns})
+
+
+def _json_type(column: Column) -> str:
+    return "integer" if column.values.dtype.kind == "i" else "number"

@@ -17,7 +17,7 @@ from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Motion, Push, Reset
 from legpush.scene.scenario import Scenario
 from sim_proc.render.film import Film, film_of
-from sim_proc.render.rendering import frame_rows, working_backend
+from sim_proc.render.rendering import working_backend
 from sim_proc.render.views import FIELD_OF_VIEW_RAD, look
 from sim_proc.simulator import Simulator
 
@@ -111,18 +111,3 @@ def test_every_camera_shows_another_picture(film: Film, tmp_path: Path) -> None:
     ]
     assert len(differences) == len(VIEWS) * (len(VIEWS) - 1) // 2
     assert min(differences) > 3.0
-
-
-@pytest.mark.parametrize(
-    ("n_rows", "speed", "fps", "expected"),
-    [
-        (5, 1.0, 50.0, (0, 1, 2, 3, 4)),
-        (5, 2.0, 50.0, (0, 2, 4)),
-        (4, 0.5, 50.0, (0, 0, 1, 1, 2, 2, 3, 3)),
-        (16, 3.0, 20.0, (0, 7, 15)),
-    ],
-)
-def test_frames_show_the_last_tick_that_was_reached(
-    n_rows: int, speed: float, fps: float, expected: tuple[int, ...]
-) -> None:
-    assert frame_rows(n_rows, speed, fps) == expected

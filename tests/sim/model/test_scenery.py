@@ -1,0 +1,50 @@
+"""Floor, walls and goal of the room in the model."""
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from legpush.scene.scenario import Goal, PoseDeg, Rectangle, Room, Scenario
+from sim_proc.model.world import build_model
+
+
+def test_every_obstacle_of_the_room_is_a_wall_that_feet_trunk_and_box_touch(at_the_box: Scenario) -> None:
+    walls = (
+        Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=0.0, y_max_m=3.0),
+        Rectangle(x_min_m=7.0, x_max_m=9.0, y_min_m=6.0, y_max_m=6.2),
+    )
+    model = build_model(replace(at_the_box, room=Room(size_m=(12.0, 10.0), obstacles=walls)))
+    for index, wall in enumerate(walls):
+        geom = model.geom(f"wall_{index}")
+        low, high = geom.pos - geom.size, geom.pos + geom.size
+        np.testing.assert_allclose(low[:2], [wall.x_min_m, wall.y_min_m])
+        np.testing.assert_allclose(high[:2], [wall.x_max_m, wall.y_max_m])
+        pairs = {model.pair(i).name for i in range(model.npair)}
+        assert {f"wall_{index}:{part}" for part in ("trunk", "box", "FL_foot", "RR_foot")} <= pairs
+
+
+def test_a_wall_that_appears_later_is_a_body_of_its_own_in_its_place(at_the_box: Scenario) -> None:
+    later = Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=0.0, y_max_m=3.0, appears_at_s=1.0)
+    model = build_model(replace(at_the_box, room=Room(size_m=(12.0, 10.0), obstacles=(later,))))
+    body = model.body("wall_0")
+    assert body.mocapid[0] == 0
+    np.testing.assert_allclose(body.pos[:2], [4.25, 1.5])
+    assert model.geom("wall_0").bodyid[0] == body.id
+
+
+def test_the_floor_is_as_large_as_the_room_and_begins_at_the_origin(at_the_box: Scenario) -> None:
+    floor = build_model(at_the_box).geom("floor")
+    np.testing.assert_allclose([*(floor.pos - floor.size)[:2], *(floor.pos + floor.size)[:2]], [0.0, 0.0, 12.0, 10.0])
+
+
+def test_the_goal_is_the_outline_of_the_box_at_its_pose_and_touches_nothing(at_the_box: Scenario) -> None:
+    goal = Goal(pose=PoseDeg(x_m=6.0, y_m=4.0, yaw_deg=90.0))
+    model = build_model(replace(at_the_box, goal=goal))
+    body = model.body("goal")
+    np.testing.assert_allclose(body.pos, [6.0, 4.0, 0.0])
+    np.testing.assert_allclose(body.quat, [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
+    length, width, _ = at_the_box.box.size_m
+    assert model.geom("goal_front").pos[0] == pytest.approx(length / 2)
+    assert model.geom("goal_left").pos[1] == pytest.approx(width / 2)
+    for name in ("goal_front", "goal_rear", "goal_left", "goal_right", "goal_heading"):
+        assert (model.geom(name).contype[0], model.geom(name).conaffinity[0]) == (0, 0)

@@ -1,0 +1,36 @@
+"""Which rows a film shows, how fast, and what draws them."""
+
+import pytest
+
+from sim_proc.render.rendering import frame_rows, use_backend, usual_speed, working_backend
+
+
+@pytest.mark.parametrize(
+    ("n_rows", "speed", "fps", "expected"),
+    [
+        (5, 1.0, 50.0, (0, 1, 2, 3, 4)),
+        (5, 2.0, 50.0, (0, 2, 4)),
+        (4, 0.5, 50.0, (0, 0, 1, 1, 2, 2, 3, 3)),
+        (16, 3.0, 20.0, (0, 7, 15)),
+    ],
+)
+def test_frames_show_the_last_tick_that_was_reached(
+    n_rows: int, speed: float, fps: float, expected: tuple[int, ...]
+) -> None:
+    assert frame_rows(n_rows, speed, fps) == expected
+
+
+@pytest.mark.parametrize(("duration_s", "speed"), [(1.0, 3.0), (90.0, 3.0), (300.0, 10.0)])
+def test_a_film_is_three_times_as_fast_as_the_mission_or_30_s_long(duration_s: float, speed: float) -> None:
+    assert usual_speed(duration_s) == speed
+
+
+def test_a_backend_that_draws_nothing_is_not_used_and_the_user_is_told_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "glfw")
+    monkeypatch.setenv("DISPLAY", ":99999")
+    assert working_backend() is None
+    assert not use_backend("legpush render there")
+    assert "Install one (Debian: libegl1" in (said := capsys.readouterr().err)
+    assert "run `legpush render there`" in said
