@@ -1,1 +1,1 @@
-"""Where to go: paths for the trunk, planned with OMPL."""
+"""Where to go: paths of the trunk and of the box, planned with OMPL."""

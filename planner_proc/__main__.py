@@ -9,7 +9,7 @@ from legpush.service import ServiceConfig, run_process
 
 
 def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
-    """Answer plan requests until asked to stop."""
+    """Answer plan requests until `stop` is set."""
     from planner_proc.planning import make_plans
 
     serve_plans(bus, make_plans, stop)

@@ -1,4 +1,4 @@
-"""From a query for a path of the box to a plan: check it, search, judge. Pure: equal queries get equal plans."""
+"""Plans a path of the box: checks the query, searches, and measures exactly. Equal queries get equal plans."""
 
 from itertools import pairwise
 from math import degrees, hypot
@@ -14,15 +14,25 @@ from planner_proc.box.search import Found, search
 from planner_proc.clearance.field import ClearanceField
 
 EXTRA_CLEARANCE_CELLS: Final = (0.0, 0.2, 0.6)
-"""The search judges quickly; where what it found does not keep the clearance exactly, it is asked to keep more."""
+"""Extra clearances for the search, which measures quickly. The next one is tried if the path that was found does not
+keep the clearance by the exact measure.
+"""
 SAME_PLACE_M: Final = 1e-9
+"""A stage that is shorter than this is left out."""
 NEAREST_STEP_M: Final = 0.05
+"""Spacing of the places that are tried around a pose at which the box does not fit."""
 NEAREST_REACH_M: Final = 2.0
-"""How far around a pose that does not fit one that does is looked for, and how finely."""
+"""How far around such a pose to try."""
 
 
 def make_box_plan(query: BoxPathQuery, field: ClearanceField, interrupted: Interrupted = lambda: False) -> Plan:
-    """The plan for a query whose grid is sound; `field` is that of the grid. `PlanningInterruptedError`."""
+    """Plan for a query with a valid grid; `field` is that of the grid.
+
+    A query that cannot be met is no error: the plan's `status` and `reason` say so.
+
+    Raises:
+        PlanningInterruptedError: The plan is not wanted any more.
+    """
     fault = _side_fault(query)
     if fault:
         return Plan(status="invalid", reason=fault)
@@ -45,8 +55,48 @@ def make_box_plan(query: BoxPathQuery, field: ClearanceField, interrupted: Inter
     return Plan(status="failed", reason=reason, tree=tree, n_iterations=n_iterations)
 
 
+def _side_fault(query: BoxPathQuery) -> str:
+    """Why `present_side` is invalid; empty if it is not."""
+    if query.present_side is not None and query.present_side >= len(query.sides):
+        return f"Expected present_side below {len(query.sides)}, the number of sides, got {query.present_side}"
+    return ""
+
+
+def _pose_fault(name: str, pose: Pose2, query: BoxPathQuery, pushes: Pushes) -> str:
+    """Why the box cannot be pushed from the start, or to the goal, and the nearest place where it can; or empty."""
+    if _works(name, pose, query, pushes):
+        return ""
+    doing = "be pushed away from" if name == "start" else "be pushed to"
+    reason = (
+        f"The box cannot {doing} the {name} ({pose.x_m:g}, {pose.y_m:g}, {degrees(pose.yaw_rad):.0f}°): box and robot "
+        f"do not fit there with a clearance of {query.clearance_m:g} m, whichever face is pushed"
+    )
+    n = round(NEAREST_REACH_M / NEAREST_STEP_M)
+    steps = (NEAREST_STEP_M * np.arange(-n, n + 1)).tolist()
+    for x_m, y_m in sorted(((x, y) for x in steps for y in steps), key=lambda offset: hypot(*offset)):
+        near = Pose2(x_m=pose.x_m + x_m, y_m=pose.y_m + y_m, yaw_rad=pose.yaw_rad)
+        if _works(name, near, query, pushes):
+            return f"{reason}; the nearest place with this heading is {hypot(x_m, y_m):.2f} m away, at " + (
+                f"({near.x_m:.2f}, {near.y_m:.2f})"
+            )
+    return f"{reason}, nor within {NEAREST_REACH_M:g} m of it with this heading"
+
+
+def _works(name: str, pose: Pose2, query: BoxPathQuery, pushes: Pushes) -> bool:
+    """Whether the box can be pushed at a pose from any side.
+
+    At the goal, and at the side where the robot stands already, box and robot only have to fit. At another side, the
+    robot also needs room to come there.
+    """
+    for index, side in enumerate(pushes.sides):
+        standing = name == "goal" or index == query.present_side
+        if side.fits(pose) if standing else side.can_begin(pose):
+            return True
+    return False
+
+
 def _judged(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
-    """What was found as a plan, if box and robot keep the clearance exactly."""
+    """Make a plan of the way that was found; None if box or robot do not keep the clearance by the exact measure."""
     waypoints: list[Pose2] = []
     sides: list[int] = []
     clearance_m = np.inf
@@ -76,43 +126,8 @@ def _judged(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
 
 
 def _corners(way: Way) -> tuple[tuple[float, float], ...]:
-    """Where stages begin, and where the last one ends."""
+    """Positions at which the stages begin, and the one at which the last stage ends."""
     return tuple((pose.x_m, pose.y_m) for pose in (*(stage.begin for stage in way), way[-1].end))
-
-
-def _side_fault(query: BoxPathQuery) -> str:
-    if query.present_side is not None and query.present_side >= len(query.sides):
-        return f"Expected present_side below {len(query.sides)}, the number of sides, got {query.present_side}"
-    return ""
-
-
-def _pose_fault(name: str, pose: Pose2, query: BoxPathQuery, pushes: Pushes) -> str:
-    """Why the box cannot be pushed from there, or to there, and where it could; or nothing."""
-    if _works(name, pose, query, pushes):
-        return ""
-    doing = "be pushed away from" if name == "start" else "be pushed to"
-    reason = (
-        f"The box cannot {doing} the {name} ({pose.x_m:g}, {pose.y_m:g}, {degrees(pose.yaw_rad):.0f}°): box and robot "
-        f"do not fit there with a clearance of {query.clearance_m:g} m, whichever face is pushed"
-    )
-    n = round(NEAREST_REACH_M / NEAREST_STEP_M)
-    steps = (NEAREST_STEP_M * np.arange(-n, n + 1)).tolist()
-    for x_m, y_m in sorted(((x, y) for x in steps for y in steps), key=lambda offset: hypot(*offset)):
-        near = Pose2(x_m=pose.x_m + x_m, y_m=pose.y_m + y_m, yaw_rad=pose.yaw_rad)
-        if _works(name, near, query, pushes):
-            return f"{reason}; the nearest place with this heading is {hypot(x_m, y_m):.2f} m away, at " + (
-                f"({near.x_m:.2f}, {near.y_m:.2f})"
-            )
-    return f"{reason}, nor within {NEAREST_REACH_M:g} m of it with this heading"
-
-
-def _works(name: str, pose: Pose2, query: BoxPathQuery, pushes: Pushes) -> bool:
-    """Whether there is a side from which the box can be pushed at the pose."""
-    for index, side in enumerate(pushes.sides):
-        standing = name == "goal" or index == query.present_side
-        if side.fits(pose) if standing else side.can_begin(pose):
-            return True
-    return False
 
 
 def _shortfall(query: BoxPathQuery, field: ClearanceField, pushes: Pushes, n_iterations: int) -> str:

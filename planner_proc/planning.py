@@ -1,4 +1,4 @@
-"""From a query to a plan: check it, search, shorten, smooth, measure. Pure: equal queries get equal plans."""
+"""Plans: checks the query, then plans a path of the trunk or of the box. No I/O; equal queries get equal plans."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -11,21 +11,25 @@ from legpush.scene.occupancy import MAX_CELLS, OccupancyGrid
 from planner_proc.box_plan import make_box_plan
 from planner_proc.clearance.field import NEAR_M, ClearanceField
 from planner_proc.search.registry import search_fault
-from planner_proc.trunk_plan import SAME_PLACE_M, make_trunk_plans
+from planner_proc.trunk_plan import make_trunk_plans
 
 _MAX_COORDINATE_M: Final = 1e7
-"""Farther from the world's origin, a float64 no longer resolves `ROUNDING_M`."""
+"""Farther from the world's origin than this, a float64 no longer resolves `ROUNDING_M`."""
+_LEAST_STEP_M: Final = 1e-6
 
 
 def make_plan(query: PlanQuery) -> Plan:
-    """The first plan for a query."""
+    """Return the first plan for a query."""
     return next(make_plans(query, lambda: False))
 
 
 def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
-    """The plan for a query, and with `anytime` one after each improvement, the best so far.
+    """Yield a plan for a query and then, with `anytime`, the best plan after each improvement.
 
-    Never an error for a query: what cannot be planned says so in `status` and `reason`. `PlanningInterruptedError`.
+    A query that cannot be met is no error: the plan's `status` and `reason` say so.
+
+    Raises:
+        PlanningInterruptedError: The plans are not wanted any more.
     """
     fault = _grid_fault(query.grid) or _search_fault(query)
     if fault:
@@ -39,7 +43,7 @@ def make_plans(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
 
 
 def _grid_fault(grid: OccupancyGrid) -> str:
-    """Why the grid is none, or nothing."""
+    """Why the grid is invalid; empty if it is not."""
     n_cells = grid.n_rows * grid.n_columns
     if n_cells > MAX_CELLS:
         return f"Expected at most {MAX_CELLS} cells, got n_rows * n_columns = {n_cells}"
@@ -58,16 +62,16 @@ def _grid_fault(grid: OccupancyGrid) -> str:
     return ""
 
 
+def _search_fault(query: PlanQuery) -> str:
+    """Why the search cannot be carried out as the query asks; empty if it can."""
+    if not query.step_m >= _LEAST_STEP_M:
+        return f"Expected step_m of at least {_LEAST_STEP_M:g} m, got {query.step_m:g}"
+    return search_fault(query) if isinstance(query, TrunkPathQuery) else ""
+
+
 def _near_m(query: PlanQuery) -> float:
-    """How far from what is occupied it matters which of it is nearest."""
+    """How far from the occupied cells the planner needs to know which of them is nearest."""
     if isinstance(query, BoxPathQuery):
         return max(NEAR_M, query.walk_clearance_m, query.clearance_m) + query.grid.resolution_m
-    # A clearance that is no number is refused later.
+    # A clearance that is not a number is refused later.
     return max(query.grid.resolution_m, query.clearance_m + query.smoothing.comfort_m + 2.0 * query.grid.resolution_m)
-
-
-def _search_fault(query: PlanQuery) -> str:
-    """Why no tree can be grown, or nothing."""
-    if not query.step_m >= SAME_PLACE_M:
-        return f"Expected step_m of at least {SAME_PLACE_M:g} m, got {query.step_m:g}"
-    return search_fault(query) if isinstance(query, TrunkPathQuery) else ""

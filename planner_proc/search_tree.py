@@ -1,10 +1,13 @@
-"""A search tree as it is shown: nodes, and on which node each hangs, a root on itself."""
+"""Thins out a search tree for display."""
 
 from legpush.geometry import Point2
 
 
 def thin(nodes: list[Point2], parents: list[int], n_most: int) -> tuple[list[Point2], list[int]]:
-    """At most so many nodes of a tree: the last one, its ancestors, and the nodes that come first."""
+    """Keep at most `n_most` nodes: the last one, its ancestors, and the first ones of the others.
+
+    `parents` holds the index of each node's parent; a root is its own parent.
+    """
     if len(nodes) <= n_most:
         return nodes, parents
     branch = {len(nodes) - 1}

@@ -1,4 +1,4 @@
-"""A path for the trunk: search a route, shorten it, smooth it and measure it."""
+"""Plans a path of the trunk: searches a route, shortens, smooths and measures it. Equal queries get equal plans."""
 
 from collections.abc import Iterator
 from math import hypot
@@ -20,11 +20,17 @@ from planner_proc.smoothing.spline import smooth
 from planner_proc.smoothing.tube import Tube
 
 SAME_PLACE_M: Final = 1e-6
-"""Two positions nearer than this are one place."""
+"""Two positions that are nearer than this count as one."""
 
 
 def make_trunk_plans(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Plan]:
-    """The plan for a query whose grid is valid, and with `anytime` one after each improvement, the best so far."""
+    """Yield a plan for a query with a valid grid, then, with `anytime`, the best plan after each improvement.
+
+    `field` is that of the grid. A query that cannot be met is no error: the plan's `status` and `reason` say so.
+
+    Raises:
+        PlanningInterruptedError: The plans are not wanted any more.
+    """
     for name, pose in (("start", query.start), ("goal", query.goal)):
         fault = _pose_fault(name, pose, field, query)
         if fault:
@@ -43,15 +49,37 @@ def make_trunk_plans(query: TrunkPathQuery, field: ClearanceField, interrupted: 
         yield best
 
 
-def _is_better(plan: Plan, other: Plan) -> bool:
-    """Exact rather than not, then shorter."""
-    if (plan.status == "exact") != (other.status == "exact"):
-        return plan.status == "exact"
-    return plan.status == "exact" and plan.length_m < other.length_m
+def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQuery) -> str:
+    """Why the robot cannot stand at a pose; empty if it can."""
+    place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
+    if not field.contains(pose.x_m, pose.y_m):
+        return f"{place} lies off the map, which spans {query.grid.extent()}"
+    point_m = np.array([[pose.x_m, pose.y_m]])
+    if field.bounds_m(point_m, query.clearance_m)[0] >= query.clearance_m:
+        return ""
+    clearance_m = float(field.clearance_m(point_m)[0])
+    if clearance_m == 0.0:
+        return f"{place} lies in an obstacle; a clearance of {query.clearance_m:g} m is required"
+    if not clearance_m >= query.clearance_m - ROUNDING_M:
+        return f"{place} has a clearance of {clearance_m:.6g} m; {query.clearance_m:g} m is required"
+    return ""
+
+
+def _turn_on_the_spot(query: TrunkPathQuery, field: ClearanceField) -> Plan:
+    """The plan for a goal at the start."""
+    start_m = (query.start.x_m, query.start.y_m)
+    return Plan(
+        status="exact",
+        reason="The goal is at the start: turn on the spot",
+        waypoints=(query.start, query.goal),
+        raw_path_m=(start_m, (query.goal.x_m, query.goal.y_m)),
+        tree=Tree(points_m=(start_m,), parents=(0,)),
+        min_clearance_m=float(field.clearance_m(np.array([start_m]))[0]),
+    )
 
 
 def _plan_from_route(query: TrunkPathQuery, field: ClearanceField, route: Route) -> Plan:
-    """Shorten and smooth what the search found."""
+    """Shorten, smooth and measure the route that the search found."""
     tree = Tree(points_m=route.tree_points_m, parents=route.tree_parents)
 
     def failed(reason: str) -> Plan:
@@ -96,7 +124,7 @@ def _plan_from_route(query: TrunkPathQuery, field: ClearanceField, route: Route)
 
 
 def _smoothed(query: TrunkPathQuery, field: ClearanceField, points_m: Floats) -> list[Floats]:
-    """Stretches of a smooth path; none where it cannot turn so wide."""
+    """Stretches of a smooth path; empty if none keeps the turning radius."""
     options = query.smoothing
     tube = Tube(field, query.clearance_m, points_m, options.max_deviation_m)
     corners_m = shortcut(points_m, tube) if options.shorten else _distinct(points_m)
@@ -104,33 +132,20 @@ def _smoothed(query: TrunkPathQuery, field: ClearanceField, points_m: Floats) ->
 
 
 def _distinct(points_m: Floats) -> Floats:
-    """Without points that repeat the one before."""
+    """The points, (n, 2), without those that repeat the one before, (k, 2)."""
     moves = np.hypot(*np.diff(points_m, axis=0).T) > 0.0
     distinct: Floats = points_m[np.concatenate([[True], moves])]
     return distinct
 
 
 def _poses(curve: Floats, start: Pose2, goal: Pose2 | None) -> tuple[Pose2, ...]:
-    """A curve as waypoints, its ends as they were asked for."""
+    """A curve, (n, 3), as waypoints; the start, and the goal if it was reached, are exactly those of the query."""
     inner = [Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)) for x_m, y_m, yaw_rad in curve[1:].tolist()]
     return (start, *inner[:-1], goal) if goal else (start, *inner)
 
 
-def _turn_on_the_spot(query: TrunkPathQuery, field: ClearanceField) -> Plan:
-    """The plan for a goal at the start."""
-    start_m = (query.start.x_m, query.start.y_m)
-    return Plan(
-        status="exact",
-        reason="The goal is at the start: turn on the spot",
-        waypoints=(query.start, query.goal),
-        raw_path_m=(start_m, (query.goal.x_m, query.goal.y_m)),
-        tree=Tree(points_m=(start_m,), parents=(0,)),
-        min_clearance_m=float(field.clearance_m(np.array([start_m]))[0]),
-    )
-
-
 def _waypoints(stretches: list[Floats], start: Pose2, goal: Pose2 | None) -> tuple[Pose2, ...]:
-    """The start as it stands, each stretch with its headings, and the goal as asked for, if it was reached."""
+    """Waypoints along stretches, with headings along them, between the start and, if it was reached, the goal."""
     waypoints = [start]
     for stretch in stretches:
         for (x_m, y_m), heading_rad in zip(stretch.tolist(), polylines.headings(stretch).tolist(), strict=True):
@@ -138,30 +153,21 @@ def _waypoints(stretches: list[Floats], start: Pose2, goal: Pose2 | None) -> tup
     return (*waypoints, goal) if goal else tuple(waypoints)
 
 
-def _pose_fault(name: str, pose: Pose2, field: ClearanceField, query: TrunkPathQuery) -> str:
-    """Why the robot cannot stand there, or nothing."""
-    place = f"The {name} ({pose.x_m:g}, {pose.y_m:g})"
-    if not field.contains(pose.x_m, pose.y_m):
-        return f"{place} lies off the map, which spans {query.grid.extent()}"
-    point_m = np.array([[pose.x_m, pose.y_m]])
-    if field.bounds_m(point_m, query.clearance_m)[0] >= query.clearance_m:
-        return ""
-    clearance_m = float(field.clearance_m(point_m)[0])
-    if clearance_m == 0.0:
-        return f"{place} lies in an obstacle; a clearance of {query.clearance_m:g} m is required"
-    if not clearance_m >= query.clearance_m - ROUNDING_M:
-        return f"{place} has a clearance of {clearance_m:.6g} m; {query.clearance_m:g} m is required"
-    return ""
-
-
 def _shortfall(query: TrunkPathQuery, field: ClearanceField, route: Route) -> str:
-    """Why the goal was not reached, and how much is missing."""
+    """Why the goal was not reached, and how far from it the path ends."""
     x_m, y_m = route.points_m[-1].tolist()
     missing = f"{_distance_m(query.goal, (x_m, y_m)):.2f} m from the goal after {route.n_iterations} iterations"
     start_m, goal_m = (query.start.x_m, query.start.y_m), (query.goal.x_m, query.goal.y_m)
     if field.is_separated(start_m, goal_m, query.clearance_m):
         return f"No path keeps a clearance of {query.clearance_m:g} m: obstacles cut off the goal; ended {missing}"
     return f"Ended {missing}: raise max_iterations, or lower clearance_m, which is {query.clearance_m:g} m"
+
+
+def _is_better(plan: Plan, other: Plan) -> bool:
+    """Whether a plan is exact and the other is not, or both are and it is shorter."""
+    if (plan.status == "exact") != (other.status == "exact"):
+        return plan.status == "exact"
+    return plan.status == "exact" and plan.length_m < other.length_m
 
 
 def _distance_m(pose: Pose2, point_m: Point2) -> float:

@@ -9,7 +9,7 @@ from legpush.service import ServiceConfig, run_process
 
 
 def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
-    """Carry out actions until asked to stop."""
+    """Carry out actions until `stop` is set."""
     from sim_proc.described_simulator import DescribedSimulator
 
     serve_actions(bus, DescribedSimulator(bus), stop)

@@ -1,4 +1,4 @@
-"""A simulator that hands its model to whoever records."""
+"""A simulator that attaches the models of its scenarios to recordings."""
 
 from typing import Final
 
@@ -9,26 +9,31 @@ from sim_proc.model.world import model_xml
 from sim_proc.simulator import Simulator
 
 MAX_MODELS: Final = 16
-"""Of scenarios that differ, as in a training that draws them; the later ones are in the recorded resets."""
+"""At most this many different models are attached. A training draws more scenarios; they are in its recorded resets."""
 
 
 class DescribedSimulator:
-    """A `Simulator` whose models become files of a recording, while there is one."""
+    """A `Simulator` that attaches each new model as an MJCF file while its bus is recorded."""
 
     def __init__(self, bus: Bus) -> None:
+        """Attach models to the recording of this bus."""
         self._bus = bus
         self._simulator = Simulator()
         self._described: list[Scenario] = []
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion."""
+        """Carry out one motion, and attach the model of a new scenario.
+
+        Raises:
+            MotionError: The present state does not allow the motion.
+        """
         outcome = self._simulator.perform(motion, with_trace=with_trace)
         if isinstance(motion, Reset) and self._bus.taps.own.buffer.active:
             self._describe(motion.scenario)
         return outcome
 
     def _describe(self, scenario: Scenario) -> None:
-        """Once for each scenario."""
+        """Attach the model of a scenario, once for each scenario."""
         if scenario in self._described or len(self._described) >= MAX_MODELS:
             return
         number = len(self._described)

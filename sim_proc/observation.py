@@ -1,4 +1,4 @@
-"""What the simulator reports: the world after a step, and the trace of its ticks."""
+"""The observation that the simulator reports: the world after a step, and the trace of its ticks."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +16,7 @@ from sim_proc.physics.physics import JOINT_QVEL, Physics
 
 
 def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, push: PushReport | None) -> WorldState:
-    """The present state of the world."""
+    """The present state of the world, after `n_footsteps` steps of the robot."""
     qpos, qvel = physics.data.qpos, physics.data.qvel
     trunk, box = qpos[TRUNK_QPOS], qpos[BOX_QPOS]
     return WorldState(
@@ -45,9 +45,13 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
     )
 
 
-def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
-    """The recordings of a step, joined, ending at `last_tick`; `downhill` is that of the physics."""
-    if not recordings:
+def trace(logs: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
+    """Join the logs of one step into its trace, whose last row is `last_tick`.
+
+    `downhill` is that of the plant, (2,). The zero-moment point is the centre of pressure of the feet. A robot that no
+    foot carries has none, and its place is taken by the ground projection of the centre of mass.
+    """
+    if not logs:
         return Trace(
             tick=(),
             qpos=(),
@@ -58,9 +62,9 @@ def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Tr
             zmp_m=(),
             support_margin_m=(),
         )
-    qpos, tips, com = (np.concatenate([getattr(r, name) for r in recordings]) for name in ("qpos", "tips_m", "com_m"))
-    floor = np.concatenate([r.floor_forces_n for r in recordings])
-    box = np.concatenate([r.box_forces_n for r in recordings])
+    qpos, tips, com = (np.concatenate([getattr(log, name) for log in logs]) for name in ("qpos", "tips_m", "com_m"))
+    floor = np.concatenate([log.floor_forces_n for log in logs])
+    box = np.concatenate([log.box_forces_n for log in logs])
     load = floor[:, :, 2]
     total = load.sum(axis=1, keepdims=True)
     pressure = (load[:, :, None] * tips[:, :, :2]).sum(axis=1) / np.maximum(total, LOADED_N)
@@ -78,7 +82,7 @@ def trace(recordings: Sequence[TickLog], last_tick: int, downhill: Floats) -> Tr
 
 
 def _plain(array: Floats) -> Any:
-    """Nested tuples of floats, as messages hold them."""
+    """An array as nested tuples of floats, the form that messages hold."""
     return _tuples(array.tolist())
 
 

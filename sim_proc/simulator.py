@@ -1,4 +1,4 @@
-"""The simulator as a function: (state, motion) to (state, outcome). Nothing moves unless a motion asks for it."""
+"""The simulator: carries out motions one by one and reports their outcomes. Without a motion nothing moves."""
 
 from math import radians
 
@@ -22,18 +22,22 @@ from sim_proc.physics.physics import Physics
 class Simulator:
     """A world that a `Reset` builds and the other motions move.
 
-    BLAS gets one thread in the process that has one: sums that several threads share are rounded otherwise, and equal
-    motions would lead to other states here than in another process.
+    Creating one limits BLAS to a single thread in this process. A sum that several threads share is rounded
+    differently, so equal motions would not lead to the same state in every process.
     """
 
     def __init__(self) -> None:
-        """Empty until the first `Reset`."""
+        """Limit BLAS to one thread. There is no world before the first `Reset`."""
         threadpool_limits(limits=1, user_api="blas")
         self.episode: SimulatedEpisode | None = None
-        """The present one."""
+        """The present episode; None before the first `Reset`."""
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out one motion; `MotionError` where the present state does not allow it."""
+        """Carry out one motion.
+
+        Raises:
+            MotionError: The present state does not allow the motion.
+        """
         if isinstance(motion, Reset):
             self.episode = SimulatedEpisode(motion)
             return self.episode.outcome([], with_trace=with_trace)
@@ -45,10 +49,10 @@ class Simulator:
 
 
 class SimulatedEpisode:
-    """One episode, from its reset on."""
+    """One episode: a world and the robot in it."""
 
     def __init__(self, reset: Reset) -> None:
-        """Build the world and stand the robot in it."""
+        """Build the world of a reset and stand the robot in it."""
         trunk, box = drawn_poses(reset.scenario, reset.seed)
         self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
@@ -58,22 +62,26 @@ class SimulatedEpisode:
         self._push: PushReport | None = None
 
     def perform(self, motion: Follow | Walk | Push | Alter, *, with_trace: bool) -> Outcome:
-        """Carry out a motion other than a reset."""
+        """Carry out a motion other than a reset.
+
+        Raises:
+            MotionError: The present state does not allow the motion.
+        """
         if self.physics.fallen:
             raise MotionError("The robot has fallen: only `reset` is possible")
-        recordings: list[TickLog] = []
+        logs: list[TickLog] = []
         if isinstance(motion, Follow):
             self._walk = PathWalk(self._steps, motion.waypoints)
         elif isinstance(motion, Push):
             push = self._pusher.cycle(motion)
-            recordings = push.recordings
+            logs = push.logs
             self._walk = None
             self._push = PushReport(leg=motion.leg, touched=push.peak_force_n > 0.0, peak_force_n=push.peak_force_n)
         elif isinstance(motion, Alter):
             self._alter(motion)
         else:
-            recordings = self._walk_cycle()
-        return self.outcome(recordings, with_trace=with_trace)
+            logs = self._walk_cycle()
+        return self.outcome(logs, with_trace=with_trace)
 
     def _walk_cycle(self) -> list[TickLog]:
         if self._walk is None:
@@ -83,25 +91,25 @@ class SimulatedEpisode:
         return self._walk.cycle()
 
     def _alter(self, motion: Alter) -> None:
-        """Go on with the same state in the world of another box."""
+        """Change mass or friction of the box and keep the state."""
         changes = {"mass_kg": motion.box_mass_kg, "friction": motion.box_friction}
         box = replace(self._scenario.box, **{name: value for name, value in changes.items() if value is not None})
         self._scenario = replace(self._scenario, box=box)
         self.physics.alter(self._scenario)
 
-    def outcome(self, recordings: list[TickLog], *, with_trace: bool) -> Outcome:
-        """The present state, after what was recorded."""
+    def outcome(self, logs: list[TickLog], *, with_trace: bool) -> Outcome:
+        """The present state as the outcome of a motion, with the trace of its logs if asked for."""
         path = None if self._walk is None else self._walk.progress()
         physics = self.physics
         return Outcome(
             world=world_state(physics, self._steps.n_footsteps, path, self._push),
             state_crc=physics.state_crc(),
-            trace=trace(recordings, physics.tick, physics.downhill) if with_trace else None,
+            trace=trace(logs, physics.tick, physics.downhill) if with_trace else None,
         )
 
 
 def drawn_poses(scenario: Scenario, seed: int) -> tuple[Pose2, Pose2]:
-    """Poses of robot and box at the start: nominal, with uniform offsets drawn from the seed."""
+    """Poses of robot and box at the start: the nominal ones plus uniform offsets drawn from the seed."""
     spread = scenario.randomization
     half_widths = np.array(
         [

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
-from legpush.errors import PolicyError
+from legpush.errors import ConfigError, PolicyError
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
 
@@ -171,12 +171,14 @@ def read_card(folder: Path) -> Card:
     """
     path = folder / CARD_FILE
     plain = _decode(path, dict)
-    profile = read_profile(plain.get("profile", {}), f"{path}: profile")
     try:
+        profile = read_profile(plain.get("profile", {}), "profile")
         rest: dict[str, Any] = {
             name: msgspec.convert(plain[name], kind) for name, kind in _CARD_FIELDS.items() if name in plain
         }
         return Card(profile=profile, **rest)
+    except ConfigError as error:
+        raise PolicyError(f"{path}: {error}") from error
     except (msgspec.ValidationError, TypeError) as error:
         raise PolicyError(f"{path}: expected the card of a policy ({error})") from error
 

@@ -149,14 +149,16 @@ def load_profile(name_or_path: str) -> AnyProfile:
     return read_profile(plain, str(source))
 
 
-def read_profile(plain: dict[str, Any], source: str) -> AnyProfile:
+def read_profile(plain: object, source: str) -> AnyProfile:
     """Check the tables of a file called `source`, and make the profile.
 
     Raises:
         ConfigError: A field is wrong; the message names it.
     """
+    if not isinstance(plain, dict):
+        raise ConfigError(f"{source}: expected the table of a training profile, got {plain!r}")
     algorithm = plain.get("algorithm")
-    if algorithm not in KINDS:
+    if not isinstance(algorithm, str) or algorithm not in KINDS:
         raise ConfigError(f"{source}: at `algorithm`: expected one of {', '.join(KINDS)}, got {algorithm!r}")
     kind = KINDS[algorithm]
     try:

@@ -67,7 +67,7 @@ def _show(push_map: PushMap, console: Console) -> None:
     """Print mean and standard deviation of each effect, and the circles."""
     table = Table(box=None, padding=(0, 2, 0, 0))
     for title in ("face", "leg", "w1 = w2", "depth [cm]", "forward [cm]", "left [cm]", "turn [deg]", "n"):
-        table.add_column(title, justify="left" if title in ("face", "leg") else "right", no_wrap=True)
+        table.add_column(Text(title), justify="left" if title in ("face", "leg") else "right", no_wrap=True)
     for e in push_map.effects:
         table.add_row(
             e.face,

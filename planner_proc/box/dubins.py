@@ -1,4 +1,4 @@
-"""Shortest forward paths with a minimum turning radius, by OMPL."""
+"""Shortest forward paths with a minimum turning radius (Dubins), computed by OMPL."""
 
 from math import ceil
 from typing import Any, Final
@@ -10,12 +10,13 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 
 SAMPLE_M: Final = 0.025
-"""Between two poses of a path that is checked, and of one that is returned."""
+"""Greatest distance between two poses of a path."""
 _FAR_M: Final = 1e7
+"""Bound of the state space, which OMPL asks for; farther than any map."""
 
 
 class Dubins:
-    """Paths of a pose that moves along its x axis and turns no tighter than a radius."""
+    """Paths of a frame that moves along its x axis and turns no tighter than a radius."""
 
     def __init__(self, min_turning_radius_m: float) -> None:
         self._space = ob.DubinsStateSpace(min_turning_radius_m)
@@ -26,12 +27,12 @@ class Dubins:
         self._a, self._b, self._at = (self._space.allocState() for _ in range(3))
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
-        """Of the path from one pose to another."""
+        """Length of the path from one pose to another."""
         self._set(a, b)
         return float(self._space.distance(self._a, self._b))
 
     def poses(self, a: Pose2, b: Pose2) -> Floats:
-        """The path, `SAMPLE_M` or less apart, both ends included, (n, 3)."""
+        """Poses along the path from one pose to another, both included, at most `SAMPLE_M` apart, (n, 3)."""
         length_m = self.length_m(a, b)
         n = max(1, ceil(length_m / SAMPLE_M))
         poses = np.empty((n + 1, 3))
@@ -41,7 +42,7 @@ class Dubins:
         return poses
 
     def along(self, a: Pose2, b: Pose2, distance_m: float) -> Pose2:
-        """Where one is after so much of the path from one pose to another."""
+        """Pose at a distance along the path from one pose to another."""
         length_m = self.length_m(a, b)
         if distance_m >= length_m:
             return b

@@ -1,4 +1,4 @@
-"""Whether a box with the robot behind it fits: distances of moving rectangles to the occupied squares."""
+"""Distances of moving rectangles to the occupied squares: whether the box fits, with the robot behind it."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -13,11 +13,13 @@ from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.clearance.field import ROUNDING_M, ClearanceField
 
 _DISC_M: Final = 0.1
-"""Rectangles are covered by discs around squares of about this size, for the quick answer."""
+"""Largest side of the parts into which a rectangle is divided for the quick measure; a disc covers each part."""
+_SIGNS: Final = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+"""Corners of a square with half side 1."""
 
 
 def placed(poses: Floats, what: Pose2) -> Floats:
-    """Poses of what is fixed at `what` to a frame at poses (x, y, yaw), (n, 3)."""
+    """Compose poses: `what` is given in a frame, and the frame is at poses (x, y, yaw), (n, 3); returns (n, 3)."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     at: Floats = np.stack(
         [
@@ -31,24 +33,24 @@ def placed(poses: Floats, what: Pose2) -> Floats:
 
 
 class FootprintField:
-    """Clearance of rectangles that are fixed to a moving frame: a quick answer for searching, an exact one for judging.
+    """Clearance of rectangles that are fixed to a moving frame, by a quick measure for searching and an exact one.
 
-    For the quick one, discs cover each rectangle; they reach beyond it by 2 cm at its corners, and what is nearest to
-    their centres is known to a fraction of a cell.
+    The quick measure covers each rectangle with discs. They reach beyond it by 2 cm at its corners, and the distance of
+    their centres to the nearest square is known to a fraction of a cell.
     """
 
     def __init__(self, footprints: Sequence[Footprint], field: ClearanceField, squares: "Squares") -> None:
-        """`field` and `squares` are those of one grid."""
+        """Take the footprints in the moving frame, and `field` and `squares` of the same grid."""
         self._field = field
         self._rectangles = [_Rectangle(footprint) for footprint in footprints]
         self._squares = squares
         self.reach_m = max(rectangle.reach_m for rectangle in self._rectangles)
-        """Of the point of all footprints that is farthest from the frame's origin."""
+        """Distance from the frame's origin to the farthest point of all footprints."""
         self.narrowest_m = max(rectangle.inner_m for rectangle in self._rectangles)
-        """Radius of the largest disc that one of them covers wherever it is: no path is narrower."""
+        """Radius of the largest disc inside a footprint: no passage is narrower than twice this."""
 
     def seems_free(self, poses: Floats, clearance_m: float) -> bool:
-        """Whether all footprints about keep the clearance in all poses (x, y, yaw), (n, 3), of the frame."""
+        """Whether all footprints keep the clearance, by the quick measure, in all poses (x, y, yaw), (n, 3)."""
         for rectangle in self._rectangles:
             far = self._field.bounds_m(rectangle.centres(poses)[:, :2]) < rectangle.radius_m + clearance_m
             if not far.any():
@@ -60,7 +62,7 @@ class FootprintField:
         return True
 
     def free(self, poses: Floats, clearance_m: float) -> Flags:
-        """Whether all footprints keep the clearance in poses, (n, 3), exactly; (n,)."""
+        """In which poses, (n, 3), all footprints keep the clearance, by the exact measure, (n,)."""
         free = np.ones(len(poses), dtype=np.bool_)
         for rectangle in self._rectangles:
             centres = rectangle.centres(poses)
@@ -71,9 +73,7 @@ class FootprintField:
         return free
 
     def clearance_m(self, poses: Floats) -> float:
-        """Exact least distance of any footprint in any of the poses, (n, 3), to anything occupied; 0 where they
-        overlap.
-        """
+        """Exact least distance of all footprints in all poses, (n, 3), to anything occupied; 0 for an overlap."""
         least_m = np.inf
         for rectangle in self._rectangles:
             for pose in rectangle.centres(poses):
@@ -82,7 +82,7 @@ class FootprintField:
 
 
 class _Rectangle:
-    """A footprint in its moving frame."""
+    """A footprint in the moving frame, and the discs that cover it."""
 
     def __init__(self, footprint: Footprint) -> None:
         pose = footprint.pose
@@ -100,11 +100,11 @@ class _Rectangle:
         self.disc_radius_m = float(np.hypot(*part_m) / 2)
 
     def centres(self, poses: Floats) -> Floats:
-        """Poses of the rectangle's centre, (n, 3)."""
+        """Poses of the rectangle's centre for poses of the frame, (n, 3)."""
         return placed(poses, self._pose)
 
     def discs(self, poses: Floats) -> Floats:
-        """Centres of the discs that cover it in all of the poses, (n * discs, 2)."""
+        """Centres of the discs that cover it, in all poses of the frame, (n * discs, 2)."""
         centres = self.centres(poses)
         c, s = np.cos(centres[:, 2])[:, None], np.sin(centres[:, 2])[:, None]
         x, y = self._discs.T
@@ -113,7 +113,7 @@ class _Rectangle:
 
 
 class Squares:
-    """The occupied cells, and a ring of them around the grid."""
+    """The occupied cells, with a ring of occupied cells around the grid."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
         cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns)
@@ -126,10 +126,11 @@ class Squares:
         self._low_m, self._high_m = np.array(grid.origin_m), np.array(grid.origin_m) + far
 
     def distance_m(self, pose: Floats, half_m: Floats, within_m: float) -> float:
-        """From a rectangle with its centre at a pose, (3,), to the nearest square; `within_m` where none is nearer.
+        """Distance from a rectangle to the nearest square; `within_m` if none is nearer.
 
-        Of two convex shapes apart the nearest points include a corner of one of them; where no axis of either shape
-        parts them, they overlap, and the distance is 0.
+        `pose` is that of its centre, (3,), and `half_m` half its length and width, (2,). If two convex shapes are
+        apart, a corner of one of them is nearest to the other. If no axis of either shape separates them, they overlap,
+        and the distance is 0.
         """
         if not ((self._low_m <= pose[:2]) & (pose[:2] <= self._high_m)).all():
             return 0.0
@@ -147,15 +148,12 @@ class Squares:
         seen = (beside[:, None] + self._half_m * _SIGNS) @ rotation
         gaps = np.maximum(np.abs(seen) - half_m, 0.0)
         from_squares = np.hypot(gaps[..., 0], gaps[..., 1]).min()
-        placed = corners @ rotation.T
-        gaps = np.maximum(np.abs(placed - beside[:, None]) - self._half_m, 0.0)
+        turned = corners @ rotation.T
+        gaps = np.maximum(np.abs(turned - beside[:, None]) - self._half_m, 0.0)
         from_rectangle = np.hypot(gaps[..., 0], gaps[..., 1]).min()
         apart_own = (seen.min(axis=1) > half_m).any(axis=1) | (seen.max(axis=1) < -half_m).any(axis=1)
-        extent = np.abs(placed).max(axis=0) + self._half_m
+        extent = np.abs(turned).max(axis=0) + self._half_m
         apart_world = (np.abs(beside) > extent).any(axis=1)
         if not (apart_own | apart_world).all():
             return 0.0
         return float(min(from_squares, from_rectangle, within_m))
-
-
-_SIGNS: Final = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])

@@ -1,4 +1,4 @@
-"""Ways to push the box from one pose to another: from one side all along, or from one side and then from another."""
+"""Ways to push the box from one pose to another, from one side or from two: their cost, and whether they fit."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ from planner_proc.box.walking_space import WalkingSpace, places_behind
 from planner_proc.clearance.field import ClearanceField
 
 LEAST_STAGE_M: Final = 0.005
-"""What is pushed less far than this from a side is not worth to change for."""
+"""Shortest stage for which it is worth changing sides."""
 STEPS_BACK_M: Final = (0.0, 0.1, 0.2, 0.3, 0.4)
-"""Beyond its stand-off: to where the robot may step back before it walks to another side."""
+"""How far behind its stand-off the robot may step back before it walks to another side."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,12 +35,14 @@ class Stage:
 
 
 Way = tuple[Stage, ...]
+"""Stages in order: each begins where the one before it ends."""
 
 
 class Side:
-    """A face that can be pushed, in a room."""
+    """A face of the box that can be pushed: its pushes, and whether box and robot fit in the room."""
 
     def __init__(self, side: PushSide, query: BoxPathQuery, field: ClearanceField, squares: Squares) -> None:
+        """Take `field` and `squares` of the query's grid."""
         self._field = field
         self._walk_clearance_m = query.walk_clearance_m
         self._stand_off = side.frame @ side.stand_off
@@ -49,74 +51,75 @@ class Side:
         self.turn_rad = side.frame.yaw_rad
         self._dubins = Dubins(side.min_turning_radius_m)
         self.footprints = FootprintField(side.footprints, field, squares)
-        # Between two poses no point of the footprints moves farther than this from the nearer one.
+        # Between two samples, no point of the footprints is farther than this from its place at the nearer one.
         between_m = 0.5 * SAMPLE_M * (1.0 + self.footprints.reach_m / side.min_turning_radius_m)
         self.required_m = query.clearance_m + between_m
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
-        """Of the push from one pose of the box to another."""
+        """Length of the push from one pose of the box to another."""
         return self._dubins.length_m(a @ self._frame, b @ self._frame)
 
     def along(self, a: Pose2, b: Pose2, distance_m: float) -> Pose2:
-        """Pose of the box after so much of that push."""
+        """Pose of the box at a distance along the push from one pose to another."""
         return self._dubins.along(a @ self._frame, b @ self._frame, distance_m) @ self._box_from_frame
 
     def ahead(self, pose: Pose2, distance_m: float) -> Pose2:
-        """The box pushed straight by so much; back, where that is negative."""
+        """Pose of the box after a straight push by a distance; before one, if it is negative."""
         yaw_rad = pose.yaw_rad + self.turn_rad
         return Pose2(
             x_m=pose.x_m + distance_m * cos(yaw_rad), y_m=pose.y_m + distance_m * sin(yaw_rad), yaw_rad=pose.yaw_rad
         )
 
     def pushed(self, stage: Stage) -> Floats:
-        """Poses of the frame that is pushed, all along, (n, 3)."""
+        """Poses of the pushed frame along a stage, (n, 3)."""
         return self._dubins.poses(stage.begin @ self._frame, stage.end @ self._frame)
 
     def box(self, pushed: Floats) -> Floats:
-        """Poses of the box at poses of the frame that is pushed, (n, 3)."""
+        """Poses of the box for poses of the pushed frame, (n, 3)."""
         return placed(pushed, self._box_from_frame)
 
     def seems_free(self, stage: Stage, extra_m: float) -> bool:
-        """Whether box and robot about fit all along."""
+        """Whether box and robot fit all along a stage, by the quick measure, with `extra_m` more than is required."""
         return self.footprints.seems_free(self.pushed(stage), self.required_m + extra_m)
 
     def can_begin(self, pose: Pose2) -> bool:
-        """Whether the robot can come to stand behind a box at the pose."""
+        """Whether the robot can come to stand behind the box at a pose, and push from there."""
         room_m = self._field.clearance_m(self.stand_off(pose).xy()[None])[0]
         return bool(room_m >= self._walk_clearance_m) and self.fits(pose)
 
     def stand_off(self, pose: Pose2) -> Pose2:
-        """Where the robot's way to this side of a box at the pose ends."""
+        """Where the robot's walk to this side ends if the box is at a pose."""
         return pose @ self._stand_off
 
     def fits(self, pose: Pose2) -> bool:
-        """Whether box and robot fit with the box at the pose."""
+        """Whether box and robot fit, exactly, if the box is at a pose."""
         return bool(self.footprints.free(_row(pose @ self._frame), self.required_m)[0])
 
 
 class Pushes:
-    """All that a query allows."""
+    """All pushes that a query allows, from all of its sides."""
 
     def __init__(self, query: BoxPathQuery, field: ClearanceField) -> None:
+        """Take the `field` of the query's grid."""
         squares = Squares(query.grid)
         self.sides = [Side(side, query, field, squares) for side in query.sides]
         self._field = field
         self._query = query
         self.extra_m = 0.0
-        """Kept beyond what is required."""
+        """Clearance to keep beyond what is required, by the quick measure."""
 
     def cost_m(self, way: Sequence[Stage], side_before: int | None) -> float:
-        """Length, and what changes of sides are worth."""
+        """Length, plus the cost of each change of sides, that from `side_before` to the first stage included."""
         sides = [side_before, *(stage.side for stage in way)]
         n_changes = sum(a != b for a, b in pairwise(sides))
         return sum(stage.length_m for stage in way) + self._query.side_change_m * n_changes
 
     def stage(self, side: int, begin: Pose2, end: Pose2) -> Stage:
-        """The shortest push."""
+        """The shortest push from a side."""
         return Stage(side=side, begin=begin, end=end, length_m=self.sides[side].length_m(begin, end))
 
     def free(self, way: Sequence[Stage], side_before: int | None) -> bool:
-        """Whether box and robot about fit all along, and the robot can walk to where it changes sides."""
+        """Whether box and robot fit all along, by the quick measure, and the robot can walk to each other side."""
         sides = [side_before, *(stage.side for stage in way)]
         changes = [(stage, before) for stage, before in zip(way, sides, strict=False) if stage.side != before]
         return (
@@ -127,23 +130,23 @@ class Pushes:
 
     @cached_property
     def _walking(self) -> WalkingSpace:
-        """Made when the first change of sides is looked at: many paths have none."""
+        """Made at the first change of sides, because many paths have none."""
         return WalkingSpace(self._query.grid, self._field, self._query.walk_clearance_m)
 
     def _can_walk(self, before: int, stage: Stage) -> bool:
-        """Whether the robot comes around the box, from one side of it to where a stage begins."""
+        """Whether the robot can walk around the box, from one of its sides to where a stage begins."""
         begins_m = places_behind(self.sides[before].stand_off(stage.begin), STEPS_BACK_M)
         end_m = self.sides[stage.side].stand_off(stage.begin).xy()
         box = replace(self._query.box, pose=stage.begin @ self._query.box.pose)
         return self._walking.joins(begins_m, end_m, box)
 
     def one_side(self, a: Pose2, b: Pose2) -> Iterator[Way]:
-        """From one side all along."""
+        """The direct push from each side."""
         for index in range(len(self.sides)):
             yield (self.stage(index, a, b),)
 
     def to_goal(self, a: Pose2, goal: Pose2) -> Iterator[Way]:
-        """From one side with a straight stretch at the end, or from two, one of the two stages straight."""
+        """Ways into the goal: from one side, straight at the end, or from two sides, one of the two stages straight."""
         for index, side in enumerate(self.sides):
             before = side.ahead(goal, -self._query.run_in_m)
             yield (self.stage(index, a, before), self.stage(index, before, goal))
@@ -156,7 +159,7 @@ class Pushes:
         yield from self.two_sides(a, goal)
 
     def _near_goal(self, side: Side, a: Pose2, goal: Pose2) -> Pose2 | None:
-        """Where a straight push ends that passes the goal within its tolerances."""
+        """Where a straight push from `a` comes nearest to the goal; None if that is beyond its tolerances."""
         yaw_rad = a.yaw_rad + side.turn_rad
         end = side.ahead(a, (goal.x_m - a.x_m) * cos(yaw_rad) + (goal.y_m - a.y_m) * sin(yaw_rad))
         query = self._query
@@ -166,7 +169,7 @@ class Pushes:
         return end if ahead and near and aligned else None
 
     def two_sides(self, a: Pose2, b: Pose2) -> Iterator[Way]:
-        """Straight from one side, as far as it has to go in that direction, and the rest from another side."""
+        """Ways with one straight stage, as long as the box has to move in its direction, and one from another side."""
         for index, side in enumerate(self.sides):
             for at_end in (True, False):
                 yaw_rad = (b if at_end else a).yaw_rad + side.turn_rad
@@ -182,7 +185,7 @@ class Pushes:
                             yield way
 
     def best(self, ways: Iterator[Way], side_before: int | None, below_m: float, n_tried: int) -> Way | None:
-        """The cheapest free one of the `n_tried` cheapest that cost less than `below_m`."""
+        """The cheapest way that is free and costs less than `below_m`; only the `n_tried` cheapest ways are tried."""
         costed = sorted(((self.cost_m(way, side_before), k, way) for k, way in enumerate(ways)), key=lambda c: c[:2])
         for cost_m, _, way in costed[:n_tried]:
             if cost_m >= below_m:
@@ -193,4 +196,5 @@ class Pushes:
 
 
 def _row(pose: Pose2) -> Floats:
+    """A pose as an array, (1, 3)."""
     return np.array([[pose.x_m, pose.y_m, pose.yaw_rad]])

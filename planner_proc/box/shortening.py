@@ -1,4 +1,4 @@
-"""Shortcuts through a sequence of pushes."""
+"""Shortens a sequence of pushes by random shortcuts."""
 
 from typing import Final
 
@@ -7,17 +7,19 @@ import numpy as np
 from legpush.messages.planning import BoxPathQuery
 from planner_proc.box.pushes import Pushes, Stage, Way
 
-N_TO_GOAL: Final = 3
-"""The same from each node that the start leads to."""
 N_SHORTCUTS: Final = 80
-"""Attempts to shorten what was found."""
+"""How many shortcuts to try."""
+N_TRIED: Final = 3
+"""How many ways to try for each shortcut, cheapest first."""
 LEAST_GAIN_M: Final = 0.01
+"""A shortcut must lower the cost by at least this much."""
 
 
 def shortened(way: Way, query: BoxPathQuery, pushes: Pushes) -> Way:
-    """The way with detours cut off: what lies between two of its poses is done directly where that is cheaper.
+    """Replace parts of a way, between two of its poses drawn at random, by direct pushes where these are cheaper.
 
-    The rest of a shortest push is the shortest push from where it is cut, so stages describe the way again.
+    The rest of a shortest push is itself the shortest push from where it is cut, so the result again consists of
+    stages.
     """
     random = np.random.default_rng(query.seed)
     for _ in range(N_SHORTCUTS):
@@ -34,14 +36,14 @@ def shortened(way: Way, query: BoxPathQuery, pushes: Pushes) -> Way:
         ways = (*pushes.one_side(begin, end), *pushes.two_sides(begin, end)) if after else pushes.to_goal(begin, end)
         present_m = pushes.cost_m((*middle, *after), side)
         whole = ((*one, *after) for one in ways)
-        shorter = pushes.best(whole, side, present_m - LEAST_GAIN_M, N_TO_GOAL)
+        shorter = pushes.best(whole, side, present_m - LEAST_GAIN_M, N_TRIED)
         if shorter is not None:
             way = (*before, *shorter)
     return way
 
 
 def _cut(way: Way, distance_m: float, pushes: Pushes) -> tuple[Way, Way]:
-    """The way up to a distance, and the rest of it."""
+    """The way up to a distance along it, and the rest."""
     for index, stage in enumerate(way):
         if distance_m < stage.length_m:
             middle = pushes.sides[stage.side].along(stage.begin, stage.end, distance_m)

@@ -1,4 +1,4 @@
-"""A tree of pushes, grown from the start or from the goal."""
+"""A random tree whose edges are pushes of the box, rooted at the start or at the goal."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -9,39 +9,46 @@ from legpush.geometry import Pose2
 from planner_proc.box.pushes import Pushes, Stage, Way
 
 TURN_M_PER_RAD: Final = 0.5
-"""What a difference in heading counts, for which node of the tree is nearest."""
+"""Weight of the heading in the distance between two poses."""
 N_NEAREST: Final = 4
-"""Nodes that are near enough to grow from; the cheapest push decides."""
+"""How many nearest nodes to try growing from; the cheapest push wins."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Node:
+    """A pose of the box, and the push that connects it to the tree."""
+
     pose: Pose2
     parent: int | None
-    """None of a root."""
+    """Index of its parent; None for a root."""
     stage: Stage | None
-    """Between it and its parent, of a root that leads to the goal to there; None of the start."""
+    """The push between the node and its parent; for a root of the tree to the goal, the push into the goal; None for
+    the start.
+    """
     side: int | None
-    """From the start: the one that the robot stands at. To the goal: the one from which pushing goes on."""
+    """In the tree from the start, the side where the robot stands; in the tree to the goal, the side that it pushes
+    next. None if the robot stands at no side.
+    """
 
 
 class Tree:
-    """Poses that the start leads to or, `backward`, that lead to the goal, and the pushes between them."""
+    """Poses that can be reached from the start or, if `backward`, from which the goal can be reached."""
 
     def __init__(self, pushes: Pushes, size: int, *, backward: bool) -> None:
+        """Make an empty tree that has room for `size` nodes."""
         self.nodes: list[Node] = []
         self._pushes = pushes
         self._poses = np.empty((size, 3))
         self._backward = backward
 
     def add(self, node: Node) -> Node:
-        """One more."""
+        """Add a node, and return it."""
         self._poses[len(self.nodes)] = node.pose.x_m, node.pose.y_m, node.pose.yaw_rad
         self.nodes.append(node)
         return node
 
     def nearest(self, target: Pose2, n: int) -> list[int]:
-        """So many nodes that are nearest to a pose, nearest first."""
+        """Indices of the `n` nodes nearest to a pose, nearest first."""
         poses = self._poses[: len(self.nodes)]
         turn = np.abs((poses[:, 2] - target.yaw_rad + np.pi) % (2 * np.pi) - np.pi)
         distance = np.hypot(*(poses[:, :2] - target.xy()).T) + TURN_M_PER_RAD * turn
@@ -49,7 +56,10 @@ class Tree:
         return found
 
     def grow(self, target: Pose2, step_m: float) -> Node | None:
-        """The cheapest push between a near node and the target, no longer than a step, added if it is free."""
+        """Push from a near node toward the target by at most a step, and add where that ends.
+
+        Backward, the push ends at the node and begins toward the target. Returns None if the push is not free.
+        """
         candidates = [self._candidate(index, target) for index in self.nearest(target, N_NEAREST)]
         _, index, stage = min(candidates, key=lambda candidate: candidate[0])
         stage, node = self._cut(stage, step_m), self.nodes[index]
@@ -59,7 +69,7 @@ class Tree:
         return self.add(Node(pose=pose, parent=index, stage=stage, side=stage.side))
 
     def way(self, index: int) -> Way:
-        """From the start to a node or, backward, from it to the goal."""
+        """The stages from the start to a node or, backward, from the node to the goal."""
         stages: list[Stage] = []
         at: int | None = index
         while at is not None:
@@ -69,14 +79,14 @@ class Tree:
         return tuple(stages if self._backward else reversed(stages))
 
     def _candidate(self, index: int, target: Pose2) -> tuple[float, int, Stage]:
-        """The cheapest push between a node and the target."""
+        """Cost of the cheapest push between a node and the target, the node's index, and the push."""
         node, pushes = self.nodes[index], self._pushes
         ends = (target, node.pose) if self._backward else (node.pose, target)
         (best,) = min(pushes.one_side(*ends), key=lambda way: pushes.cost_m(way, node.side))
         return pushes.cost_m((best,), node.side), index, best
 
     def _cut(self, stage: Stage, step_m: float) -> Stage:
-        """The part of it that is next to the node."""
+        """The part of a push that is next to the node, no longer than a step."""
         if stage.length_m <= step_m:
             return stage
         if self._backward:
@@ -86,6 +96,6 @@ class Tree:
         return Stage(side=stage.side, begin=stage.begin, end=middle, length_m=step_m)
 
     def _with_next(self, stage: Stage, index: int) -> Way:
-        """Backward also the push after it, since the robot may have to change sides in between."""
+        """A push and, backward, the one after it: the robot may have to change sides in between."""
         after = self.nodes[index].stage
         return (stage,) if after is None or not self._backward else (stage, after)

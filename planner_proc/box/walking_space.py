@@ -1,4 +1,4 @@
-"""Whether the robot can walk around a box from one of its sides to another: connected places of the grid."""
+"""Whether the robot can walk around the box from one side to another, by connected cells of the grid."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -14,15 +14,16 @@ from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.clearance.field import ClearanceField
 
 AROUND_M: Final = 2.5
-"""A way is looked for so far around the box first, and then in all of the room."""
+"""How far around the box to look for a way first, before the whole grid."""
 ROWS_AT_ONCE: Final = 256
+"""How many rows of cells to measure at once, to save memory."""
 
 
 class WalkingSpace:
-    """Cells at whose centres the trunk keeps its clearance; the box is added to what is occupied, wherever it is."""
+    """The cells at whose centres the trunk keeps its clearance from the grid; each question adds the box."""
 
     def __init__(self, grid: OccupancyGrid, field: ClearanceField, clearance_m: float) -> None:
-        """`field` is that of the grid."""
+        """Take the `field` of the grid, and the clearance that the trunk's centre must keep."""
         self._grid = grid
         self._clearance_m = clearance_m
         columns = np.arange(grid.n_columns)
@@ -33,7 +34,7 @@ class WalkingSpace:
             self._free[rows] = (np.hypot(*offsets.T) >= clearance_m).reshape(len(rows), len(columns))
 
     def joins(self, begins_m: Floats, end_m: Floats, box: Footprint) -> bool:
-        """Whether there is a way from one of some points, (n, 2), to a point, (2,), around the box."""
+        """Whether a way around the box leads from one of the points `begins_m`, (n, 2), to `end_m`, (2,)."""
         row, column = self._cell(end_m)
         if not (0 <= row < self._grid.n_rows and 0 <= column < self._grid.n_columns and self._free[row, column]):
             return False
@@ -46,12 +47,12 @@ class WalkingSpace:
         return self._joins(begins_m, end_m, box, near) or self._joins(begins_m, end_m, box, (slice(None), slice(None)))
 
     def _joins(self, begins_m: Floats, end_m: Floats, box: Footprint, part: tuple[slice, slice]) -> bool:
-        """The same within a part of the grid."""
+        """The same as `joins`, within a part of the grid."""
         free = self._free[part].copy()
         rows, columns = (np.arange(*s.indices(n)) for s, n in zip(part, self._free.shape, strict=True))
         if not (len(rows) and len(columns)):
             return False
-        # The box covers all of a cell that it touches.
+        # The box counts as covering every cell that it touches.
         reach_m = self._clearance_m + self._grid.resolution_m
         free &= _distance_m(box, self._centres_m(rows, columns)) >= reach_m
         labels, _ = ndimage.label(free)
@@ -66,23 +67,24 @@ class WalkingSpace:
         return end > 0 and any(label_at(begin_m) == end for begin_m in begins_m)
 
     def _centres_m(self, rows: Integers, columns: Integers) -> Floats:
-        """Of cells, (rows, columns, 2)."""
+        """Centres of cells, (rows, columns, 2)."""
         x, y = np.meshgrid(columns, rows)
         centres: Floats = (np.stack([x, y], axis=-1) + 0.5) * self._grid.resolution_m + np.array(self._grid.origin_m)
         return centres
 
     def _cell(self, point_m: Floats) -> tuple[int, int]:
+        """Row and column of the cell at a point, which may be off the grid."""
         column, row = np.floor((point_m - np.array(self._grid.origin_m)) / self._grid.resolution_m).astype(int).tolist()
         return row, column
 
 
 def places_behind(stand_off: Pose2, distances_m: Sequence[float]) -> Floats:
-    """Points straight back from a stand-off, (n, 2)."""
+    """Points behind a stand-off, at distances straight back from it, (n, 2)."""
     return stand_off.apply(np.array([[-distance_m, 0.0] for distance_m in distances_m]))
 
 
 def _distance_m(footprint: Footprint, points_m: Floats) -> Floats:
-    """From a footprint to points, (..., 2); 0 inside."""
+    """Distances from a footprint to points, (..., 2); 0 inside."""
     seen = footprint.pose.inverse().apply(points_m.reshape(-1, 2))
     beyond = np.maximum(np.abs(seen) - np.array([footprint.length_m, footprint.width_m]) / 2, 0.0)
     distances: Floats = np.hypot(*beyond.T).reshape(points_m.shape[:-1])

@@ -1,7 +1,7 @@
-"""How far from anything solid: exact distances from points and segments to the occupied squares of a grid.
+"""Exact distances from points and segments to the occupied squares of a grid.
 
-Inside this module, lengths are cells and coordinates those of the grid with one ring of solid cells around it: cell
-(row, column) is the square from (column, row) to (column + 1, row + 1).
+Names that end in `_m` are in metres, in the frame of the map. All others count cells of the grid with one ring of
+occupied cells around it: cell (row, column) is the square from (column, row) to (column + 1, row + 1).
 """
 
 from collections.abc import Sequence
@@ -17,29 +17,33 @@ from planner_proc.clearance.nearest import NearestCells
 from planner_proc.clearance.squares import point_square_offsets, segment_distances
 
 ROUNDING_M: Final = 1e-8
-"""What counts as equal: the rounding of coordinates, not a margin."""
-_POINT_M: Final = 1e-12
-"""A shorter segment is a point: its direction drowns in rounding."""
+"""Distances that differ by less count as equal: rounding of coordinates, not a safety margin."""
 NEAR_M: Final = 1.0
+"""Default of how far from the occupied cells the nearest one of them is known."""
+_POINT_M: Final = 1e-12
+"""A shorter segment counts as a point, because its direction is lost to rounding."""
 _LEAST_REACH: Final = 8
+"""Least distance, in cells, within which the nearest occupied cell is known."""
 _MEASURED_AT_ONCE: Final = 16
+"""How many segments of a path to measure together, lowest bound first."""
 _CELLS_AT_ONCE: Final = 200_000
-"""Of the windows that are measured together: their squares take memory."""
+"""How many cells the windows measured together may cover, to save memory."""
 _WORTHWHILE: Final = 8.0
-"""A step along a segment by so many cells is taken without asking how many more it could be."""
+"""A step of this many cells along a segment is long enough: how much longer it could be is not computed."""
 
 
 class ClearanceField:
-    """True clearance of any point or segment: the Euclidean distance to the nearest occupied square, outside solid.
+    """Clearance of points and segments: the Euclidean distance to the nearest occupied square.
 
-    A bound per cell decides nearly every question; where it does not, the squares around are measured exactly. Nothing
-    is reported free whose distance is below the clearance asked for, but for `ROUNDING_M`.
+    Everything outside the grid is occupied. A lower bound per cell decides nearly every question; where it does not,
+    the squares around are measured exactly. Nothing is reported free whose distance is below the required clearance by
+    more than `ROUNDING_M`.
     """
 
     def __init__(self, grid: OccupancyGrid, near_m: float = NEAR_M) -> None:
-        """Take a grid whose `cells` hold `n_rows * n_columns` zeros and ones.
+        """Take a grid whose `cells` are `n_rows * n_columns` zeros and ones.
 
-        Up to `near_m` from what is occupied, `offsets_m` knows which of it is nearest.
+        `offsets_m` is reliable up to `near_m` from the occupied cells.
         """
         self._resolution_m = grid.resolution_m
         self._origin_m = grid.origin_m
@@ -62,8 +66,9 @@ class ClearanceField:
         return self._segment_clearance_m(points_m, points_m)
 
     def bounds_m(self, points_m: Floats, enough_m: Floats | float = inf) -> Floats:
-        """What the clearance of points, (n, 2), is not below, (n,): quick, and too low by about a cell, by more above
-        `enough_m`.
+        """Lower bounds of the clearance of points, (n, 2), (n,): quick to compute.
+
+        They are too low by about a cell, and by more where they exceed `enough_m`.
         """
         columns, rows = self._cells_of(self._to_cells(points_m)).T
         bounds = self._nearest.bounds(rows, columns, enough_m * self._per_m) * self._resolution_m
@@ -72,8 +77,8 @@ class ClearanceField:
     def segment_is_free(self, a_m: Sequence[float], b_m: Sequence[float], clearance_m: float) -> bool:
         """Whether every point of the segment between two points keeps the clearance.
 
-        Advances from both ends by what the bound of the cell there allows, looks for a collision in what is left, and
-        measures it where none shows.
+        Steps from both ends as far as the lower bound there allows, looks for a collision in the part that is left, and
+        measures that part exactly if it finds none.
         """
         (ax_m, ay_m), (bx_m, by_m) = a_m, b_m
         if not (self.contains(ax_m, ay_m) and self.contains(bx_m, by_m)):
@@ -112,7 +117,7 @@ class ClearanceField:
         return float(rest[0]) * self._resolution_m >= clearance_m - ROUNDING_M
 
     def free_segments(self, points_m: Floats, clearance_m: float) -> Flags:
-        """Which segments of a polyline, (n, 2), keep the clearance all along, (n - 1,)."""
+        """Which segments of a polyline, (n, 2), keep the clearance at every point, (n - 1,)."""
         free = self._segment_bounds_m(points_m, clearance_m) >= clearance_m
         rest = np.flatnonzero(~free)
         distances_m = self._segment_clearance_m(points_m[rest], points_m[rest + 1])
@@ -120,7 +125,7 @@ class ClearanceField:
         return free
 
     def path_clearance_m(self, points_m: Floats) -> float:
-        """Exact least clearance of a polyline, (n, 2), over all of its points, not only the given ones."""
+        """Exact least clearance of a polyline, (n, 2), over all its points, not only the vertices."""
         least_m = float(self.clearance_m(points_m[:1])[0])
         bounds_m = self._segment_bounds_m(points_m, least_m)
         order = np.argsort(bounds_m)
@@ -132,11 +137,10 @@ class ClearanceField:
         return least_m
 
     def offsets_m(self, points_m: Floats) -> Floats:
-        """Vectors to points, (n, 2), from what is solid near them; where nothing is farther than a cell, a guess.
+        """Vectors to points, (n, 2), from an occupied square near each, (n, 2); approximate.
 
-        The square is the one that is nearest to the centre of the point's cell, so another one may be slightly nearer:
-        good for steering, not for judging. Beyond `near_m` it may
-        be any.
+        The square is the one nearest to the centre of the point's cell, so another one may be slightly nearer: this
+        suits a search, not a verdict. Farther than `near_m` from the occupied cells, it may be any square.
         """
         points = self._to_cells(points_m)
         columns, rows = self._cells_of(points).T
@@ -147,13 +151,14 @@ class ClearanceField:
         """Whether it is certain that no path at this clearance joins the two points."""
         may_be_free = np.empty(self._occupied.shape, dtype=np.bool_)
         for rows, distances in self._nearest.centre_distances():
-            # No point of a cell is farther from a square than their centres are apart.
+            # No point of a cell is farther from a square than the distance between their centres.
             may_be_free[rows] = distances * self._resolution_m >= clearance_m - ROUNDING_M
         labels, _ = ndimage.label(may_be_free, structure=np.ones((3, 3)))
         (a_column, a_row), (b_column, b_row) = self._cells_of(self._to_cells(np.array([a_m, b_m])))
         return bool(labels[a_row, a_column] != labels[b_row, b_column])
 
     def _to_cells(self, points_m: Floats) -> Floats:
+        """Points in cells, (n, 2)."""
         points: Floats = (points_m - self._low_m) / self._resolution_m + 1.0
         return points
 
@@ -163,14 +168,15 @@ class ClearanceField:
         return cells
 
     def _upper_bound(self, u: float, v: float) -> float:
-        """Distance of one point to a square that is near it."""
+        """Distance of a point to an occupied square near it, which is at least its clearance."""
         row, column = self._nearest.square(int(v), int(u))
         du, dv = column - u, row - v
         return hypot(max(du, -1.0 - du, 0.0), max(dv, -1.0 - dv, 0.0))
 
     def _segment_bounds_m(self, points_m: Floats, enough_m: float) -> Floats:
-        """What no point of each segment of a polyline is below, (n - 1,): a distance changes at most as fast as one
-        moves. Closely only where it is not above `enough_m`.
+        """Lower bounds of the clearance of each segment of a polyline, (n - 1,), tight only up to `enough_m`.
+
+        Along a segment, the clearance changes by at most the distance travelled.
         """
         lengths_m = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
         bounds_m = self.bounds_m(points_m, enough_m + 0.5 * float(lengths_m.max(initial=0.0)))
@@ -193,8 +199,9 @@ class ClearanceField:
         return clearance_m
 
     def _measure(self, a: Floats, b: Floats, reach: Sequence[float]) -> Floats:
-        """Distances from segments on the grid, (n, 2) to (n, 2), to the nearest occupied square, (n,); may be infinite
-        where beyond `reach`.
+        """Distances from segments on the grid, (n, 2) to (n, 2), to the nearest occupied square, (n,).
+
+        Where the distance exceeds `reach`, it may be infinite.
         """
         spread = np.array(reach)[:, None] + 1e-6
         corner = np.maximum((np.minimum(a, b) - spread).astype(np.int64), 0)
@@ -215,7 +222,7 @@ class ClearanceField:
 
 
 def _exposed(occupied: Flags) -> Flags:
-    """Occupied cells with a free cell at one of their sides: what is nearest to a free point is one of them."""
+    """Occupied cells with a free cell at one of their sides; the one nearest to a free point is among them."""
     free = ~occupied
     exposed = np.zeros_like(occupied)
     exposed[1:] |= free[:-1]

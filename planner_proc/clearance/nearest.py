@@ -1,8 +1,8 @@
-"""Of each cell of a grid the occupied cell that is nearest to it, worked out only where somebody asks.
+"""For each grid cell, the nearest occupied cell, computed on demand.
 
-A coarse pass over blocks of cells bounds all distances from below. Where that does not answer a question, one tile of
-cells is worked out exactly, from a window that reaches beyond it; where much of the grid is asked for, all of it at
-once. Lengths are cells.
+A coarse pass over blocks of cells gives a lower bound for every distance. Where it does not answer a question, one tile
+of cells is computed exactly, from a window that reaches beyond it. When much of the grid has been asked for, the whole
+grid is computed at once. Lengths are cells.
 """
 
 from collections.abc import Iterator
@@ -16,16 +16,18 @@ from scipy import ndimage
 from legpush.arrays import Flags, Floats, Integers
 
 _BLOCK: Final = 8
+"""Side of a block."""
 _SHIFT: Final = 3
-"""A cell's row or column, shifted so, is that of its block."""
+"""A cell's row or column, shifted right by this many bits, is that of its block."""
 _ROWS_AT_ONCE: Final = 256
+"""How many rows of cells to measure at once, to save memory."""
 _WORTH_ALL: Final = 0.5
-"""Of the grid's cells: when the windows of the tiles would come to more, the whole grid is worked out instead."""
+"""Compute the whole grid once the windows of the tiles add up to more than this share of its cells."""
 _DIAGONAL: Final = sqrt(2.0)
 _FLOAT32: Final = 1.0 - 1e-6
-"""What rounding a bound to 32 bits may add to it."""
+"""Factor by which lower bounds shrink, so that rounding them to 32 bits does not raise them."""
 _NONE: Final = -1e-3
-"""A bound of nothing, told apart from one that is not known yet."""
+"""Stands for a bound of 0, because 0 marks a bound that is not known yet."""
 
 
 class NearestCells:
@@ -40,10 +42,10 @@ class NearestCells:
         self._n_columns = n_columns
         # Pages of zeros take no memory before something is written to them.
         self._squares = np.zeros((2, n_rows * n_columns), dtype=np.int32)
-        """Row and column of the one that is nearest to each cell, (2, rows * columns)."""
+        """Row and column of the occupied cell nearest to each cell, (2, rows * columns)."""
         self._flat_squares = self._squares.data
         self._bounds = np.zeros(n_rows * n_columns, dtype=np.float32)
-        """What no point of each cell is nearer than, (rows * columns,); 0 where that is not known yet."""
+        """Lower bound of the distance of all points of each cell, (rows * columns,); 0 if it is not known yet."""
         self._flat_bounds = self._bounds.data
         self._blocks_per_row = -(-n_columns // _BLOCK)
         self._solid_blocks = _any_in_blocks(occupied)
@@ -51,14 +53,17 @@ class NearestCells:
         up, across = rows - np.arange(len(rows))[:, None], columns - np.arange(self._blocks_per_row)
         self._nearest_blocks = np.stack([rows.ravel(), columns.ravel()])
         apart = np.sqrt((up * up + across * across).ravel().astype(np.float64))
-        # Two points are nearer than the centres of their blocks by at most a diagonal.
+        # Two points are nearer to each other than the centres of their blocks by at most a block's diagonal.
         self._coarse = (np.maximum(apart - _DIAGONAL, 0.0) * (_BLOCK * _FLOAT32)).astype(np.float32)
         self._flat_coarse = self._coarse.data
         self._window_cells = 0
         self._is_complete = False
 
     def bound(self, row: int, column: int, enough: float) -> float:
-        """What the distance of no point of the cell is below; exact to a cell unless it is more than `enough`."""
+        """Lower bound of the distance from any point of a cell to the occupied cells.
+
+        It is too low by about a cell, and by more where it exceeds `enough`. A negative bound stands for 0.
+        """
         index = row * self._n_columns + column
         bound: float = self._flat_bounds[index]
         if bound == 0.0:
@@ -70,7 +75,7 @@ class NearestCells:
         return bound
 
     def bounds(self, rows: Integers, columns: Integers, enough: Floats | float) -> Floats:
-        """The same of many cells, (n,)."""
+        """The same as `bound` for many cells, (n,), and never below 0."""
         index = rows * self._n_columns + columns
         bounds = self._bounds.take(index)
         if (unknown := bounds == 0.0).any():
@@ -83,14 +88,14 @@ class NearestCells:
         return known
 
     def square(self, row: int, column: int) -> tuple[int, int]:
-        """Row and column of the occupied cell that is nearest to a cell."""
+        """Row and column of the occupied cell nearest to a cell."""
         index = row * self._n_columns + column
         if self._flat_bounds[index] == 0.0:
             self._work_out([(row // self._tile, column // self._tile)])
         return self._flat_squares[0, index], self._flat_squares[1, index]
 
     def squares(self, rows: Integers, columns: Integers) -> NDArray[np.int32]:
-        """Rows and columns of those nearest to many cells, (2, n)."""
+        """Rows and columns of the occupied cells nearest to many cells, (2, n)."""
         index = rows * self._n_columns + columns
         if (unknown := self._bounds.take(index) == 0.0).any():
             self._work_out(self._tiles(rows[unknown], columns[unknown]))
@@ -98,7 +103,10 @@ class NearestCells:
         return squares
 
     def centre_distances(self) -> Iterator[tuple[slice, Floats]]:
-        """Exact distances from all cells' centres to the nearest occupied ones, some rows at a time to save memory."""
+        """Exact distances from the centres of all cells to the nearest occupied one, for some rows at a time.
+
+        Yields the rows, and the distances, (rows, columns).
+        """
         self._complete()
         n_rows, n_columns = self._occupied.shape
         squares = self._squares.reshape(2, n_rows, n_columns)
@@ -107,12 +115,12 @@ class NearestCells:
             yield rows, _distances(squares[:, rows], rows.start, 0)
 
     def _tiles(self, rows: Integers, columns: Integers) -> list[tuple[int, int]]:
-        """Rows and columns of the tiles in which some cells are, (n,)."""
+        """Rows and columns of the tiles that hold some cells, without repetition."""
         n = self._n_columns // self._tile + 1
         return [divmod(tile, n) for tile in set((rows // self._tile * n + columns // self._tile).tolist())]
 
     def _work_out(self, tiles: list[tuple[int, int]]) -> None:
-        """Fill some tiles, or everything."""
+        """Fill some tiles, or the whole grid if the tiles have become too many."""
         size = self._tile
         self._window_cells += len(tiles) * (2 * size) ** 2
         if self._window_cells > _WORTH_ALL * self._occupied.size:
@@ -122,7 +130,7 @@ class NearestCells:
             self._fill(row * size, column * size)
 
     def _fill(self, bottom: int, left: int) -> None:
-        """One tile, from all that is within reach of it."""
+        """Fill the tile that begins at a row and a column, from the occupied cells within reach of it."""
         n_rows, n_columns = self._occupied.shape
         top, right = min(bottom + self._tile, n_rows), min(left + self._tile, n_columns)
         first_row, first_column = max(bottom - self._reach, 0), max(left - self._reach, 0)
@@ -151,7 +159,7 @@ class NearestCells:
         return bottom + row, left + column
 
     def _complete(self) -> None:
-        """The whole grid."""
+        """Fill the whole grid."""
         if self._is_complete:
             return
         self._is_complete = True
@@ -166,16 +174,19 @@ class NearestCells:
 
 
 def _below(apart: Floats) -> Floats:
-    """Bounds on how near the squares of two cells are whose centres are so far apart.
+    """Lower bounds of the distances between the squares of cells whose centres are `apart`.
 
-    They are nearer by at most both half diagonals.
+    Squares are nearer to each other than their centres by at most two half diagonals.
     """
     below: Floats = np.maximum(apart - _DIAGONAL, 0.0) * _FLOAT32
     return below
 
 
 def _distances(squares: NDArray[np.integer], bottom: int, left: int) -> Floats:
-    """Between the centres of the cells of a part of the grid and given ones, (2, rows, columns)."""
+    """Distances, (rows, columns), from the cells of a part of the grid to one given cell each, (2, rows, columns).
+
+    The part begins at row `bottom` and column `left`. Distances are those between centres.
+    """
     n_rows, n_columns = squares.shape[1:]
     up = squares[0] - np.arange(bottom, bottom + n_rows, dtype=np.float64)[:, None]
     across = squares[1] - np.arange(left, left + n_columns, dtype=np.float64)
@@ -184,11 +195,11 @@ def _distances(squares: NDArray[np.integer], bottom: int, left: int) -> Floats:
 
 
 def _any_in_blocks(occupied: Flags) -> Flags:
-    """Which blocks have an occupied cell; what a block has beyond the grid is occupied."""
+    """Which blocks have an occupied cell, (rows, columns) of blocks; cells beyond the grid count as occupied."""
     n_rows, n_columns = (-(-n // _BLOCK) for n in occupied.shape)
     whole = np.ones((n_rows * _BLOCK, n_columns * _BLOCK), dtype=np.bool_)
     whole[: occupied.shape[0], : occupied.shape[1]] = occupied
-    # Eight cells in a row are read as one number.
+    # Eight cells in a row are read as one 64-bit number.
     by_rows = whole.view(np.uint64).reshape(n_rows, _BLOCK, n_columns) != 0
     in_blocks: Flags = by_rows.any(axis=1)
     return in_blocks

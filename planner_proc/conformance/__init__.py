@@ -1,1 +1,1 @@
-"""Whether a planner process does what docs/protocol.md asks of one."""
+"""Checks whether a planner process, in any language, keeps the protocol of docs/protocol.md."""

@@ -1,7 +1,6 @@
-"""The check as a program: `python -m planner_proc.conformance -- COMMAND`, or `legpush plan-check -- COMMAND`."""
+"""The checks as a program: `python -m planner_proc.conformance -- COMMAND`, or `legpush plan-check -- COMMAND`."""
 
 import sys
-import threading
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,19 +20,30 @@ from planner_proc.conformance.client import RUN, Client, PlannerProcess
 
 
 def main() -> int:
-    """Parse the command line and check; returns the exit code: 0 all passed, 1 not all."""
-    return run_program("plan-check", lambda: _main(sys.argv[1:]))
+    """Check a planner; returns the exit code: 0 all checks passed, 1 not all, 2 bad input, 130 interrupted."""
+    return run_program("plan-check", _parse_and_check)
 
 
-def _main(argv: list[str]) -> int:
-    flags, command = split_at_dashes(argv)
+def _parse_and_check() -> int:
+    """Check the planner of the command line; returns 0 or 1.
+
+    Raises:
+        ConfigError: The command line cannot be used.
+        StopRequestedError: The check was interrupted.
+    """
+    flags, command = split_at_dashes(sys.argv[1:])
     options = tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-    return run(options, command, Console())
+    return check(options, command, Console())
 
 
-def run(options: PlanCheckOptions, command: tuple[str, ...], console: Console) -> int:
-    """Start the planner, check it, and say what was found."""
-    stop: threading.Event = stop_on_signals()
+def check(options: PlanCheckOptions, command: tuple[str, ...], console: Console) -> int:
+    """Start a planner, check it, and print the findings; returns 0 if all checks passed, else 1.
+
+    Raises:
+        ConfigError: No check has one of the texts of `--only` in its name.
+        StopRequestedError: The check was interrupted.
+    """
+    stop = stop_on_signals()
     findings: list[Finding] = []
     with ExitStack() as stack:
         logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-check-")))

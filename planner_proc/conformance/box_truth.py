@@ -1,6 +1,4 @@
-"""What is wrong with a path of the box: its ends, its sides, how it moves, and the exact distance of box and robot to
-what is occupied.
-"""
+"""Faults of a path of the box: ends, sides, motion, and the exact distance of box and robot to occupied cells."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -10,20 +8,21 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.planning import BoxPathQuery, Plan, PushSide
 from legpush.scene.clearance import Nearest, clearance
 from planner_proc.conformance.truth import LONGEST_STEP_M, RADIUS_SHARE, SAME_M, SAME_RAD
 
 NO_TURN_M: Final = 1e-3
-"""A step so short, or by so much to the side, says nothing about how the box moves."""
+"""A step that is shorter than this, or less to the side, says nothing about how the box moves."""
 
 
 def box_faults(query: BoxPathQuery, plan: Plan) -> list[str]:
-    """All that contradicts the protocol in an `exact` plan; nothing for an honest one."""
+    """Everything in an `exact` plan that contradicts the protocol; empty for an honest plan."""
     n_waypoints, n_sides = len(plan.waypoints), len(plan.sides)
     if n_waypoints < 2 or n_sides != n_waypoints:
-        return [f"it has {n_waypoints} waypoints and {n_sides} sides, expected as many, and at least two"]
+        return [f"it has {n_waypoints} waypoints and {n_sides} sides, expected equally many, and at least two"]
     if max(plan.sides) >= len(query.sides):
         return [f"it pushes side {max(plan.sides)}, expected one below {len(query.sides)}"]
     found = [
@@ -42,6 +41,7 @@ def box_faults(query: BoxPathQuery, plan: Plan) -> list[str]:
 
 
 def _end_faults(verb: str, got: Pose2, expected: Pose2, within_m: float, within_rad: float) -> list[str]:
+    """Where an end of the path misses the pose that is expected, beyond its tolerances."""
     off_m = hypot(got.x_m - expected.x_m, got.y_m - expected.y_m)
     off_rad = abs(wrap_angle(got.yaw_rad - expected.yaw_rad))
     found = []
@@ -56,7 +56,7 @@ def _end_faults(verb: str, got: Pose2, expected: Pose2, within_m: float, within_
 
 
 def _motion_faults(query: BoxPathQuery, plan: Plan) -> Iterator[str]:
-    """Where the frame that is pushed moves as no push moves it."""
+    """Where the pushed frame moves in a way that no push can move it."""
     for (a, side_a), (b, side_b) in pairwise(zip(plan.waypoints, plan.sides, strict=True)):
         side = query.sides[side_b]
         moved = (a @ side.frame).inverse() @ (b @ side.frame)
@@ -70,11 +70,11 @@ def _motion_faults(query: BoxPathQuery, plan: Plan) -> Iterator[str]:
         elif abs(moved.y_m) > step_m**2 / side.min_turning_radius_m + NO_TURN_M:
             yield f"the box slips sideways, as seen from the frame of side {side_b}"
         elif turn_rad > (1.0 + RADIUS_SHARE) * (step_m + SAME_M) / side.min_turning_radius_m:
-            yield f"it turns on less than the {side.min_turning_radius_m:g} m of side {side_b}"
+            yield f"it turns on a radius below the {side.min_turning_radius_m:g} m of side {side_b}"
 
 
 def _clearance(query: BoxPathQuery, plan: Plan) -> Nearest:
-    """The least, of the outlines of all footprints at all waypoints."""
+    """Least clearance of the outlines of all footprints at all waypoints."""
     best = Nearest(distance_m=inf, at_m=(0.0, 0.0))
     for waypoint, index in zip(plan.waypoints, plan.sides, strict=True):
         for corners in _outlines(waypoint, query.sides[index]):
@@ -83,8 +83,8 @@ def _clearance(query: BoxPathQuery, plan: Plan) -> Nearest:
     return best
 
 
-def _outlines(box: Pose2, side: PushSide) -> Iterator[np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
-    """The corners of each footprint, the first one again at the end, (5, 2)."""
+def _outlines(box: Pose2, side: PushSide) -> Iterator[Floats]:
+    """The corners of each footprint, with the first one repeated at the end, (5, 2)."""
     for footprint in side.footprints:
         corners = replace(footprint, pose=box @ side.frame @ footprint.pose).corners()
         yield np.concatenate([corners, corners[:1]])

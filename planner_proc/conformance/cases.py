@@ -1,4 +1,4 @@
-"""Questions with known answers: maps, starts and goals that every planner should be able to deal with."""
+"""Queries with known answers: maps, starts and goals that every planner should be able to handle."""
 
 from dataclasses import dataclass
 from typing import Any, Final
@@ -15,13 +15,14 @@ from legpush.scene.scenario import Smoothing
 CLEARANCE_M: Final = 0.44
 RESOLUTION_M: Final = 0.05
 AHEAD: Final = Pose2(x_m=4.0, y_m=3.0, yaw_rad=0.0)
+"""Goal of the box, straight ahead of its start."""
 ASIDE: Final = Pose2(x_m=5.2, y_m=3.4, yaw_rad=0.3)
-"""Where the box should be."""
+"""Goal of the box, to the side and turned."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A question, and the statuses that are honest answers to it."""
+    """A query, and the statuses that are honest answers to it."""
 
     name: str
     query: TrunkPathQuery
@@ -29,9 +30,9 @@ class Case:
 
 
 def cases() -> tuple[Case, ...]:
-    """All of them, easy ones first."""
+    """All cases of trunk paths, easy ones first."""
     open_floor = room(8.0, 6.0)
-    none: tuple[PlanStatus, ...] = ("approximate", "failed", "invalid")
+    no_path: tuple[PlanStatus, ...] = ("approximate", "failed", "invalid")
     wall = room(8.0, 6.0, (3.9, 4.1, 0.0, 4.4))
     maze = room(12.0, 8.0, (2.4, 2.6, 0.0, 6.4), (4.9, 5.1, 1.6, 8.0), (7.4, 7.6, 0.0, 6.4), (9.9, 10.1, 1.6, 8.0))
     gate = room(8.0, 6.0, (3.9, 4.1, 0.0, 2.5), (3.9, 4.1, 3.5, 6.0))
@@ -43,7 +44,7 @@ def cases() -> tuple[Case, ...]:
         Case(name="around a wall", query=query(wall, (1.0, 1.0), (7.0, 1.0)), expected=("exact",)),
         Case(name="maze", query=query(maze, (1.2, 1.0), (11.2, 1.0)), expected=("exact",)),
         Case(name="narrow gate", query=query(gate, (1.0, 3.0), (7.0, 3.0)), expected=("exact",)),
-        Case(name="unreachable goal", query=query(cut, (1.0, 3.0), (7.0, 3.0), max_iterations=500), expected=none),
+        Case(name="unreachable goal", query=query(cut, (1.0, 3.0), (7.0, 3.0), max_iterations=500), expected=no_path),
         Case(name="start in an obstacle", query=query(block, (1.5, 1.5), (7.0, 5.0)), expected=("invalid",)),
         Case(name="goal too near to a wall", query=query(block, (4.0, 4.0), (2.3, 1.5)), expected=("invalid",)),
         Case(name="goal off the map", query=query(open_floor, (1.0, 1.0), (9.0, 1.0)), expected=("invalid",)),
@@ -52,7 +53,7 @@ def cases() -> tuple[Case, ...]:
 
 
 def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...], **changes: Any) -> TrunkPathQuery:
-    """From (x, y) or (x, y, yaw) to another, as a mission asks it."""
+    """A query for a path of the trunk, as a mission asks it, between poses (x, y) or (x, y, yaw)."""
     fields: dict[str, Any] = {
         "clearance_m": CLEARANCE_M,
         "planner": "rrt_connect",
@@ -70,7 +71,7 @@ def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...]
 
 
 def box_query(goal: Pose2) -> BoxPathQuery:
-    """The box from (3, 3), heading along x, on an open floor, pushed at one side."""
+    """A query for a path of the box from (3, 3), heading along x, on an open floor; it can be pushed at one side."""
     here = _pose(0.0, 0.0)
     side = PushSide(
         frame=here,
@@ -102,7 +103,7 @@ def box_query(goal: Pose2) -> BoxPathQuery:
 
 
 def room(width_m: float, height_m: float, *blocks: tuple[float, float, float, float]) -> OccupancyGrid:
-    """A floor with blocks (x_min, x_max, y_min, y_max)."""
+    """A grid of a floor with occupied blocks (x_min, x_max, y_min, y_max), in metres."""
     cells = np.zeros((round(height_m / RESOLUTION_M), round(width_m / RESOLUTION_M)), dtype=np.bool_)
     for block in blocks:
         left, right, bottom, top = (round(side / RESOLUTION_M) for side in block)
@@ -111,7 +112,7 @@ def room(width_m: float, height_m: float, *blocks: tuple[float, float, float, fl
 
 
 def huge() -> TrunkPathQuery:
-    """200 x 200 m with pillars everywhere."""
+    """A query on a map of 4000 x 4000 cells, 200 x 200 m, with pillars everywhere."""
     cells = np.zeros((4000, 4000), dtype=np.bool_)
     for low in range(150, 4000, 300):
         cells[low : low + 40, 150::300] = True

@@ -1,4 +1,4 @@
-"""All checks by name, and running them."""
+"""Runs the checks, all or some of them by name."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -18,13 +18,17 @@ class Finding:
     name: str
     passed: bool
     reason: str
-    """What is wrong, or a remark."""
+    """What is wrong if it did not pass; else a remark, or empty."""
 
 
 def run_checks(bench: Bench, only: Sequence[str] = ()) -> Iterator[Finding]:
-    """All checks in order, or those with one of the texts in their name; `ConfigError` where there is none.
+    """Run all checks in order, or those with one of the texts `only` in their name, and yield their findings.
 
-    After a planner that does not start there are no more.
+    If the planner does not start, no check is run.
+
+    Raises:
+        ConfigError: No check has one of the texts in its name.
+        StopRequestedError: The checks were interrupted.
     """
     planned = {f"plans: {case.name}": partial(path_checks.plans, case=case) for case in cases()} | CHECKS
     chosen = {name: check for name, check in planned.items() if not only or any(text in name for text in only)}
@@ -39,7 +43,7 @@ def run_checks(bench: Bench, only: Sequence[str] = ()) -> Iterator[Finding]:
 
 
 def _finding(name: str, bench: Bench, check: Callable[[Bench], str]) -> Finding:
-    """Run a check; a planner that died in it is started again for the next one."""
+    """Run a check. If the planner ended during it, start it again for the next one."""
     reason = check(bench)
     passed = not reason or reason.startswith(REMARK)
     if bench.planner.end():
@@ -54,7 +58,7 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "refuses another query under a used request id": exchange_checks.refuses_another_query,
     "answers the newest of several requests": exchange_checks.answers_the_newest,
     "equal queries, equal plans, also after a restart": exchange_checks.is_deterministic,
-    "serves a client that was started anew": exchange_checks.serves_a_client_anew,
+    "serves a client that was restarted": exchange_checks.serves_a_restarted_client,
     "serves two clients at once": exchange_checks.serves_two_clients,
     "survives messages that are not valid": exchange_checks.survives_nonsense,
     "comes back when it is killed while it plans": exchange_checks.comes_back,
@@ -66,3 +70,4 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "paths of the box: straight ahead": partial(path_checks.knows_boxes, goal=AHEAD),
     "paths of the box: to the side and turned": partial(path_checks.knows_boxes, goal=ASIDE),
 }
+"""The checks that follow those of the cases."""

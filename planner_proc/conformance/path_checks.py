@@ -1,4 +1,4 @@
-"""Checks of paths, one function each: it says what is wrong, or nothing."""
+"""Checks of paths, one function each, which returns what is wrong, or an empty text."""
 
 from typing import Final
 
@@ -13,10 +13,11 @@ from planner_proc.conformance.cases import Case, box_query
 from planner_proc.conformance.truth import faults
 
 RADIUS_M: Final = 0.5
+"""Turning radius to ask for."""
 
 
 def plans(bench: Bench, case: Case) -> str:
-    """An honest status, and a path that is what it says."""
+    """The plan has an honest status, and a path without faults."""
     result = bench.client.ask(case.query, bench.deadline_s)
     if isinstance(result, str):
         return result
@@ -24,7 +25,7 @@ def plans(bench: Bench, case: Case) -> str:
 
 
 def judged(asked: TrunkPathQuery, plan: Plan, expected: tuple[str, ...]) -> str:
-    """What is wrong with an answer."""
+    """What is wrong with a plan, its status included; empty if nothing is."""
     found = faults(asked, plan)
     if plan.status not in expected:
         found.insert(0, f"its status is {plan.status} ({plan.reason}), expected {' or '.join(expected)}")
@@ -32,7 +33,7 @@ def judged(asked: TrunkPathQuery, plan: Plan, expected: tuple[str, ...]) -> str:
 
 
 def steers(bench: Bench, steering: Steering) -> str:
-    """A path with a turning radius; a planner may say that it knows none."""
+    """The planner finds a path with a turning radius, or says that it cannot."""
     asked = replace(EASY, planner="rrt", steering=steering, min_turning_radius_m=RADIUS_M, max_iterations=5000)
     result = bench.client.ask(asked, bench.deadline_s)
     if isinstance(result, str):
@@ -43,7 +44,7 @@ def steers(bench: Bench, steering: Steering) -> str:
 
 
 def knows_boxes(bench: Bench, goal: Pose2) -> str:
-    """A path of the box; a planner may say that it knows none."""
+    """The planner finds a path of the box, or says that it cannot."""
     asked = box_query(goal)
     result = bench.client.ask(asked, bench.deadline_s)
     if isinstance(result, str):

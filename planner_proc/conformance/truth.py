@@ -1,4 +1,4 @@
-"""What is wrong with a plan: its ends, its status, and the exact distance of all of it to what is occupied."""
+"""Faults of a path of the trunk: its status, its ends, its motion, and its exact distance to occupied cells."""
 
 from collections.abc import Sequence
 from math import hypot, pi
@@ -11,17 +11,19 @@ from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.clearance import clearance, xy_of
 
 SAME_M: Final = 1e-6
+"""Positions and distances that differ by less count as equal."""
 SAME_RAD: Final = 1e-6
+"""Headings that differ by less count as equal."""
 RADIUS_SHARE: Final = 0.05
-"""By how much a turning radius may be missed: waypoints are rounded and placed unevenly."""
+"""By which share a turning radius may be missed: waypoints are rounded and placed unevenly."""
 FORWARD_SHARE: Final = 0.9
-"""Of a step, along the heading: less is sideways, or backward."""
+"""Least share of a step that leads along the heading: with less, it leads sideways or backward."""
 LONGEST_STEP_M: Final = 0.25
-"""Between two waypoints: farther ones say too little about the headings in between."""
+"""Greatest distance between two waypoints: more would say too little about the headings in between."""
 
 
 def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
-    """All that contradicts the protocol; nothing for an honest plan."""
+    """Everything in a plan that contradicts the protocol; empty for an honest plan."""
     if plan.status in ("failed", "invalid"):
         return [] if plan.reason else [f"its status is {plan.status}, and its reason is empty"]
     if not plan.waypoints:
@@ -45,7 +47,7 @@ def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
 
 
 def _steering_faults(query: TrunkPathQuery, waypoints: Sequence[Pose2]) -> list[str]:
-    """Where a path turns tighter than it may, or moves backward though it may not."""
+    """Where a path turns on a smaller radius than it may, or moves backward although it may not."""
     radius_m = query.min_turning_radius_m
     if radius_m == 0.0:
         return []
@@ -78,6 +80,7 @@ def _steering_faults(query: TrunkPathQuery, waypoints: Sequence[Pose2]) -> list[
 
 
 def _end_faults(verb: str, got: Pose2, expected: Pose2) -> list[str]:
+    """Where an end of the path misses the pose that is expected."""
     off_m = hypot(got.x_m - expected.x_m, got.y_m - expected.y_m)
     if off_m > SAME_M:
         hint = _unit_hint(got, expected)
@@ -91,7 +94,7 @@ def _end_faults(verb: str, got: Pose2, expected: Pose2) -> list[str]:
 
 
 def _unit_hint(got: Pose2, expected: Pose2) -> str:
-    """What the numbers look like."""
+    """What the numbers may be instead of metres along x and y; empty if they look like nothing else."""
     for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
         if hypot(got.x_m / factor - expected.x_m, got.y_m / factor - expected.y_m) < 0.01:
             return f"; are these {unit}?"
@@ -104,7 +107,7 @@ def _unit_hint(got: Pose2, expected: Pose2) -> str:
 
 
 def differences(one: Plan, other: Plan) -> str:
-    """Where two plans that should be equal are not, or nothing."""
+    """The first difference between two plans that should be equal; empty if they are."""
     if one == other:
         return ""
     for name in ("status", "reason", "length_m", "min_clearance_m", "n_iterations"):

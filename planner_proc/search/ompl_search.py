@@ -1,4 +1,4 @@
-"""Search for a path with OMPL."""
+"""Searches a route for the trunk with the planners of OMPL."""
 
 import weakref
 from collections import deque
@@ -29,22 +29,26 @@ _PLANNERS: Final[dict[PlannerName, type]] = {
     "bit_star": og.BITstar,
 }
 _GROWS_ON: Final[frozenset[PlannerName]] = frozenset({"rrt_star", "informed_rrt_star", "bit_star"})
-"""These make their path better; the others find another one."""
+"""Planners that improve their path when they run on. The others would have to search anew."""
 _TOWARD_A_POINT: Final[frozenset[PlannerName]] = frozenset({"rrt_connect", "bit_star"})
-"""These have to sample the goal itself."""
+"""Planners that sample the goal itself and cannot aim at a region."""
 _CURVED_STEP_M: Final = 2.0
-"""Longest edge where curves are steered, at least: shorter ones cannot turn around."""
+"""Least value of the longest edge if curves are steered: shorter edges cannot turn around."""
 _FIRST_ITERATIONS: Final = 100
-"""With `anytime`, a search that would go on improving stops after so many to see whether it has found a path."""
+"""With `anytime`, how many iterations a planner that improves its path runs before each look for a first one."""
 _SEEDS_APART: Final = 7919
+"""Difference between the seeds of one search and the next, for planners that do not improve their path."""
 
 
 def ompl_routes(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Route]:
     """Grow a tree from the start until it reaches the goal or the iterations are used up.
 
-    `rrt` is Algorithm 1, `rrt_star` the same with rewiring until the budget ends, `informed_rrt_star` and `bit_star`
-    look only where a better path can be, `rrt_connect` grows a second tree from the goal and joins the two. Not to be
-    called from two threads at once, because OMPL keeps its seed in a global.
+    `rrt` is Algorithm 1. `rrt_star` adds rewiring, and uses all its iterations. `informed_rrt_star` and `bit_star`
+    sample only where a better path can be. `rrt_connect` grows a second tree from the goal and joins the two. Do not
+    call this from two threads at once: OMPL keeps its seed in a global variable.
+
+    Raises:
+        PlanningInterruptedError: The routes are not wanted any more.
     """
     search = _Search(query, field, interrupted, query.seed)
     anytime = query.anytime
@@ -67,11 +71,11 @@ def ompl_routes(query: TrunkPathQuery, field: ClearanceField, interrupted: Inter
 
 
 class _Search:
-    """A planner of OMPL with its problem."""
+    """A planner of OMPL, set up for a query."""
 
     def __init__(self, query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted, seed: int) -> None:
         ou.setLogLevel(ou.LogLevel.LOG_NONE)
-        # OMPL takes 0 for "choose one yourself".
+        # OMPL draws a seed of its own if it gets 0.
         ou.RNG.setSeed(seed % 2**32 + 1)
         self._query = query
         self._interrupted = interrupted
@@ -97,17 +101,21 @@ class _Search:
         self.reached = False
 
     def run(self, n_iterations: int) -> None:
-        """Search on for so many iterations, or to the first path; `PlanningInterruptedError`."""
+        """Search on for `n_iterations`, or until there is a path if the planner stops at its first one.
+
+        Raises:
+            PlanningInterruptedError: The routes are not wanted any more.
+        """
         budget = _Budget(n_iterations, self._interrupted)
         status = self._planner.solve(ob.PlannerTerminationCondition(budget)).getStatus()
         if budget.interrupted:
             raise PlanningInterruptedError
         self._n_iterations += budget.n_used
-        # A status is true for an approximate solution as well, so it is compared by name.
+        # A status is also true for an approximate solution, so it is compared with the exact one.
         self.reached = status == ob.PlannerStatus.EXACT_SOLUTION
 
     def route(self) -> Route:
-        """What has been found."""
+        """The best route that has been found, or the one that ends nearest to the goal."""
         steer, start, goal = self._steer, self._query.start, (self._query.goal.x_m, self._query.goal.y_m)
         states: list[Any] = [steer.state(start)]
         if self._problem.hasSolution():
@@ -132,11 +140,11 @@ class _Search:
 
 
 class _Clearance(ob.MotionValidator):  # type: ignore[misc]
-    """Lets the tree grow along edges that keep the clearance at every point."""
+    """Accepts edges that keep the clearance at every point."""
 
     def __init__(self, information: ob.SpaceInformation, steer: Steer) -> None:
         super().__init__(information)
-        # A BIT* that was asked for its tree is never freed, and this with it; the map must not be.
+        # OMPL never frees a BIT* that was asked for its tree, nor this validator. The map must be freed.
         self._steer = weakref.ref(steer)
 
     def checkMotion(self, a: ob.State, b: ob.State) -> bool:  # noqa: N802 - OMPL's name
@@ -145,11 +153,14 @@ class _Clearance(ob.MotionValidator):  # type: ignore[misc]
 
 
 class _GoalRegion(ob.GoalSampleableRegion):  # type: ignore[misc]
-    """Satisfied by a node in the disc around the goal that sees the goal (Algorithm 1, line 14); samples the goal."""
+    """A disc around the goal, satisfied by a node from which the goal can be reached straight (Algorithm 1, line 14).
+
+    Its one sample is the goal.
+    """
 
     def __init__(self, information: ob.SpaceInformation, steer: Steer, goal: ob.State, radius_m: float) -> None:
         super().__init__(information)
-        # OMPL compares with "less than", so a radius of 0 would shut out the goal itself.
+        # OMPL compares with "less than", so a radius of 0 would exclude the goal itself.
         self._radius_m = max(radius_m, 1e-9)
         self.setThreshold(self._radius_m)
         self._space = steer.space
@@ -172,7 +183,7 @@ class _GoalRegion(ob.GoalSampleableRegion):  # type: ignore[misc]
 
 
 class _Budget:
-    """Ends the search after so many iterations; OMPL asks once before each."""
+    """Ends a search after `n_allowed` iterations, or when it is interrupted; OMPL asks once before each iteration."""
 
     def __init__(self, n_allowed: int, interrupted: Interrupted) -> None:
         self._n_allowed = n_allowed
@@ -189,12 +200,12 @@ class _Budget:
 
 
 def _tree(data: ob.PlannerData, steer: Steer, *, two_trees: bool) -> tuple[list[Point2], list[int]]:
-    """Nodes and parents of what was grown, breadth first from the roots: parents come before their children."""
+    """Nodes and parents of the trees, breadth first from the roots, so that parents come before their children."""
     n_nodes = data.numVertices()
     if data.numStartVertices() == 0:
         return [], []
     vertices = [data.getVertex(i) for i in range(n_nodes)]
-    # The trees from the start and from the goal are told apart by a tag; the edge that joins them belongs to neither.
+    # A tag distinguishes the trees from the start and from the goal; the edge that joins them belongs to neither.
     tags = [vertex.getTag() if two_trees else 0 for vertex in vertices]
     neighbours: list[list[int]] = [[] for _ in range(n_nodes)]
     for i in range(n_nodes):

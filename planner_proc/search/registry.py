@@ -1,4 +1,4 @@
-"""The searches by name: which of them can be steered how, and their routes."""
+"""Finds a search by its name, and refuses a steering that it cannot do."""
 
 from collections.abc import Iterator
 from typing import Final, get_args
@@ -15,20 +15,25 @@ NOT_STEERED: Final[dict[PlannerName, tuple[Steering, ...]]] = {
     "rrt_connect": ("dubins",),
     "prm_star": ("dubins", "reeds_shepp"),
 }
-"""Forward only, a tree that grows from the goal would lead away from it, and a roadmap would know no way back."""
+"""Steerings that a search cannot do: with forward motion only, a tree that grows from the goal would lead away from it,
+and the places of the roadmap have no headings.
+"""
 
 
 def routes(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Route]:
-    """The first route, and with `anytime` one after each improvement, better or not.
+    """Yield the first route and then, with `anytime`, one after each improvement, better or not.
 
-    The same query always gives the same routes. `PlanningInterruptedError` where the answer is not wanted any more.
+    Equal queries get equal routes.
+
+    Raises:
+        PlanningInterruptedError: The routes are not wanted any more.
     """
     search = roadmap_routes if query.planner == "prm_star" else ompl_routes
     return search(query, field, interrupted)
 
 
 def search_fault(query: TrunkPathQuery) -> str:
-    """Why the query cannot be searched or steered as it says, or nothing."""
+    """Why the query cannot be searched or steered as it asks; empty if it can."""
     if query.planner == "prm_star" and (n_samples := _n_iterations(query)) > MOST_SAMPLES:
         return f"Expected at most {MOST_SAMPLES} iterations for prm_star, which keeps all samples, got {n_samples}"
     if query.steering != "straight" and query.min_turning_radius_m == 0.0:
@@ -42,7 +47,7 @@ def search_fault(query: TrunkPathQuery) -> str:
 
 
 def _n_iterations(query: TrunkPathQuery) -> int:
-    """With all improvements."""
+    """Number of iterations, those of all improvements included."""
     anytime = query.anytime
     return query.max_iterations + (
         anytime.n_improvements * anytime.improvement_iterations if anytime is not None else 0

@@ -1,7 +1,7 @@
-"""PRM*: free places anywhere, each joined to its nearest ones, and the shortest way through them.
+"""PRM*: draws free places at random, joins each to its nearest ones, and finds the shortest way through them.
 
-Edges are looked at only where the shortest way wants to go along them (lazily). OMPL's PRM* decides in a thread of its
-own when it has found something, so that equal seeds may give different paths; this one counts its samples.
+It is lazy: an edge is checked only when the shortest way leads along it. OMPL's own PRM* looks for a solution in a
+second thread, so that equal seeds may give different paths; this one counts its samples.
 """
 
 from collections.abc import Iterator
@@ -21,16 +21,25 @@ from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.route import Route
 
 _NEIGHBOURS: Final = e * 1.5
-"""Times the logarithm of the number of places: Karaman and Frazzoli's k-PRM* in the plane."""
+"""Number of neighbours over the logarithm of the number of places: Karaman and Frazzoli's k-PRM* in the plane."""
 _FIRST_PLACES: Final = 50
+"""With `anytime`, how many samples to draw before the first look for a way; doubled until there is one."""
 _DRAWN_AT_ONCE: Final = 5000
+"""How many samples to draw together."""
 MOST_SAMPLES: Final = 200_000
-"""With its neighbours each takes some kilobytes."""
+"""Most samples that a query may ask for: each takes some kilobytes, with its neighbours."""
 _START, _GOAL = 0, 1
+"""Indices of the start and the goal among the places."""
 
 
 def roadmap_routes(query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> Iterator[Route]:
-    """The shortest way through `max_iterations` samples, and each time with some more."""
+    """Yield the shortest way through `max_iterations` samples and then, with `anytime`, through more and more samples.
+
+    With `anytime`, the first way comes as soon as the goal is reached.
+
+    Raises:
+        PlanningInterruptedError: The routes are not wanted any more.
+    """
     roadmap = _Roadmap(query, field, interrupted)
     if query.anytime is None:
         roadmap.sample(query.max_iterations)
@@ -51,7 +60,7 @@ def roadmap_routes(query: TrunkPathQuery, field: ClearanceField, interrupted: In
 
 
 class _Roadmap:
-    """Places, the first two the start and the goal, and what is known of the lines between them."""
+    """Places, of which the first two are the start and the goal, and which lines between them are known to be free."""
 
     def __init__(self, query: TrunkPathQuery, field: ClearanceField, interrupted: Interrupted) -> None:
         self._query = query
@@ -65,7 +74,7 @@ class _Roadmap:
         self._n_samples = 0
 
     def sample(self, n: int) -> None:
-        """Draw places anywhere and keep the free ones."""
+        """Draw `n` places and keep the free ones."""
         while n > 0:
             if self._interrupted():
                 raise PlanningInterruptedError
@@ -78,7 +87,7 @@ class _Roadmap:
             n -= len(drawn)
 
     def route(self) -> Route:
-        """The shortest way whose lines are all free, or the one to the place nearest to the goal."""
+        """The shortest free way to the goal or, if there is none, to the reachable place nearest to the goal."""
         a, b, lengths_m = self._lines()
         known = np.array([self._is_free.get(pair, True) for pair in zip(a.tolist(), b.tolist(), strict=True)])
         a, b, lengths_m = a[known], b[known], lengths_m[known]
@@ -98,7 +107,7 @@ class _Roadmap:
             lengths_m[[index[pair] for pair in blocked]] = np.inf
 
     def _lines(self) -> tuple[Integers, Integers, Floats]:
-        """Each place with its nearest ones: the lower index, the higher one, and the distance, (n,) each."""
+        """Lines from each place to its nearest ones: the lower index, the higher one, and the length, (n,) each."""
         n = len(self._places_m)
         k = min(n - 1, max(1, ceil(_NEIGHBOURS * log(n))))
         apart_m, nearest = (np.asarray(each) for each in cKDTree(self._places_m).query(self._places_m, k=k + 1))
@@ -109,7 +118,7 @@ class _Roadmap:
         return pairs[0], pairs[1], apart_m[:, 1:].ravel()[first]
 
     def _shortest(self, a: Integers, b: Integers, lengths_m: Floats) -> tuple[Floats, list[int]]:
-        """From the start to each place: how far, and from which place one comes there."""
+        """Distance from the start to each place, (n,), and the place before it on the shortest way."""
         usable = np.isfinite(lengths_m)
         n = len(self._places_m)
         graph = csr_array((lengths_m[usable], (a[usable], b[usable])), shape=(n, n))
@@ -125,7 +134,7 @@ class _Roadmap:
         return self._is_free[pair]
 
     def _as_route(self, way: list[int], before: list[int], *, reached: bool) -> Route:
-        """With the tree of shortest ways as far as its lines are known to be free."""
+        """A way as a route, with the part of the tree of shortest ways whose lines are known to be free."""
         order, parents, place = [_START], [0], {_START: 0}
         for node in sorted(range(len(before)), key=lambda node: _depth(before, node)):
             parent = before[node]
@@ -145,7 +154,7 @@ class _Roadmap:
 
 
 def _way(before: list[int], target: int) -> list[int]:
-    """From the start to a place."""
+    """Places on the way from the start to a place, given the place before each."""
     way = [target]
     while way[-1] != _START:
         way.append(before[way[-1]])
@@ -153,7 +162,7 @@ def _way(before: list[int], target: int) -> list[int]:
 
 
 def _depth(before: list[int], node: int) -> int:
-    """How many lines there are between the start and a place; of one that is not reached, the most."""
+    """Number of lines between the start and a place; that of all places if it cannot be reached."""
     depth = 0
     while node != _START:
         node = before[node]

@@ -1,4 +1,4 @@
-"""What a search comes to."""
+"""Result of a search for the trunk."""
 
 from dataclasses import dataclass
 
@@ -8,14 +8,14 @@ from legpush.geometry import Point2
 
 @dataclass(frozen=True, kw_only=True)
 class Route:
-    """A path from the start, the tree that was grown for it, and whether the path ends at the goal."""
+    """A path from the start, whether it ends at the goal, and the search tree."""
 
     reached: bool
     points_m: Floats
-    """(n, 2), the start first; the start alone where nothing else was found."""
+    """Corners of the path, (n, 2), the start first; only the start if the search found nothing."""
     curve: Floats | None
-    """Of a path that is not straight between its points: x, y and yaw, dense, (k, 3)."""
+    """Dense poses x, y and yaw, (k, 3), of a path that is not straight between its points."""
     tree_points_m: tuple[Point2, ...]
     tree_parents: tuple[int, ...]
-    """Node i hangs on node `tree_parents[i]`, a root on itself; parents come before their children."""
+    """Index of each node's parent; a root is its own parent. Parents come before their children."""
     n_iterations: int

@@ -1,4 +1,4 @@
-"""How two states of a search are joined: straight lines in the plane, or the shortest curves of a turning radius."""
+"""Joins two states of a search: by a straight line, or by the shortest curve with a minimum turning radius."""
 
 from abc import ABC, abstractmethod
 from itertools import pairwise
@@ -14,42 +14,45 @@ from legpush.messages.planning import TrunkPathQuery
 from planner_proc.clearance.field import ClearanceField
 
 SPACING_M: Final = 0.05
-"""Between the poses of a curve that is returned."""
+"""Greatest distance between the poses of a curve that is returned."""
 _CHECKED_M: Final = 0.1
-"""Between those of one that is checked."""
+"""Greatest distance between the poses of a curve that is checked."""
 _WHOLE_STEP: Final = 0.99
-"""A step that leads less far than this share of its length turns back on its way."""
+"""If the ends of a step are nearer to each other than this share of its length, the curve turns back between them."""
 _CUSP_SAMPLES: Final = 21
+"""How many poses of a step to compare in each round of the search for a cusp."""
 _CUSP_ROUNDS: Final = 3
+"""How many rounds to search for a cusp, each between the neighbours of the best pose so far."""
 
 
 class Steer(ABC):
-    """A space of states, and which of the ways between them keep the clearance."""
+    """A space of states, and which ways between them keep the clearance."""
 
     space: Any
 
     def __init__(self, query: TrunkPathQuery, field: ClearanceField) -> None:
+        """Take the `field` of the query's grid."""
         self._query = query
         self._field = field
 
     @abstractmethod
     def state(self, pose: Pose2) -> Any:
-        """A new state."""
+        """Make a new state at a pose."""
 
     @abstractmethod
     def place(self, state: Any) -> Point2:
-        """Where it is."""
+        """Position of a state."""
 
     @abstractmethod
     def is_free(self, a: Any, b: Any) -> bool:
-        """Whether the way from one state to another keeps the clearance all along."""
+        """Whether the way from one state to another keeps the clearance at every point."""
 
     @abstractmethod
     def curve(self, states: list[Any]) -> Floats | None:
-        """The way through some states as dense poses, (n, 3), made shorter; None where it is straight in between."""
+        """The way through some states, shortened, as dense poses, (n, 3); None if it is straight between the states."""
 
     def _bounds(self) -> Any:
-        """The plane, as far as the grid reaches."""
+        """Bounds of the plane: those of the grid."""
         bounds = ob.RealVectorBounds(2)
         for axis, (low_m, size_m) in enumerate(zip(self._query.grid.origin_m, self._field.size_m, strict=True)):
             bounds.setLow(axis, low_m)
@@ -58,7 +61,7 @@ class Steer(ABC):
 
 
 class Straight(Steer):
-    """Points of the plane; the robot turns on the spot."""
+    """Points of the plane, joined by straight lines; the robot turns on the spot."""
 
     def __init__(self, query: TrunkPathQuery, field: ClearanceField) -> None:
         super().__init__(query, field)
@@ -83,7 +86,7 @@ class Straight(Steer):
 
 
 class Curved(Steer):
-    """Poses, joined by Dubins' or Reeds and Shepp's curves."""
+    """Poses, joined by the curves of Dubins or of Reeds and Shepp."""
 
     def __init__(self, query: TrunkPathQuery, field: ClearanceField) -> None:
         super().__init__(query, field)
@@ -92,13 +95,15 @@ class Curved(Steer):
         self.space.setBounds(self._bounds())
         self._at = self.space.allocState()
         self._sagitta_m = min(_CHECKED_M**2 / (8.0 * query.min_turning_radius_m), _CHECKED_M / 2.0)
-        """How far an arc is from its chord: chords of other points are checked than are returned."""
+        """Greatest distance between an arc and its chord. The clearance is checked along other chords than those of the
+        curve that is returned.
+        """
 
     def state(self, pose: Pose2) -> Any:
         state = self.space.allocState()
         state.setXY(pose.x_m, pose.y_m)
         yaw_rad = wrap_angle(pose.yaw_rad)
-        # OMPL's headings end before pi.
+        # OMPL's headings are below pi.
         state.setYaw(-pi if yaw_rad == pi else yaw_rad)
         return state
 
@@ -115,7 +120,7 @@ class Curved(Steer):
         return np.concatenate([parts[0][:1], *(part[1:] for part in parts)]) if parts else None
 
     def _with_middles(self, states: list[Any]) -> list[Any]:
-        """States, and those half-way between them."""
+        """The states, with those half-way between them."""
         found = states[:1]
         for a, b in pairwise(states):
             middle = self.space.allocState()
@@ -124,7 +129,7 @@ class Curved(Steer):
         return found
 
     def _shortened(self, states: list[Any]) -> list[Any]:
-        """From each state straight to the last one that is free and nearer than over those in between."""
+        """Go from each state directly to the last one that can be reached freely, and by a shorter way than before."""
         lengths_m = [self.space.distance(a, b) for a, b in pairwise(states)]
         travelled_m = np.concatenate([[0.0], np.cumsum(lengths_m)])
         kept, last = [0], len(states) - 1
@@ -139,7 +144,10 @@ class Curved(Steer):
         return [states[k] for k in kept]
 
     def _poses(self, a: Any, b: Any, spacing_m: float) -> Floats:
-        """From one state to another, so far apart or less, both included, and where the direction changes, (n, 3)."""
+        """Poses along the way between two states, both included, at most `spacing_m` apart, (n, 3).
+
+        The poses at which the direction of motion changes (the cusps) are added.
+        """
         length_m = self.space.distance(a, b)
         n = max(1, ceil(length_m / spacing_m))
         poses = self._at_shares(a, b, np.linspace(0.0, 1.0, n + 1))
@@ -151,9 +159,10 @@ class Curved(Steer):
         return np.insert(poses, turning + 1, cusps, axis=0) if cusps else poses
 
     def _cusp(self, a: Any, b: Any, low: float, high: float) -> Floats:
-        """The pose between two shares of the way at which it turns back, (3,): farthest from both of them together.
+        """The pose, (3,), at which the way turns back between two of its shares.
 
-        From the first alone the other may be farther, where the way back is the longer one.
+        It has the largest sum of distances to both. The distance to the first alone would be largest at the second, if
+        the way back is the longer one.
         """
         begin_m, end_m = self._at_shares(a, b, np.array([low, high]))[:, :2]
         for _ in range(_CUSP_ROUNDS):
@@ -166,6 +175,7 @@ class Curved(Steer):
         return cusp
 
     def _at_shares(self, a: Any, b: Any, shares: Floats) -> Floats:
+        """Poses at shares of the way from one state to another, (n, 3)."""
         poses = np.empty((len(shares), 3))
         for k, share in enumerate(shares.tolist()):
             self.space.interpolate(a, b, share, self._at)

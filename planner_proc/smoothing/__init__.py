@@ -1,1 +1,1 @@
-"""From a jagged route to a path that can be walked."""
+"""Turns a jagged route into a path that can be walked."""

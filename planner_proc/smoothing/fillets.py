@@ -1,4 +1,4 @@
-"""A polyline with its corners rounded by arcs: the plainest path with a minimum turning radius."""
+"""Rounds the corners of a polyline by arcs: the simplest path with a minimum turning radius."""
 
 from itertools import pairwise
 from math import atan2, ceil, cos, pi, sin, tan
@@ -10,18 +10,19 @@ from legpush.arrays import Floats
 from planner_proc.smoothing import polylines
 
 _STRAIGHT_RAD: Final = 1e-6
+"""A corner that turns by less than this gets no arc."""
 
 
 def fillet(corners_m: Floats, radius_m: float, spacing_m: float) -> Floats | None:
-    """Lines, and an arc at each corner of a polyline, (n, 2), as points no farther apart than the spacing, (k, 2).
+    """The lines of a polyline, (n, 2), with an arc at each corner, as points at most `spacing_m` apart, (k, 2).
 
-    None where two arcs need more of the line between them than there is.
+    None if two arcs need more of the line between them than its length.
     """
     turns = polylines.turns(corners_m).tolist()
     legs_m = np.hypot(*np.diff(corners_m, axis=0).T)
     if any(abs(turn) > pi - 1e-3 for turn in turns):
         return None
-    # An arc over equally spaced points turns by the same angle at each: through three of them goes its own circle.
+    # The points of an arc are equally spaced, so that the circle through any three of them is the arc's own.
     tangents_m = np.array([0.0, *(radius_m * tan(abs(turn) / 2) for turn in turns), 0.0])
     if (tangents_m[:-1] + tangents_m[1:] > legs_m + 1e-12).any():
         return None
@@ -34,7 +35,7 @@ def fillet(corners_m: Floats, radius_m: float, spacing_m: float) -> Floats | Non
 
 
 def _arc(before_m: Floats, corner_m: Floats, turn_rad: float, radius_m: float, spacing_m: float) -> Floats:
-    """Points of the arc that cuts off a corner, both ends included."""
+    """Points of the arc that cuts off a corner, both ends included, (n, 2)."""
     heading = atan2(*(corner_m - before_m)[::-1].tolist())
     side = 1.0 if turn_rad > 0.0 else -1.0
     along = np.array([cos(heading), sin(heading)])
@@ -47,7 +48,7 @@ def _arc(before_m: Floats, corner_m: Floats, turn_rad: float, radius_m: float, s
 
 
 def _densified(parts: list[Floats], spacing_m: float) -> Floats:
-    """The parts with points on the lines between them; those within a part stay as they are."""
+    """Join the parts, with points on the lines between them, (n, 2). The points within a part stay as they are."""
     points = [parts[0]]
     for before, after in pairwise(parts):
         line = np.stack([before[-1], after[0]])

@@ -1,4 +1,4 @@
-"""Polylines as arrays of vertices, (n, 2), in metres."""
+"""Measures and samples of polylines, which are arrays of vertices, (n, 2), in metres."""
 
 import numpy as np
 
@@ -12,12 +12,12 @@ def length(points: Floats) -> float:
 
 
 def at(points: Floats, vertices_at: Floats, where: Floats) -> Floats:
-    """Points of the polyline, (k, 2), at `where`, (k,), given where its vertices are."""
+    """Points of a polyline, (k, 2), at the arc lengths `where`, (k,); its vertices are at `vertices_at`, (n,)."""
     return np.stack([np.interp(where, vertices_at, points[:, axis]) for axis in (0, 1)], axis=-1)
 
 
 def subdivide(points: Floats, spacing: float) -> Floats:
-    """The same polyline with further vertices, so that no two in a row are more than `spacing` apart."""
+    """Add vertices to a polyline, so that consecutive ones are at most `spacing` apart."""
     vertices_at = arc_lengths_m(points)
     n_parts = np.maximum(1, np.ceil(np.diff(vertices_at) / spacing)).astype(int)
     legs = zip(vertices_at[:-1], vertices_at[1:], n_parts, strict=True)
@@ -26,7 +26,7 @@ def subdivide(points: Floats, spacing: float) -> Floats:
 
 
 def headings(points: Floats) -> Floats:
-    """Direction of travel at each vertex, (n,): at the ends along the segment there, between two segments half-way."""
+    """Direction of travel at each vertex, (n,): that of the segment at the ends, and the middle of both in between."""
     steps = np.diff(points, axis=0)
     directions = np.arctan2(steps[:, 1], steps[:, 0])
     between = directions[:-1] + 0.5 * turns(points)
@@ -41,7 +41,7 @@ def turns(points: Floats) -> Floats:
 
 
 def turning_radii(points: Floats) -> Floats:
-    """Of the circle through each inner vertex and its neighbours, (n - 2,); infinite on a straight line."""
+    """Radii of the circles through each inner vertex and its neighbours, (n - 2,); infinite on a straight line."""
     steps = np.diff(points, axis=0)
     a, b = np.hypot(*steps[:-1].T), np.hypot(*steps[1:].T)
     c = np.hypot(*(points[2:] - points[:-2]).T)

@@ -1,4 +1,4 @@
-"""From the jagged path of a random search to a nearly taut one, by straight lines inside a tube."""
+"""Shortens the jagged path of a random search by straight lines inside a tube, until it is nearly taut."""
 
 from typing import Final
 
@@ -9,16 +9,22 @@ from planner_proc.smoothing import polylines
 from planner_proc.smoothing.tube import Tube
 
 _N_ROUNDS: Final = 3
+"""Most rounds of shortening."""
 _GAIN: Final = 0.02
-"""Share of the length that a round has to save for another one to follow."""
+"""Share of the length that a round must save for another round to follow."""
 _LEG_M: Final = 0.25
+"""Greatest distance between the points from which shortcuts are tried, unless there would be more than `_MAX_LEGS`."""
 _MAX_LEGS: Final = 100
+"""Longer paths are divided into about this many legs."""
 _CUTS: Final = (0.5, 0.25, 0.125, 0.0625)
-"""Shares of the two legs at a corner that a cut may take, the longest first."""
+"""Shares of the two legs at a corner that a cut may take off, the largest first."""
 
 
 def shortcut(points_m: Floats, tube: Tube) -> Floats:
-    """A path between the same ends, (k, 2), never longer, that is in the tube as the given one, (n, 2), is."""
+    """A path between the same ends, (k, 2), that is no longer than the given one, (n, 2).
+
+    It lies in the tube if the given one does.
+    """
     best, best_m = points_m, polylines.length(points_m)
     for _ in range(_N_ROUNDS):
         path = _farthest_seen(polylines.subdivide(best, max(_LEG_M, best_m / _MAX_LEGS)), tube)
@@ -35,7 +41,7 @@ def shortcut(points_m: Floats, tube: Tube) -> Floats:
 
 
 def _farthest_seen(points_m: Floats, tube: Tube) -> Floats:
-    """Go from each vertex straight to the last one that it sees."""
+    """Go from each vertex straight to the last one to which the line is free."""
     points = points_m.tolist()
     last = len(points) - 1
     kept = [0]
@@ -46,7 +52,7 @@ def _farthest_seen(points_m: Floats, tube: Tube) -> Floats:
 
 
 def _cut_corners(points_m: Floats, tube: Tube) -> Floats:
-    """Cut off each corner as far from it as is free."""
+    """Cut off each corner by the longest free cut."""
     cut = [points_m[0]]
     for before, corner, after in zip(points_m[:-2], points_m[1:-1], points_m[2:], strict=True):
         for share in _CUTS:

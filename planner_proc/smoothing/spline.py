@@ -1,9 +1,9 @@
-"""A smooth path along a polyline, verified: a spline inside the tube, the polyline itself at worst.
+"""Makes a smooth path along a polyline: a spline inside the tube or, at worst, the polyline itself.
 
-The spline goes through the knots of an elastic band, or through the corners of the polyline. It is sampled densely and
-every segment between samples is measured; where one collides, the band is fitted again, then the spline is drawn back
-to the polyline within a window around the collision, and in the end everywhere. With a minimum turning radius, a band
-that bends too tightly is fitted stiffer, and what is left in the end are the polyline's corners rounded by arcs.
+The spline goes through the knots of an elastic band, or through the corners of the polyline. It is sampled densely, and
+every segment between samples is measured. If one collides, the band is fitted again; then the spline is drawn back to
+the polyline within a window around the collision, and at last everywhere. With a minimum turning radius, a band that
+bends too tightly is replaced by a stiffer one, and the last resort is the polyline with its corners rounded by arcs.
 """
 
 from collections.abc import Iterator
@@ -25,30 +25,35 @@ from planner_proc.smoothing.tube import Tube
 SPACING_M: Final = 0.05
 """Greatest distance between the points of a smooth path."""
 _N_FITS: Final = 4
+"""How often to fit the band."""
 _N_DRAW_BACKS: Final = 8
+"""How often to draw the spline back around its collisions."""
 _WINDOW_M: Final = 0.6
 """Half the length of the window in which a colliding spline is drawn back; its middle half is the polyline."""
 _STIFFER: Final = 1.5
-"""How much, where a band bends too tightly."""
+"""Factor of the stiffness after a band that bends too tightly."""
 _RADIUS_SHARE: Final = 0.99
-"""Of the turning radius: what the circle through three waypoints has at least."""
+"""Least radius of the circle through three waypoints, as a share of the turning radius."""
 _SHARP_RAD: Final = np.radians(15.0)
-"""A sharper bend than this is turned on the spot."""
+"""Sharper bends than this are turned on the spot."""
 
 
 class _Curve(NamedTuple):
-    """A dense curve, the places of its points along the polyline, and which of them are corners to keep."""
+    """A dense curve beside a polyline."""
 
     points_m: Floats
+    """(n, 2)."""
     at_m: Floats
+    """Arc length of the polyline at each point, (n,)."""
     is_corner: Flags
+    """Which points are corners of the polyline that must stay in the path, (n,)."""
 
 
 def smooth(polyline_m: Floats, tube: Tube, options: Smoothing, min_turning_radius_m: float = 0.0) -> list[Floats]:
-    """Dense stretches of a path between the ends of a polyline in a tube, (n, 2) each; all of them are in the tube.
+    """Dense stretches of a path between the ends of a polyline, (n, 2) each, all of them in the tube.
 
-    Each stretch begins where the one before it ends; there the path turns on the spot. With a turning radius it is one
-    stretch, or none where nothing that turns so wide is in the tube.
+    The polyline has to lie in the tube. Each stretch begins where the one before it ends; there the path turns on the
+    spot. With a turning radius the path is one stretch; the list is empty if no such path was found in the tube.
     """
     corners_at_m = arc_lengths_m(polyline_m)
     length_m = float(corners_at_m[-1])
@@ -80,7 +85,7 @@ def smooth(polyline_m: Floats, tube: Tube, options: Smoothing, min_turning_radiu
 
 
 def _splines(polyline_m: Floats, at_m: Floats, tube: Tube, options: Smoothing, limits: "_Limits") -> Iterator[Floats]:
-    """Candidates, better and better, as points, (n, 2), at places along the polyline, (n,)."""
+    """Candidates as points, (n, 2), at arc lengths of the polyline, (n,), each fitted better than the last."""
     if options.method == "spline" and len(polyline_m) > 2:
         yield CubicSpline(arc_lengths_m(polyline_m), polyline_m, bc_type="natural")(at_m)
     elif options.method == "spline":
@@ -105,18 +110,18 @@ def _splines(polyline_m: Floats, at_m: Floats, tube: Tube, options: Smoothing, l
 
 
 class _Limits:
-    """What a dense path has to keep."""
+    """What a dense path has to keep: the tube, and a turning radius or no sharp bends."""
 
     def __init__(self, tube: Tube, min_turning_radius_m: float) -> None:
         self._tube = tube
         self._least_m = _RADIUS_SHARE * min_turning_radius_m
         self.bends_too_tightly = False
-        """Whether the path that was judged last did."""
+        """Whether the path that was judged last did so."""
 
     def faults(self, path: _Curve) -> Floats:
-        """Where along the polyline the path leaves the tube or bends too tightly; ascending.
+        """Arc lengths of the polyline at which the path leaves the tube or bends too tightly, ascending.
 
-        Without a turning radius that is where it bends sharply but at a corner.
+        Without a turning radius, sharp bends that are not at a corner count as too tight.
         """
         middles_m = 0.5 * (path.at_m[:-1] + path.at_m[1:])
         collides = ~self._tube.free_segments(path.points_m)
@@ -127,18 +132,19 @@ class _Limits:
         return np.union1d(middles_m[collides], path.at_m[1:-1][bends])
 
     def holds(self, points_m: Floats) -> bool:
-        """Whether a path, (n, 2), keeps them."""
+        """Whether a path, (n, 2), stays in the tube and keeps the turning radius."""
         return bool(self._tube.free_segments(points_m).all()) and not self._bends(points_m).any()
 
     def _bends(self, points_m: Floats) -> Flags:
+        """At which inner points, (n - 2,), the turning radius is not kept."""
         tight: Flags = polylines.turning_radii(points_m) < self._least_m
         return tight
 
 
 def _resample(curve: _Curve, n_most: int) -> _Curve:
-    """The same curve with points at most `SPACING_M` apart, its corners among them; farther where they were too many.
+    """The same curve with points at most `SPACING_M` apart, corners included; farther apart if there were too many.
 
-    Both ends of a plan are waypoints of their own, and a corner is one of each stretch at it.
+    A plan adds a waypoint at either end, and a corner counts twice, once for each stretch that meets there.
     """
     travelled_m = arc_lengths_m(curve.points_m)
     kept = np.flatnonzero(curve.is_corner[1:-1]) + 1
@@ -156,7 +162,7 @@ def _resample(curve: _Curve, n_most: int) -> _Curve:
 
 
 def _window(at_m: Floats, centres_m: Floats) -> Floats:
-    """1 near any of the centres, which ascend, and smoothly down to 0 at `_WINDOW_M` from them."""
+    """Weights, (n,): 1 near any of the centres, which ascend, falling smoothly to 0 at `_WINDOW_M` from them."""
     after = np.searchsorted(centres_m, at_m).clip(0, len(centres_m) - 1)
     before = np.maximum(after - 1, 0)
     distances_m = np.minimum(np.abs(at_m - centres_m[after]), np.abs(at_m - centres_m[before]))
@@ -165,12 +171,12 @@ def _window(at_m: Floats, centres_m: Floats) -> Floats:
 
 
 def _stretches(path: _Curve) -> list[Floats]:
-    """The path cut where it bends sharply."""
+    """Cut the path where it bends sharply."""
     cuts = [0, *(np.flatnonzero(_is_sharp(path)) + 1).tolist(), len(path.points_m) - 1]
     return [path.points_m[begin : end + 1] for begin, end in pairwise(cuts)]
 
 
 def _is_sharp(path: _Curve) -> Flags:
-    """Which inner points are bends to turn on the spot."""
+    """Which inner points, (n - 2,), are bends that are turned on the spot."""
     sharp: Flags = np.abs(polylines.turns(path.points_m)) > _SHARP_RAD
     return sharp

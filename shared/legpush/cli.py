@@ -1,4 +1,4 @@
-"""The `legpush` command. Each subcommand imports what it needs when it runs, so that `--help` comes at once."""
+"""The `legpush` command. Each subcommand imports its modules when it runs, so that `--help` is fast."""
 
 import os
 import sys
@@ -23,7 +23,7 @@ from legpush.processes.start_program import Program, start_program
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
-    "`legpush run` starts it all; `legpush --version` prints the version."
+    "`legpush run` runs a whole mission; `legpush --version` prints the version."
 )
 
 
@@ -35,7 +35,7 @@ PROGRAMS: Final[dict[type, Program]] = {
     ExportOptions: "sim_proc.export",
     ViewOptions: "sim_proc.view",
 }
-"""What is done by a program, in a process of its own."""
+"""Programs that run in a process of their own, by the options of their command."""
 
 Command = (
     Annotated[RunOptions, tyro.conf.subcommand("run")]
@@ -100,7 +100,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _plan_check(argv: Sequence[str]) -> int:
-    """Its command after `--` is not this parser's; checked here, so that a mistake costs no start."""
+    """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
     try:
         flags, _ = split_at_dashes(argv)
         tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
@@ -112,7 +112,7 @@ def _plan_check(argv: Sequence[str]) -> int:
 
 @singledispatch
 def execute(command: object) -> int:
-    """Do what a parsed command says; returns the exit code."""
+    """Run a parsed command, and return its exit code."""
     raise TypeError(f"Expected a command of legpush, got {type(command).__name__}")
 
 

@@ -1,8 +1,8 @@
-"""Where the centre of mass goes, and with which foot forces: support polygon, ZMP preview, force distribution.
+"""Plans the motion of the centre of mass and the forces of the feet: support polygon, ZMP preview, force distribution.
 
-The trunk's centre of mass is planned as a linear inverted pendulum of constant height: a jerk sequence that keeps the
-zero-moment point near its reference, by linear least squares over the steps ahead (ZMP preview control). The reference
-is Eq. 8's: toward the centroid of the supporting feet, as far as the wanted margin asks.
+The centre of mass is planned as a linear inverted pendulum of constant height. Linear least squares over the steps
+ahead finds the sequence of jerks that keeps the zero-moment point near its reference (ZMP preview control). The
+reference is that of Eq. 8: shifted toward the centroid of the supporting feet until it has the wanted margin.
 """
 
 from dataclasses import dataclass
@@ -17,11 +17,12 @@ from sim_proc.gravity import GRAVITY_M_S2
 
 JERK_WEIGHT: Final = 1e-6
 END_WEIGHT: Final = 0.1
+"""Weights of the jerk, and of the velocity at the end, against 1 for the deviation of the ZMP."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ComPlan:
-    """A planned motion of the centre of mass over the ground, one row per tick, world frame."""
+    """A planned motion of the centre of mass and the ZMP over the ground, (n, 2) each, a row per tick, world frame."""
 
     position_m: Floats
     velocity_m_s: Floats
@@ -36,7 +37,10 @@ class ComPlan:
 def plan_com(
     state: Floats, zmp_reference_m: Floats, weights: tuple[float, ...], end_velocity_m_s: Floats, height_m: float
 ) -> ComPlan:
-    """The least-squares motion from `state` (3, 2) for a ZMP reference (n, 2) with one weight per tick."""
+    """The least-squares motion from `state` (3, 2) for a ZMP reference (n, 2) with one weight per tick.
+
+    `end_velocity_m_s` (2,) is the wanted velocity after the last tick, and `height_m` the height of the pendulum.
+    """
     from_reference, from_state, from_end = _preview_gains(weights, height_m)
     position, velocity, acceleration = (
         a @ zmp_reference_m + b @ state + np.outer(c, end_velocity_m_s)
@@ -48,7 +52,7 @@ def plan_com(
 
 @lru_cache(maxsize=256)
 def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Floats], list[Floats], list[Floats]]:
-    """Linear maps from reference, initial state and end velocity to position, velocity and acceleration.
+    """Linear maps from ZMP reference, initial state and end velocity to position, velocity and acceleration.
 
     Minimizes `sum w (zmp - reference)^2 + JERK_WEIGHT |jerk|^2 + END_WEIGHT (end velocity error^2 + 0.01 end
     acceleration^2)` over piecewise constant jerks.
@@ -83,8 +87,8 @@ def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Fl
 def support_margin(points_m: Floats, feet_m: Floats, standing: Flags) -> Floats:
     """Signed distance of each point (n, 2) to the border of its support polygon, inside positive, (n,).
 
-    `feet_m` (n, 4, 2) are the feet and `standing` (n, 4) says which of them carry load. With two feet the polygon is
-    their segment, with fewer a point, so the margin is at most zero.
+    `feet_m` (n, 4, 2) are the feet and `standing` (n, 4) says which of them carry load. With two feet the polygon is a
+    segment, with one foot or none it is a point, so the margin is at most zero.
     """
     margins = np.empty(len(points_m))
     for mask in np.unique(standing, axis=0):
@@ -117,9 +121,9 @@ def triangle_margin(points_m: Floats, support_feet_m: Floats) -> Floats:
 
 
 def shifted_reference(nominal_m: Floats, support_feet_m: Floats, margin_m: float) -> Floats:
-    """The point (2,) on the way from `nominal_m` to the centroid of three feet (3, 2) (Eq. 8) that has the margin.
+    """The first point (2,) with the margin on the way from `nominal_m` to the centroid of three feet (3, 2) (Eq. 8).
 
-    The nominal point itself where it has the margin already, the centroid where even that has not.
+    That is the nominal point itself if it has the margin. If not even the centroid has it, the result is the centroid.
     """
     centroid: Floats = support_feet_m.mean(axis=0)
     at_nominal, at_centroid = _edge_distances(np.stack([nominal_m, centroid]), support_feet_m)
@@ -145,13 +149,13 @@ def _edge_distances(points_m: Floats, support_feet_m: Floats) -> Floats:
 
 
 def foot_forces(feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_m_s2: Floats, mass_kg: float) -> Floats:
-    """Ground reaction forces (n, 4, 3) that carry the weight with the ZMP (n, 2) and accelerate the robot (n, 2).
+    """Ground reaction forces (n, 4, 3) of feet (n, 4, 3) that keep the ZMP (n, 2) and accelerate the robot (n, 2).
 
-    On a slope the acceleration is meant against free fall along the floor.
+    On a slope the acceleration is relative to free fall along the floor.
 
-    The vertical forces have the least norm, weighted by `load_share` (n, 4), that balances about the ZMP (Eq. 9; what
-    pushing the box takes is small beside the weight and left to the servos). The horizontal force is shared in
-    proportion to them.
+    The vertical forces carry the weight and balance about the ZMP with the least norm, weighted by `load_share` (n, 4)
+    (Eq. 9). The force that pushing the box takes is small beside the weight, and is left to the servos. The feet share
+    the horizontal force in proportion to their vertical forces.
     """
     n = len(zmp_m)
     lever = feet_m[:, :, :2] - zmp_m[:, None]

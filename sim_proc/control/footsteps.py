@@ -1,4 +1,7 @@
-"""Footsteps along a path: each waypoint places the foot rectangle, its corners' displacements are the legs' steps."""
+"""Footsteps along a path.
+
+Each pose on the path places the foot rectangle, and the displacements of its corners are the steps of the legs.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,19 +15,20 @@ from legpush.scene.paths import travelled_m
 from legpush.scene.robot import LEGS, Leg, foot_rectangle_b
 
 GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
-"""Lateral sequence crawl: the weight changes sides twice a cycle."""
+"""Lateral sequence of the crawl: the weight changes sides twice a cycle."""
 STRIDE_M: Final = 0.4
 MAX_STEP_M: Final = 0.48
 MAX_TURN_RAD: Final = 0.6
 """Limits of one gait cycle: advance of the trunk, displacement of a foot, change of heading."""
-_ADVANCES: Final = np.linspace(1.0, 0.05, 20)
+ADVANCES: Final = np.linspace(1.0, 0.05, 20)
+"""Shares of the stride to try, the longest first."""
 
 
 class PosePath:
-    """A path of planar poses by its travelled length, in which turning counts by the arc that the feet describe."""
+    """A path of planar poses, parametrized by travelled length. A turn counts by the arc that the feet describe."""
 
     def __init__(self, waypoints: Sequence[Pose2]) -> None:
-        """Join the waypoints by straight lines and uniform turns, the short way round."""
+        """Join the waypoints by straight lines and by uniform turns the short way round."""
         xy = np.array([[p.x_m, p.y_m] for p in waypoints])
         yaw = np.unwrap([p.yaw_rad for p in waypoints])
         self._travelled = travelled_m(waypoints)
@@ -32,11 +36,11 @@ class PosePath:
         self.length_m = float(self._travelled[-1])
 
     def poses(self, travelled_m: Floats) -> Floats:
-        """x, y and (unwrapped) yaw at travelled lengths (...,), clamped to the path, (..., 3)."""
+        """x, y and unwrapped yaw at travelled lengths (...,), clamped to the path, (..., 3)."""
         return np.stack([np.interp(travelled_m, self._travelled, column) for column in self._xy_yaw.T], axis=-1)
 
     def corners(self, travelled_m: Floats) -> Floats:
-        """Foot rectangle corner of each leg at its own travelled length, (..., 4) to (..., 4, 2)."""
+        """Corner of the foot rectangle of each leg at its own travelled length, (..., 4) to (..., 4, 2)."""
         pose = self.poses(travelled_m)
         c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
         corner = foot_rectangle_b()
@@ -47,25 +51,25 @@ class PosePath:
 
 @dataclass(frozen=True, kw_only=True)
 class CycleTargets:
-    """Where one gait cycle brings the feet along the path."""
+    """Targets of the feet in one gait cycle."""
 
     travelled_m: Floats
-    """Of each leg's rectangle, in the order of `LEGS`, (4,); their mean is where the trunk is."""
+    """Travelled length of each leg's rectangle in the order of `LEGS`, (4,). The trunk is at their mean."""
     feet_m: Floats
-    """(4, 2)"""
+    """Where the feet come down, (4, 2)."""
 
 
 def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTargets:
     """The longest gait cycle within the limits, from feet `feet_m` (4, 2) whose rectangles are at `travelled_m` (4,).
 
-    A leg that swings at phase phi of the cycle lands where the trunk will be half a cycle later, so that at mid-stance
-    every foot is under its own hip; at the end of the path all come together in the last rectangle.
+    A leg that swings at phase phi of the cycle lands where the trunk will be half a cycle later, so every foot is under
+    its own hip at mid-stance. At the end of the path all feet come together in the last rectangle.
     """
     phase = np.empty(4)
     for place, leg in enumerate(GAIT_ORDER):
         phase[LEGS.index(leg)] = (place + 0.5) / len(GAIT_ORDER)
     start = float(travelled_m.mean())
-    advance = STRIDE_M * _ADVANCES[:, None]
+    advance = STRIDE_M * ADVANCES[:, None]
     candidates = np.clip(start + advance * (phase + 0.5), travelled_m, path.length_m)
     corners = path.corners(candidates)
     step = np.linalg.norm(corners - feet_m, axis=-1).max(axis=1)

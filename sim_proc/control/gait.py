@@ -1,4 +1,4 @@
-"""Static crawl along a path: one gait cycle of four steps at a time."""
+"""Walks along a path in a static crawl, one gait cycle of four steps at a time."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,36 +19,44 @@ from sim_proc.control.swing import parabola
 
 SHIFT_TICKS: Final = 6
 SWING_TICKS: Final = 13
+"""Durations of a step: the shift of the weight, then the swing of the leg."""
 FIRST_SHIFT_TICKS: Final = 16
-"""Of the first step of a path, from standing or from another walk: a quicker start would unload a standing foot."""
+"""Shift before the first step of a path. A quicker start from standing would unload a standing foot."""
 SETTLE_TICKS: Final = 24
-"""After the last step, to bring the weight back to the middle."""
+"""Time after the last step to bring the weight back to the middle."""
 STEP_HEIGHT_M: Final = 0.05
 WALK_MARGIN_M: Final = 0.055
 MAX_OFF_M: Final = 0.35
 MAX_OFF_RAD: Final = radians(45.0)
-"""How far from the trunk a path may begin, or the place to push from be: farther, the first steps are out of reach."""
+"""Largest distance and turn from the trunk to the start of a path, or to the place to push from.
+
+The first steps to a place farther away would be out of reach.
+"""
 TOUCHDOWN_M: Final = FOOT_RADIUS_M - 0.001
-"""Commanded height of a landing foot's centre: a little pressed into the floor."""
+"""Commanded height of the centre of a landing foot, which is pressed a little into the floor."""
 
 
 class PathWalk:
-    """Walks a path cycle by cycle."""
+    """A walk along one path, cycle by cycle."""
 
     def __init__(self, steps: Steps, waypoints: Sequence[Pose2]) -> None:
-        """Take the path up from where the robot stands or walks; `MotionError` if it begins elsewhere."""
+        """Begin the path where the robot stands or walks.
+
+        Raises:
+            MotionError: The path begins too far from the robot.
+        """
         require_within_reach("a path that begins", steps.posture.plant.trunk_pose(), waypoints[0])
         self._steps = steps
         self._path = PosePath(waypoints)
         self._travelled = np.zeros(4)
 
     def progress(self) -> PathProgress:
-        """How far the feet are; a turn on the spot counts by the arc that the feet describe."""
+        """Travelled length of the feet. A turn on the spot counts by the arc that the feet describe."""
         done = bool((self._travelled >= self._path.length_m).all())
         return PathProgress(travelled_m=float(self._travelled.mean()), length_m=self._path.length_m, done=done)
 
     def cycle(self) -> list[TickLog]:
-        """Each leg one step; after the last cycle of the path the robot comes to rest. Stops short at a fall."""
+        """Take one step with each leg, and come to rest after the last cycle of the path. Stop early at a fall."""
         posture = self._steps.posture
         feet = posture.feet_m[:, :2]
         this = next_cycle(self._path, self._travelled, feet)
@@ -56,19 +64,19 @@ class PathWalk:
         ahead = self._steps_of(self._travelled, this) + self._steps_of(this.travelled_m, following)
         if not self._travelled.any():
             ahead[0] = replace(ahead[0], shift_ticks=FIRST_SHIFT_TICKS)
-        recordings = []
+        logs = []
         for index in range(len(GAIT_ORDER)):
-            recordings.append(self._steps.take(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
+            logs.append(self._steps.take_step(ahead[index : index + 4], swing_to(ahead[index].target_m, SWING_TICKS)))
             if posture.plant.fallen:
-                return recordings
+                return logs
         self._travelled = this.travelled_m
         if self.progress().done:
-            recordings.append(self._steps.take([self._rest()], None))
+            logs.append(self._steps.take_step([self._rest()], None))
             posture.com_state[1:] = 0.0
-        return recordings
+        return logs
 
     def _steps_of(self, before: Floats, targets: CycleTargets) -> list[Step]:
-        """The four steps of a cycle, the trunk advancing evenly."""
+        """The four steps of a cycle, during which the trunk advances evenly."""
         start, end = float(before.mean()), float(targets.travelled_m.mean())
         n_legs = len(GAIT_ORDER)
         duration = n_legs * (SHIFT_TICKS + SWING_TICKS) * CONTROL_PERIOD_S
@@ -97,7 +105,11 @@ class PathWalk:
 
 
 def require_within_reach(what: str, trunk: Pose2, place: Pose2) -> None:
-    """`MotionError` unless the trunk is near enough to `place` for the feet to step there."""
+    """Check that the trunk is near enough to `place` for the feet to step there; `what` names it in the error.
+
+    Raises:
+        MotionError: The place is too far away, or turned too much.
+    """
     away = trunk.inverse() @ place
     distance_m, turn_rad = hypot(away.x_m, away.y_m), abs(away.yaw_rad)
     if distance_m > MAX_OFF_M or turn_rad > MAX_OFF_RAD:
@@ -108,7 +120,7 @@ def require_within_reach(what: str, trunk: Pose2, place: Pose2) -> None:
 
 
 def rest(nominal_xy_m: Floats, yaw_rad: float) -> Step:
-    """All feet down, the centre of mass to `nominal_xy_m`."""
+    """A step that keeps all feet down and brings the centre of mass to `nominal_xy_m`."""
     return Step(
         leg=None,
         shift_ticks=SETTLE_TICKS // 2,

@@ -1,4 +1,4 @@
-"""What control needs of a robot: the plant that it drives, and the log of its ticks."""
+"""`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,27 +9,31 @@ from legpush.geometry import Pose2
 
 @dataclass(frozen=True, kw_only=True)
 class TickLog:
-    """What was measured at each tick, one row per tick; all but `qpos` as of 2 ms before its end."""
+    """Measurements of a motion, one row per tick, world frame.
+
+    `qpos` is that of the end of the tick. The other quantities are up to 2 ms older: a physics engine computes them at
+    the beginning of its last step within the tick.
+    """
 
     qpos: Floats
-    """(n, 26): trunk (7), joints (12), box (7)."""
+    """(n, 26): pose of the trunk (7), joint angles (12), pose of the box (7)."""
     tips_m: Floats
-    """(n, 4, 3)"""
+    """Centres of the foot spheres, (n, 4, 3)."""
     floor_forces_n: Floats
-    """(n, 4, 3), of the floor on each foot."""
+    """Forces of the floor on the feet, (n, 4, 3)."""
     box_forces_n: Floats
-    """(n, 4, 3), of the box on each foot."""
+    """Forces of the box on the feet, (n, 4, 3)."""
     com_m: Floats
-    """(n, 3), of the robot."""
+    """Centre of mass of the robot, (n, 3)."""
     ctrl: Floats
-    """(n, 12), what the servos were commanded."""
+    """Positions commanded to the servos, (n, 12)."""
 
 
 class Plant(Protocol):
-    """A robot beside a box that control can measure and move: simulated here, hardware elsewhere. World frame."""
+    """A robot beside a box, which control can measure and move: simulated here, hardware elsewhere. World frame."""
 
     fallen: bool
-    """Whether the robot has fallen; it cannot be moved any more."""
+    """Whether the robot has fallen. A fallen robot cannot be moved any more."""
 
     @property
     def mass_kg(self) -> float:
@@ -37,7 +41,10 @@ class Plant(Protocol):
 
     @property
     def downhill(self) -> Floats:
-        """How far from its foot on the floor a plumb line of unit height ends, (2,)."""
+        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,).
+
+        Zero on a level floor.
+        """
 
     def trunk_pose(self) -> Pose2:
         """Pose of the trunk, projected to the floor."""
@@ -55,4 +62,4 @@ class Plant(Protocol):
         """Centre of mass of the robot, (3,)."""
 
     def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
-        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stops short at a fall."""
+        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stop early at a fall."""

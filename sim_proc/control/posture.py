@@ -1,4 +1,4 @@
-"""What the robot is commanded to do at present: feet, trunk, centre of mass, joints; and how it is kept honest."""
+"""The commanded posture of the robot, its correction by measured feet, and the joint commands that track a motion."""
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from sim_proc.kinematics.leg import HIPS_B, SIDE, inverse, jacobian
 
 
 class Posture:
-    """The commanded posture of a robot that stands with the trunk level at `STANDING_HEIGHT_M`."""
+    """The commanded posture of a robot whose trunk is level at `STANDING_HEIGHT_M`."""
 
     def __init__(self, plant: Plant) -> None:
-        """Take over the robot as it stands."""
+        """Begin with the posture in which the robot stands."""
         self.plant = plant
         trunk = plant.trunk_pose()
         self.trunk_xy_m: Floats = trunk.xy()
@@ -24,16 +24,16 @@ class Posture:
         self.feet_m: Floats = plant.tips_m().copy()
         self.joints_rad: Floats = plant.joints_rad()
         self.com_state: Floats = np.zeros((3, 2))
-        """Planned position, velocity and acceleration of the centre of mass over the ground."""
+        """Planned position, velocity and acceleration of the centre of mass over the ground, (3, 2)."""
         self.com_offset_m: Floats = np.zeros(2)
-        """From the trunk to the centre of mass, world frame, as last measured."""
+        """From the trunk to the centre of mass as last measured, world frame, (2,)."""
         self.measure()
 
     def measure(self) -> None:
-        """Take the planted feet for what they are, and move the commanded trunk along with them.
+        """Replace the commanded feet by the measured ones, and move the commanded trunk along with them.
 
-        Feet roll and settle a few millimetres; commands that ignore it make the legs push against each other. The
-        planar motion that best fits the commanded feet onto the measured ones is applied to the commanded trunk.
+        Feet roll and settle by a few millimetres, and legs whose commands ignore it push against each other. The planar
+        motion that best fits the commanded feet onto the measured ones is applied to the commanded trunk.
         """
         plant = self.plant
         commanded, measured = self.feet_m[:, :2], plant.tips_m()[:, :2]
@@ -57,9 +57,11 @@ class Posture:
         zmp_m: Floats,
         acceleration_m_s2: Floats,
     ) -> TickLog:
-        """Carry out a motion of trunk (n, 2) and (n,), and feet (n, 4, 3), one row per tick, world frame.
+        """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
 
-        Joint targets come from inverse kinematics; their velocities and the torques of the planned foot forces are fed
+        `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet.
+
+        Joint targets come from inverse kinematics. Their velocities and the torques of the planned foot forces are fed
         forward.
         """
         n = len(yaw_rad)
@@ -75,10 +77,10 @@ class Posture:
         torques = -np.einsum("nlij,nli->nlj", jacobian(joints, SIDE), forces).reshape(n, 12)
         commands = joints.reshape(n, 12)
         velocities = np.diff(commands, axis=0, prepend=self.joints_rad[None]) / CONTROL_PERIOD_S
-        recording = self.plant.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
+        log = self.plant.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
         self.joints_rad = commands[-1]
         self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
-        return recording
+        return log
 
 
 def _rotations(yaw_rad: Floats) -> Floats:

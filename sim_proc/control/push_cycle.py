@@ -1,4 +1,8 @@
-"""The push cycle: a front foot along a Bezier curve into the box and back, then every foot to its marker at the box."""
+"""The push cycle.
+
+A front foot moves along a Bezier curve into the box and back. Then every foot steps to its marker at the box: its
+corner of the foot rectangle of a robot that stands ready for the next push.
+"""
 
 from dataclasses import dataclass
 from math import hypot, sqrt
@@ -28,15 +32,16 @@ RESTEP_SWING_TICKS: Final = 11
 PUSH_MARGIN_M: Final = 0.06
 CONTACT_HEIGHT_SHARE: Final = 0.5
 CONTACT_SIDE_SHARE: Final = 0.3
-"""Contact point on the rear face: share of the box's height, and of its width to the left (FL) or right (FR)."""
+"""Contact point on the pushed face: share of the box's height, and of its width to the left (FL) or right (FR)."""
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
-"""The rest of the crawl's lateral sequence after the pushing leg, mirrored for the right side."""
+"""Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
 
 
 def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Floats:
-    """Where the foot's centre ends, (3,), for a box whose pushed frame is at `pose`: its surface `depth_m` beyond the
-    face.
+    """Where the centre of the foot ends, (3,), so that its surface is `depth_m` beyond the pushed face.
+
+    `pose` is the frame of the box in which its pushed face is the rear one, and `box` has the size in that frame.
     """
     length, width, height = box.size_m
     side = CONTACT_SIDE_SHARE * width * (1 if leg == "FL" else -1)
@@ -46,10 +51,10 @@ def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Float
 
 
 @dataclass(frozen=True, kw_only=True)
-class PushRecording:
-    """What a push cycle recorded."""
+class PushLog:
+    """Logs of a push cycle and the largest force of the box on the pushing foot."""
 
-    recordings: list[TickLog]
+    logs: list[TickLog]
     peak_force_n: float
 
 
@@ -57,12 +62,16 @@ class Pusher:
     """Carries out push cycles."""
 
     def __init__(self, steps: Steps, box: Box) -> None:
-        """Push this box with this robot."""
+        """Push `box` with the robot that takes `steps`."""
         self._steps = steps
         self._box = box
 
-    def cycle(self, push: Push) -> PushRecording:
-        """Push, return, re-step; stops short at a fall. `MotionError` where the robot does not stand at the box."""
+    def cycle(self, push: Push) -> PushLog:
+        """Push, return the foot, and step to the box. Stop early at a fall.
+
+        Raises:
+            MotionError: The face cannot be pushed, or the robot does not stand at it.
+        """
         posture = self._steps.posture
         plant = posture.plant
         leg = LEGS.index(push.leg)
@@ -76,17 +85,17 @@ class Pusher:
             self._push_step(push.leg, here, posture.yaw_rad),
             *self._return_steps(push.leg, behind_box(box, pose @ expected, STATION_M))[:2],
         ]
-        recordings = [self._steps.take(ahead, self._bezier_swing(push, goal), lands=False)]
-        peak = float(np.linalg.norm(recordings[0].box_forces_n[:, leg], axis=1).max())
+        logs = [self._steps.take_step(ahead, self._bezier_swing(push, goal), lands=False)]
+        peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen:
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
-                recordings.append(self._steps.take(follow[index : index + 4], swing))
+                logs.append(self._steps.take_step(follow[index : index + 4], swing))
                 if plant.fallen:
                     break
-        return PushRecording(recordings=recordings, peak_force_n=peak)
+        return PushLog(logs=logs, peak_force_n=peak)
 
     def _require_face(self, face: Face) -> None:
         if face not in PUSHABLE[self._box.shape]:
@@ -94,7 +103,7 @@ class Pusher:
             raise MotionError(f"Expected a face that a {self._box.shape} can be pushed at ({valid}), got {face}")
 
     def _next_station(self, face: Face) -> Pose2:
-        """Where the feet go after the push: to the box, or back to where they were if it slid out of their reach."""
+        """Where to stand after the push: at the box, or in the same place if the box slid out of reach."""
         plant = self._steps.posture.plant
         here = plant.trunk_pose()
         station = behind_box(pushed_box(self._box, face), pushed_pose(plant.box_pose(), face), STATION_M)
@@ -115,7 +124,7 @@ class Pusher:
         )
 
     def _return_steps(self, pushing: FrontLeg, to: Pose2) -> list[Step]:
-        """The pushing leg to its marker, then the other three, then rest; the trunk moves over evenly."""
+        """The pushing leg to its marker, then the other three, then rest. The trunk moves evenly from step to step."""
         posture = self._steps.posture
         markers = to.apply(foot_rectangle_b())
         here = posture.feet_m[:, :2].mean(axis=0)
@@ -148,7 +157,7 @@ class Pusher:
 
     @staticmethod
     def _return_swing(target_m: Floats) -> Swing:
-        """Straight from the box down to the marker."""
+        """A swing straight from the box down to the marker."""
 
         def curve(start_m: Floats) -> Floats:
             return parabola(start_m, [*target_m, TOUCHDOWN_M], 0.0, RETURN_TICKS)

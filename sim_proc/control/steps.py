@@ -1,4 +1,7 @@
-"""One step of one leg: shift the weight off it, swing it, put it down. Walking and pushing are sequences of these."""
+"""Steps of single legs: shift the weight off a leg, swing it, and put it down.
+
+Walking and pushing are sequences of such steps.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -15,61 +18,61 @@ from sim_proc.control.posture import Posture
 from sim_proc.kinematics.body import STANDING_HEIGHT_M
 
 COM_HEIGHT_M: Final = STANDING_HEIGHT_M - 0.05
-"""Height of the pendulum: the legs hang below the trunk."""
+"""Height of the pendulum. The centre of mass is below the trunk's centre because the legs hang down."""
 SHIFT_WEIGHT: Final = 0.02
-"""How much the ZMP reference counts while four feet stand, against 1 while three do."""
+"""Weight of the ZMP reference while four feet stand; it is 1 while three do."""
 RAMP_TICKS: Final = 5
-"""A foot is loaded, and unloaded, over this long."""
+"""Time to load or unload a foot."""
 LIFTED_SHARE: Final = 0.05
-"""Of its full load, planned for a foot in the air: a foot that was planned to carry nothing bounces when it lands."""
+"""Share of its full load planned for a foot in the air. A foot planned without any load bounces when it lands."""
 LEAST_MARGIN_M: Final = 0.01
-"""Planned distance of the CoM's ground projection inside the support polygon, below which a leg is not lifted yet."""
+"""A leg is lifted once the CoM's ground projection is planned to stay this far inside the support polygon."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 0.015), (15, 0.03), (15, 0.06))
-"""By how many ticks the shift before a step is made longer, and the ZMP's margin wider [m], until that is planned."""
+"""Ticks to lengthen the shift, and metres to widen the ZMP's margin by, tried in order until a plan achieves that."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """What one leg does next, and where the trunk should be meanwhile."""
+    """A step of one leg, and the motion of the trunk meanwhile."""
 
     leg: Leg | None
-    """None: all feet stay down and the weight comes to rest at `nominal_xy_m`."""
+    """With None all feet stay down and the weight comes to rest at `nominal_xy_m`."""
     shift_ticks: int
     swing_ticks: int
     target_m: Floats
     """Where the foot comes down, (2,)."""
     nominal_xy_m: Floats
-    """Of the trunk's centre of mass half way through the swing, (2,)."""
+    """Position of the centre of mass half way through the swing, (2,)."""
     end_velocity_m_s: Floats
-    """Of the trunk after the step, where no step follows, (2,)."""
+    """Velocity of the centre of mass after the step, used if no step follows, (2,)."""
     end_yaw_rad: float
     margin_m: float
-    """Wanted of the ZMP inside the support polygon while the leg is up."""
+    """Wanted distance of the ZMP inside the support polygon while the leg is up."""
 
     @property
     def n_ticks(self) -> int:
-        """Length of the step."""
+        """Duration of the step."""
         return self.shift_ticks + self.swing_ticks
 
 
 Swing = Callable[[Floats], Floats]
-"""From where the foot is, (3,), to its curve through the air, (swing_ticks, 3)."""
+"""A function from the place of a foot, (3,), to its curve through the air, (swing_ticks, 3)."""
 
 
 class Steps:
-    """Takes steps, one at a time, each with the motion of the centre of mass planned over the steps ahead."""
+    """Takes one step at a time, and plans the motion of the centre of mass over the steps ahead for each."""
 
     def __init__(self, posture: Posture) -> None:
         """Begin with all feet down."""
         self.posture = posture
         self._lean_m: Floats = COM_HEIGHT_M * posture.plant.downhill
-        """From below the CoM to where its plumb line meets a floor that slopes, (2,)."""
+        """From the point below the CoM to where its plumb line meets a sloping floor, (2,)."""
         self.landed: int | None = None
-        """The leg that the last step put down."""
+        """Index of the leg that the last step put down."""
         self.n_footsteps = 0
 
-    def take(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
-        """Carry out `ahead[0]`; the others are what is expected to follow.
+    def take_step(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
+        """Carry out `ahead[0]`. The other steps are those expected to follow.
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
         """
@@ -92,7 +95,7 @@ class Steps:
             np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
         yaw, end_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
-        recording = posture.track(
+        log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,
             feet,
@@ -104,10 +107,10 @@ class Steps:
         posture.yaw_rate_rad_s = end_rate
         self.landed = leg if lands else None
         self.n_footsteps += int(lands and leg is not None)
-        return recording
+        return log
 
     def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
-        """The first step, its shift as long as its margin asks for, and the motion of the CoM."""
+        """The first step, with a shift long enough for a stable lift, and the planned motion of the CoM."""
         first = ahead[0]
         if first.leg is None or first.shift_ticks == 0:
             return first, self._plan_com(ahead)
@@ -123,6 +126,7 @@ class Steps:
         return step, plan
 
     def _plan_com(self, ahead: Sequence[Step]) -> ComPlan:
+        """The motion of the CoM over all of these steps."""
         posture = self.posture
         feet = posture.feet_m[:, :2].copy()
         references, weights = [], []
@@ -140,7 +144,7 @@ class Steps:
 
 
 def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, float]:
-    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rate at the end: the mean rate of the turn."""
+    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rate at the end, which is the mean rate."""
     duration = n_ticks * CONTROL_PERIOD_S
     change = wrap_angle(end_rad - start_rad)
     u = np.arange(1, n_ticks + 1) / n_ticks

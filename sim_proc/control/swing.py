@@ -1,4 +1,4 @@
-"""Curves for a foot in the air: the parabolic step (Table 2) and the Bezier push (Eqs. 13, 14)."""
+"""Curves of a foot in the air: the parabolic step (Table 2) and the Bezier push (Eqs. 13, 14)."""
 
 from math import pi
 from typing import Final, Literal
@@ -11,21 +11,21 @@ from legpush.arrays import Floats
 Locus = Literal["swing", "published"]
 
 LOCUS_RANGE_RAD: Final[dict[Locus, tuple[float, float]]] = {"swing": (-pi / 2, pi / 2), "published": (0.0, pi)}
-"""theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the printed one."""
+"""theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the one in the paper."""
 
 
 def minimum_jerk(n_ticks: int) -> Floats:
-    """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), at rest at both ends."""
+    """Progress from 0 to 1 at the end of each of `n_ticks` ticks, (n,), at rest at both ends."""
     u = np.arange(1, n_ticks + 1) / n_ticks
     progress: Floats = u**3 * (10 - 15 * u + 6 * u**2)
     return progress
 
 
 def gentle_stop(n_ticks: int) -> Floats:
-    """Progress from 0 to 1 at the ends of `n_ticks` ticks, (n,), that slows down over two thirds of the time.
+    """Progress from 0 to 1 at the end of each of `n_ticks` ticks, (n,), that slows down over two thirds of the time.
 
-    Its greatest deceleration is 4 / T^2, against 5.8 / T^2 of minimum jerk: a pushed box that friction can slow down as
-    fast stays at the foot and is not thrown.
+    Its greatest deceleration is 4 / T^2, against 5.8 / T^2 for minimum jerk. A box that friction can slow down as fast
+    stays at the foot and is not thrown.
     """
     u = np.arange(1, n_ticks + 1) / n_ticks
     progress: Floats = u**2 * (6 - 8 * u + 3 * u**2)
@@ -33,7 +33,7 @@ def gentle_stop(n_ticks: int) -> Floats:
 
 
 def parabola(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int) -> Floats:
-    """A step from `start_m` to `end_m` (3,) that rises by `height_m` half way, one point per tick, (n, 3)."""
+    """A step from `start_m` to `end_m`, (3,) each, that rises by `height_m` half way; one point per tick, (n, 3)."""
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
     progress = minimum_jerk(n_ticks)
     curve: Floats = start + progress[:, None] * (end - start)
@@ -46,7 +46,7 @@ def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus
 
     The inner two lie on the circle about the middle of the chord, in the vertical plane through it:
     `P_i = M + r (sin(theta_i) u + cos(theta_i) n)`, `theta_i = theta_min + w_i (theta_max - theta_min)`, `n` upward.
-    None lies below `floor_m`.
+    A point below `floor_m` is raised to it.
     """
     p0, p3 = np.asarray(p0_m, dtype=np.float64), np.asarray(p3_m, dtype=np.float64)
     chord = p3 - p0

@@ -1,1 +1,1 @@
-"""`legpush export`: recordings as files of other programs."""
+"""`legpush export`: writes recordings as files for other programs."""

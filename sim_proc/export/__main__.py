@@ -5,8 +5,8 @@ import sys
 
 
 def main() -> int:
-    """Export; an interrupt is no traceback, even while libraries are loaded."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # a shell's job in the background would ignore the first
+    """Export. An interrupt prints no traceback, not even while libraries are loaded."""
+    for number in (signal.SIGINT, signal.SIGTERM):  # a background job of a shell would ignore SIGINT
         signal.signal(number, signal.default_int_handler)
     try:
         from sim_proc.export import program

@@ -1,4 +1,4 @@
-"""The time series of episodes as columns: one row per tick, with units and frames in their names."""
+"""The time series of episodes as columns with one row per tick. Names of columns hold unit and frame."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -9,29 +9,29 @@ from numpy.typing import NDArray
 
 from legpush.arrays import Floats
 from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
-from legpush.scene.robot import JOINTS as JOINT_NAMES
 from legpush.scene.robot import LEGS
 from sim_proc.export.source import Exported
+from sim_proc.kinematics.body import LEG_JOINTS
 
 XYZ: Final = ("x", "y", "z")
 POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))
-LEG_JOINTS: Final = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINT_NAMES)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """One value for each row."""
+    """A quantity with one value per row."""
 
     name: str
     unit: str
-    """As SI writes it; empty for a count, a word, or what has none."""
+    """Symbol of the SI unit; empty for counts, words and numbers without a unit."""
     about: str
+    """What the quantity is, in a few words."""
     values: NDArray[np.generic]
-    """(n,): floats, with NaN where a value is not known, integers or words."""
+    """(n,): floats with NaN for unknown values, integers, or words."""
 
 
 def columns_of(episodes: Sequence[Exported]) -> list[Column]:
-    """The columns of all episodes, one after the other."""
+    """The columns of episodes, whose rows follow one another."""
     each = [list(_columns(episode)) for episode in episodes]
     return [
         Column(
@@ -45,23 +45,32 @@ def columns_of(episodes: Sequence[Exported]) -> list[Column]:
 
 
 def _columns(episode: Exported) -> Iterator[Column]:
+    """The columns of one episode."""
     timeline = episode.timeline
     n = timeline.n_rows
     steps = [step for step in timeline.steps if step.n_rows]
     n_rows = [step.n_rows for step in steps]
-    yield _column("episode", "", "as `legpush info` counts it", np.full(n, episode.index))
+    yield _column("episode", "", "index of the episode, as in `legpush info`", np.full(n, episode.index))
     yield _column("sim", "", "name of the simulator", np.full(n, episode.sim))
-    yield _column("step", "", "that led here", np.repeat([step.number for step in steps], n_rows))
-    yield _column("motion", "", "of that step", np.repeat([_kind(step.motion) for step in steps], n_rows))
+    yield _column(
+        "step", "", "number of the step that led to this row", np.repeat([step.number for step in steps], n_rows)
+    )
+    yield _column(
+        "motion", "", "kind of motion of that step", np.repeat([_kind(step.motion) for step in steps], n_rows)
+    )
     yield _column("tick", "", "control periods of 0.02 s since the reset", timeline.tick.astype(np.int64))
-    yield _column("time_s", "s", "simulated, since the reset", timeline.time_s)
+    yield _column("time_s", "s", "simulated time since the reset", timeline.time_s)
     yield from _named("trunk", POSE, "pose of the trunk", timeline.qpos[:, TRUNK])
-    yield from _named("trunk", ("roll_rad", "pitch_rad"), "of the trunk, against the floor", timeline.roll_pitch_rad)
+    yield from _named(
+        "trunk", ("roll_rad", "pitch_rad"), "angle of the trunk against the floor", timeline.roll_pitch_rad
+    )
     names = [f"{name}_rad" for name in LEG_JOINTS]
     yield from _named("joint", names, "angle of a joint", timeline.qpos[:, JOINTS])
     yield from _named("box", POSE, "pose of the box's centre", timeline.qpos[:, BOX])
     error = timeline.box_error()
-    yield from _named("box_error", ("m", "rad"), "from the goal pose, in the plane of the floor", error)
+    yield from _named(
+        "box_error", ("m", "rad"), "deviation of the box from the goal pose, in the plane of the floor", error
+    )
     for leg, name in enumerate(LEGS):
         about = "centre of the foot sphere"
         yield from _named(f"tip_{name}", [f"{axis}_w_m" for axis in XYZ], about, timeline.tips_m[:, leg])
@@ -70,12 +79,13 @@ def _columns(episode: Exported) -> Iterator[Column]:
         yield from _named(f"force_{name}", [f"{axis}_w_n" for axis in XYZ], about, timeline.contact_forces_n[:, leg])
     yield from _named("com", [f"{axis}_w_m" for axis in XYZ], "centre of mass of the robot", timeline.com_m)
     yield from _named("zmp", [f"{axis}_w_m" for axis in "xy"], "zero-moment point on the floor", timeline.zmp_m)
-    about = "of the CoM's ground projection from the border of the support polygon, inside positive"
+    about = "distance of the CoM's ground projection from the border of the support polygon, positive inside"
     yield _column("support_margin_m", "m", about, timeline.support_margin_m)
-    yield _column("reward", "", "of the step, in the row of its end", _rewards(timeline))
+    yield _column("reward", "", "reward of the step, in its last row", _rewards(timeline))
 
 
 def _rewards(timeline: Timeline) -> Floats:
+    """The reward of each step in its last row, NaN in the others, (n,)."""
     rewards = np.full(timeline.n_rows, np.nan)
     for step in timeline.steps:
         if step.n_rows and step.number in timeline.rewards:
@@ -88,7 +98,7 @@ def _kind(motion: object) -> str:
 
 
 def _named(prefix: str, names: Sequence[str], about: str, values: Floats) -> Iterator[Column]:
-    """A column for each name; the unit is the last word of it."""
+    """A column for each name, whose last word gives the unit."""
     for name, column in zip(names, values.T, strict=True):
         unit = {"m": "m", "rad": "rad", "n": "N"}.get(name.rpartition("_")[2], "")
         yield _column(f"{prefix}_{name}", unit, about, column)

@@ -1,4 +1,4 @@
-"""A recorded episode as a film."""
+"""Writes a recorded episode as a film."""
 
 from collections.abc import Callable
 from math import floor
@@ -21,7 +21,13 @@ GIF_SIZE: Final = (480, 270)
 def film_episode(
     episode: Exported, options: ExportOptions, where: str, target: Path, say: Callable[[int, int], None]
 ) -> str:
-    """Write the film; what it is, in a few words."""
+    """Write the film and return a description of it in a few words.
+
+    Raises:
+        RecordingError: The episode has no traces.
+        ConfigError: No time of the episode is between --start and --end.
+        LegpushError: ffmpeg failed.
+    """
     film = film_of(episode.timeline, f"{where}, episode {episode.index}")
     take = take_of(film, options)
     render(film, take, target, say)
@@ -29,7 +35,11 @@ def film_episode(
 
 
 def take_of(film: Film, options: ExportOptions) -> Take:
-    """Which frames; `ConfigError` where there are none between --start and --end."""
+    """Choose the frames to render.
+
+    Raises:
+        ConfigError: No time of the episode is between --start and --end.
+    """
     gif = options.format() == "gif"
     fps = options.fps or (GIF_FPS if gif else FILM_FPS)
     width, height = GIF_SIZE if gif else FILM_SIZE
@@ -54,5 +64,5 @@ def take_of(film: Film, options: ExportOptions) -> Take:
 
 
 def _row(time_s: float) -> int:
-    """The last one at or before a time since row 0."""
+    """The last row at or before a time, which is counted from row 0."""
     return floor(time_s / CONTROL_PERIOD_S + 1e-6)

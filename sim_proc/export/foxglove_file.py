@@ -1,7 +1,7 @@
-"""An episode as an MCAP file for Foxglove: a scene, its transforms, joints, plans, numbers to plot, and a log.
+"""Writes an episode as an MCAP file for Foxglove: a scene, its transforms, joints, plans, numbers to plot, and a log.
 
-Foxglove shows the last message of each topic before the moment that it is at. So each topic says all of what it is
-about: what stands once, what appears later and what changes with every tick have topics of their own.
+At any moment Foxglove shows the last message of each topic. So each message is complete by itself, and things that
+stand still, things that appear later, and things that change with every tick have separate topics.
 """
 
 import json
@@ -38,7 +38,7 @@ from legpush.history.timeline import BOX, JOINTS, TRUNK, TimelineStep
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Reset
 from legpush.scene.robot import CONTROL_PERIOD_S
-from sim_proc.export.columns import LEG_JOINTS, Column, columns_of
+from sim_proc.export.columns import Column, columns_of
 from sim_proc.export.foxglove_scene import (
     BOX_BROWN,
     TREE_GREY,
@@ -54,20 +54,28 @@ from sim_proc.export.foxglove_scene import (
 from sim_proc.export.source import Exported, Source
 from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
+from sim_proc.kinematics.body import LEG_JOINTS
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import parts_of
 
 PERIOD_NS: Final = round(CONTROL_PERIOD_S * 1e9)
-TIMES: Final = "when the episode began since 1970, plus simulated time"
+TIMES: Final = "start of the episode since 1970, plus simulated time"
 TRAIL_STRIDE_TICKS: Final = 10
+"""Ticks between the points of the trails of trunk and box."""
 SAY_EVERY_ROWS: Final = 1000
+"""How often to report progress."""
 NOT_PLOTTED: Final = ("episode", "sim", "motion")
+"""Columns that are constant or words, which `/signals` leaves out."""
 
 
 def write_foxglove(
     source: Source, episode: Exported, about: Mapping[str, str], path: Path, say: Callable[[int, int], None]
 ) -> str:
-    """Write the file; what is in it, in a few words. `OSError` where that is not possible."""
+    """Write the file and return a description of it in a few words.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
     context = foxglove.Context()
     writer = _Writer(source, episode, context)
     facts = {"episode": str(episode.index), "scenario": episode.timeline.scenario.name, "times": TIMES}
@@ -93,6 +101,7 @@ class _Writer:
     """Writes the messages of one episode in the order of their times."""
 
     def __init__(self, source: Source, episode: Exported, context: foxglove.Context) -> None:
+        """Write to the channels of this context."""
         self._source, self._episode, self._timeline = source, episode, episode.timeline
         self._context = context
         self._channels: dict[str, Any] = {}
@@ -100,7 +109,7 @@ class _Writer:
         self.n_messages = 0
 
     def rows(self) -> Iterator[int]:
-        """Each row whose messages are written, and all before them."""
+        """Write the messages row by row, and yield each row after its messages."""
         timeline = self._timeline
         self._write_once()
         events = self._events()
@@ -120,7 +129,7 @@ class _Writer:
             yield row
 
     def time_ns(self, row: int) -> int:
-        """Of a row."""
+        """Time of a row."""
         tick = self._timeline.tick
         return self._timeline.steps[0].time_ns + int(tick[row] - tick[0]) * PERIOD_NS
 
@@ -129,7 +138,7 @@ class _Writer:
         return Timestamp(sec=sec, nsec=nsec)
 
     def _write_once(self) -> None:
-        """What stands, what the robot and the box look like, and where both of them come along."""
+        """Write what never changes: the room, the shapes of robot and box, and the trails that both will follow."""
         stamp, robot = self._stamp(0), robot_bodies()
         later = {
             wall_name(i) for i, wall in enumerate(self._timeline.scenario.room.obstacles) if wall.appears_at_s > 0.0
@@ -148,22 +157,22 @@ class _Writer:
         self._log_scene("/scene/trails", 0, entities)
 
     def _events(self) -> dict[int, list[Callable[[], None]]]:
-        """What is said between ticks, by the row at which it is."""
+        """Writers of the messages between ticks: steps, obstacles that appear, plans and statuses, by row."""
         events: dict[int, list[Callable[[], None]]] = {}
 
         def at(row: int, write: Callable[..., None], *about: object) -> None:
             events.setdefault(row, []).append(partial(write, row, *about))
 
-        timeline, timelines = self._timeline, self._source.timelines
+        timeline, history = self._timeline, self._source.history
         for step in timeline.steps:
             at(max(0, min(step.first_row, timeline.n_rows) - 1), self._write_step, step)
         for appearance in timeline.steps[-1].world.appeared:
             row = int(np.searchsorted(timeline.tick, appearance.tick))
             at(min(row, timeline.n_rows - 1), self._write_appeared)
-        for row, planned in timelines.plans_of(timeline):
+        for row, planned in history.plans_of(timeline):
             at(row, self._write_plan, planned)
-        began, ended = timelines.span_ns(timeline)
-        for said in timelines.said:
+        began, ended = history.span_ns(timeline)
+        for said in history.said:
             if began <= said.time_ns <= ended:
                 at(timeline.row_at(said.time_ns), self._write_said, said)
         return events
@@ -181,7 +190,7 @@ class _Writer:
             self._log_scene("/scene/feet", row, entities)
 
     def _write_step(self, row: int, step: TimelineStep) -> None:
-        """At its beginning."""
+        """Write what a step does, at its beginning."""
         motion = step.motion
         told: dict[str, Any] = {"step": step.number, "motion": type(motion).__name__.lower()}
         if isinstance(motion, Follow):
@@ -195,7 +204,7 @@ class _Writer:
         self._log_json("/steps", row, STEP_SCHEMA, told)
 
     def _write_appeared(self, row: int) -> None:
-        """All that has appeared until then."""
+        """Write all obstacles that have appeared up to a row."""
         tick = self._timeline.tick[row]
         names = {wall_name(each.obstacle) for each in self._timeline.steps[-1].world.appeared if each.tick <= tick}
         stamp = self._stamp(row)
@@ -268,7 +277,7 @@ def _json_type(column: Column) -> str:
 
 
 def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str, Any]:
-    """JSON Schema of a flat message; of each field type, what it is, and its unit. What is not known is left out."""
+    """JSON Schema of a flat message, from type, description and unit of each field. Unknown values are left out."""
     properties = {
         name: {"type": kind, "description": about + (f" [{unit}]" if unit else "")}
         for name, (kind, about, unit) in fields.items()
@@ -279,16 +288,16 @@ def _schema(title: str, fields: Mapping[str, tuple[str, str, str]]) -> dict[str,
 STEP_SCHEMA: Final = _schema(
     "legpush.Step",
     {
-        "step": ("integer", "number in the episode", ""),
+        "step": ("integer", "number of the step in the episode", ""),
         "motion": ("string", "reset, follow, walk, push or alter", ""),
-        "reward": ("number", "what it earned", ""),
-        "leg": ("string", "that pushes", ""),
-        "face": ("string", "of the box, that is pushed", ""),
-        "locus": ("string", "along which w1 and w2 run", ""),
+        "reward": ("number", "reward of the step", ""),
+        "leg": ("string", "leg that pushes", ""),
+        "face": ("string", "pushed face of the box", ""),
+        "locus": ("string", "curve along which w1 and w2 run", ""),
         "w1": ("number", "place of the first inner control point", ""),
         "w2": ("number", "place of the second inner control point", ""),
         "depth_m": ("number", "how far beyond the face the curve ends", "m"),
-        "box_mass_kg": ("number", "from here on", "kg"),
-        "box_friction": ("number", "from here on", ""),
+        "box_mass_kg": ("number", "mass of the box from here on", "kg"),
+        "box_friction": ("number", "friction of the box from here on", ""),
     },
 )

@@ -1,4 +1,4 @@
-"""Shapes, lines and arrows as Foxglove's scene entities."""
+"""Shapes, lines and arrows as scene entities of Foxglove."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -38,31 +38,32 @@ SUPPORT_BLUE: Final[Rgba] = (0.16, 0.36, 0.72, 0.9)
 COM_GREEN: Final[Rgba] = (0.10, 0.60, 0.30, 1.0)
 ZMP_VIOLET: Final[Rgba] = (0.55, 0.20, 0.65, 1.0)
 METRES_PER_NEWTON: Final = 0.002
-"""Lengths of the arrows of forces."""
+"""Scale of the arrows of forces."""
 LINE_M: Final = 0.012
+"""Thickness of lines."""
 ABOVE_FLOOR_M: Final = 0.004
-"""Where lines on the floor are drawn."""
+"""Height at which lines on the floor are drawn."""
 
 
 def pose(position_m: Floats, quaternion_wxyz: Floats) -> Pose:
-    """As Foxglove has it, the quaternion's w last."""
+    """A pose in the form of Foxglove."""
     return Pose(position=vector(position_m), orientation=quaternion(quaternion_wxyz))
 
 
 def vector(position_m: Floats) -> Vector3:
-    """Of three numbers."""
+    """A vector (3,) in the form of Foxglove."""
     x, y, z = map(float, position_m)
     return Vector3(x=x, y=y, z=z)
 
 
 def quaternion(quaternion_wxyz: Floats) -> Quaternion:
-    """The same numbers, by name."""
+    """A quaternion (4,) in the form of Foxglove, whose w comes last."""
     w, x, y, z = map(float, quaternion_wxyz)
     return Quaternion(x=x, y=y, z=z, w=w)
 
 
 def body_entity(part: Part, time: Timestamp) -> SceneEntity:
-    """All shapes of a body, in a frame of its name with which they move."""
+    """All shapes of a body. They move with the frame that has the name of the body."""
     cubes, spheres, cylinders, triangles = [], [], [], []
     for shape in part.shapes:
         color, place = _color(shape.rgba), pose(shape.position_m, shape.quaternion_wxyz)
@@ -98,7 +99,7 @@ def body_entity(part: Part, time: Timestamp) -> SceneEntity:
 
 
 def line_entity(name: str, points_m: Floats, rgba: Rgba, time: Timestamp, *, pairs: bool = False) -> SceneEntity:
-    """A line on the floor through points (n, 2), or with `pairs` one between every two of them."""
+    """A line on the floor through points (n, 2), or with `pairs` a separate line for every two points."""
     kind = LinePrimitiveLineType.LineList if pairs else LinePrimitiveLineType.LineStrip
     line = LinePrimitive(
         type=kind,
@@ -110,7 +111,7 @@ def line_entity(name: str, points_m: Floats, rgba: Rgba, time: Timestamp, *, pai
 
 
 def feet_entities(tips_m: Floats, forces_n: Floats, com_m: Floats, zmp_m: Floats, time: Timestamp) -> list[SceneEntity]:
-    """Forces on the feet (4, 3), the polygon of those that carry load, and CoM and ZMP on the floor."""
+    """Forces on the feet (4, 3), the support polygon of the feet that carry load, and CoM and ZMP on the floor."""
     arrows = [
         ArrowPrimitive(
             pose=pose(tip, turn_to(force)),
@@ -140,7 +141,7 @@ def feet_entities(tips_m: Floats, forces_n: Floats, com_m: Floats, zmp_m: Floats
 
 
 def robot_bodies() -> frozenset[str]:
-    """Their names."""
+    """Names of the bodies of the robot."""
     return frozenset({"trunk", *(f"{leg}_{link}" for leg in LEGS for link in ("hip", "upper", "lower"))})
 
 

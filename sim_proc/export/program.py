@@ -1,4 +1,4 @@
-"""`legpush export`: a recording as a file of another program."""
+"""The program of `legpush export`: writes a recording as a file for another program."""
 
 import sys
 from collections.abc import Iterator
@@ -23,11 +23,11 @@ LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
     "foxglove": ("foxglove", "foxglove-sdk"),
     "parquet": ("pyarrow", "pyarrow"),
 }
-"""Module and package that a simulator's host may lack."""
+"""Module and package of formats whose library may be missing."""
 
 
 def main() -> int:
-    """Parse the command line and export; returns the exit code."""
+    """Parse the command line, export, and return the exit code."""
     try:
         return export(tyro.cli(ExportOptions, prog="legpush export"))
     except LegpushError as error:
@@ -36,7 +36,11 @@ def main() -> int:
 
 
 def export(options: ExportOptions) -> int:
-    """Write the file and say what it is; returns the exit code."""
+    """Write the file, describe it on stdout, and return the exit code.
+
+    Raises:
+        LegpushError: The options, the recording or the file cannot be used, or ffmpeg failed.
+    """
     made, target = options.format(), options.target()
     _require_library(made)
     source = read_source(options.files, options.episode, partial=options.partial)
@@ -56,7 +60,11 @@ def export(options: ExportOptions) -> int:
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Where to write what gets the name `target` once it is whole, and never in the place of another file."""
+    """Yield a path to write to, and move the file to `target` once it is whole. No other file is replaced.
+
+    Raises:
+        ConfigError: The file cannot be written, or `target` exists.
+    """
     try:
         with new_file(target) as scratch:
             yield scratch
@@ -65,7 +73,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 
 def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:
-    """Returns what was written, in a few words."""
+    """Write the file and return a description of it in a few words."""
     if made in ("csv", "parquet"):
         columns = columns_of(source.episodes)
         if made == "csv":
@@ -87,7 +95,7 @@ def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) 
 
 
 def about(source: Source) -> dict[str, str]:
-    """Where an exported file comes from."""
+    """Metadata that say where an exported file comes from."""
     return {
         "source": source.name,
         "source_sha256": sha256_of(source.paths),
@@ -99,17 +107,21 @@ def about(source: Source) -> dict[str, str]:
 
 
 def _require_library(made: Format) -> None:
-    """`ConfigError` where it is not installed."""
+    """Check that the library of a format is installed.
+
+    Raises:
+        ConfigError: It is not.
+    """
     module, package = LIBRARIES.get(made, ("", ""))
     if module and find_spec(module) is None:
         raise ConfigError(
-            f"Expected the library {package} for {made}, which is not installed; pip install '.[view]' in its checkout "
+            f"Expected the library {package} for {made}, which is not installed; pip install '.[view]' in the checkout "
             "installs it"
         )
 
 
 def _say(n_done: int, n_all: int) -> None:
-    """Progress, for a person at a terminal."""
+    """Show progress if stderr is a terminal."""
     if sys.stderr.isatty():
         sys.stderr.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
         sys.stderr.flush()

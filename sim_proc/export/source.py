@@ -1,4 +1,4 @@
-"""What is exported: the episodes of a recording, whole or refused."""
+"""Reads the episodes of a recording to export, and refuses those that are not whole."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,11 +14,12 @@ from legpush.recording.mcap_file.reader import Recording, read_recording
 
 @dataclass(frozen=True, kw_only=True)
 class Exported:
-    """An episode of the recording."""
+    """An episode to export."""
 
     index: int
-    """As `legpush info` counts it."""
+    """Index of the episode, as in `legpush info`."""
     sim: str
+    """Name of the simulator."""
     timeline: Timeline
 
 
@@ -28,20 +29,23 @@ class Source:
 
     paths: tuple[Path, ...]
     recording: Recording
-    timelines: RunHistory
+    history: RunHistory
     episodes: list[Exported]
-    """Those that are exported."""
+    """The episodes to export."""
 
     @property
     def name(self) -> str:
-        """Of its files."""
+        """Names of its files."""
         return ", ".join(path.name for path in self.paths)
 
 
 def read_source(paths: Sequence[Path], index: int | None, *, partial: bool) -> Source:
-    """The episodes of a recording, or the one of them with an index; `RecordingError` where one is not whole.
+    """Read the episodes of a recording, or only the one with an index.
 
     With `partial` an episode that is not whole ends before its first gap.
+
+    Raises:
+        RecordingError: The recording cannot be read, has no such episode, or an episode is not whole.
     """
     recording = read_recording(paths)
     records = read_episodes(recording)
@@ -57,50 +61,54 @@ def read_source(paths: Sequence[Path], index: int | None, *, partial: bool) -> S
             choices = ", ".join(str(record.index) for record in records)
             raise RecordingError(f"{where}: expected one of its episodes, {choices}, for --episode, got {index}")
         records = records[index : index + 1]
-    timelines = _timelines(recording)
+    history = _history(recording)
     episodes = []
     for record in records:
-        timeline = timelines.episodes.get((record.sim, record.number))
+        timeline = history.episodes.get((record.sim, record.number))
         if not partial:
             _require_whole(record, timeline, where)
         if timeline is not None:
             episodes.append(Exported(index=record.index, sim=record.sim, timeline=timeline))
     if not episodes:
         raise RecordingError(f"{where}: expected an episode with a step that was carried out, got none")
-    return Source(paths=tuple(paths), recording=recording, timelines=timelines, episodes=episodes)
+    return Source(paths=tuple(paths), recording=recording, history=history, episodes=episodes)
 
 
 def longest(episodes: Sequence[Exported]) -> Exported:
-    """The one with the most ticks; the first of those."""
+    """The episode with the most ticks, or the first of several."""
     return max(episodes, key=lambda each: float(each.timeline.tick[-1] - each.timeline.tick[0]))
 
 
 def notes(source: Source) -> Iterator[str]:
-    """What the user should know of the recording."""
+    """Remarks on the recording that the user should read."""
     recording = source.recording
     if not recording.is_complete:
         missing = recording.completeness.get("n_missing", "0")
-        what = f"{missing} messages are missing" if missing != "0" else "its recorder did not say that it is"
-        yield f"the recording is not complete ({what}); what it has of the chosen episodes was exported"
+        what = f"{missing} messages are missing" if missing != "0" else "its recorder did not confirm that it is"
+        yield f"the recording is not complete ({what}); the recorded part of the chosen episodes was exported"
     for each in source.episodes:
         first = each.timeline.steps[0]
         if first.number:
-            yield f"episode {each.index} begins with step {first.number}: what was before was not recorded"
+            yield f"episode {each.index} begins with step {first.number}: earlier steps were not recorded"
 
 
-def _timelines(recording: Recording) -> RunHistory:
-    """Of all messages that are as they were recorded."""
-    timelines = RunHistory()
-    timelines.scenario = scenario_of(recording)
+def _history(recording: Recording) -> RunHistory:
+    """The history that all undamaged messages tell."""
+    history = RunHistory()
+    history.scenario = scenario_of(recording)
     for message in recording.messages:
         if recording.is_as_recorded(message):
-            timelines.take_message(message.topic, message.origin, message.copy)
-    return timelines
+            history.take_message(message.topic, message.origin, message.copy)
+    return history
 
 
 def _require_whole(record: EpisodeRecord, timeline: Timeline | None, where: str) -> None:
-    """`RecordingError` where a step is damaged, or is missing before others that are there."""
-    hint = "; --partial takes the steps before, --episode another episode"
+    """Check that an episode has no damaged step, and no missing step before a later one.
+
+    Raises:
+        RecordingError: It has one.
+    """
+    hint = "; --partial exports the steps before it, --episode another episode"
     if record.damage:
         damage = record.damage[0]
         raise RecordingError(
@@ -114,6 +122,6 @@ def _require_whole(record: EpisodeRecord, timeline: Timeline | None, where: str)
     if max(answered) > done:
         missing = done + 1 if timeline is not None else 0
         raise RecordingError(
-            f"{where}: expected all steps of episode {record.index}, 0 to {max(answered)}, got none that was carried "
-            f"out as step {missing}{hint}"
+            f"{where}: expected all steps of episode {record.index}, 0 to {max(answered)}, got them without "
+            f"step {missing}{hint}"
         )

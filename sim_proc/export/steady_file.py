@@ -1,4 +1,4 @@
-"""A file for libraries that only log that the disk is full."""
+"""A file for libraries that only log an error when the disk is full."""
 
 import os
 from pathlib import Path
@@ -6,14 +6,18 @@ from types import TracebackType
 
 
 class SteadyFile:
-    """Writes until the first error, which it keeps for `check`; what comes after that is dropped."""
+    """A file that keeps its first error for `check` and drops everything written after it; a context manager."""
 
     def __init__(self, path: Path) -> None:
-        """A new file."""
+        """Create a file.
+
+        Raises:
+            OSError: The file exists, or cannot be created.
+        """
         self._file = path.open("xb")
         self._error: OSError | None = None
         self._position = self._end = 0
-        """As the caller takes it to be."""
+        """Position and size as they would be without the error."""
 
     def __enter__(self) -> "SteadyFile":
         return self
@@ -29,12 +33,16 @@ class SteadyFile:
             self.check()
 
     def check(self) -> None:
-        """Raise the `OSError` that there was, if any."""
+        """Report the first error.
+
+        Raises:
+            OSError: Something could not be written.
+        """
         if self._error is not None:
             raise self._error
 
     def write(self, data: bytes | bytearray) -> int:
-        """All of it, as far as the caller can tell."""
+        """Write data. The caller learns of an error only from `check`."""
         if self._error is None:
             try:
                 self._file.write(data)
@@ -45,7 +53,7 @@ class SteadyFile:
         return len(data)
 
     def flush(self) -> None:
-        """Hand over to the system what is kept back."""
+        """Hand buffered data over to the operating system."""
         if self._error is None:
             try:
                 self._file.flush()
@@ -53,7 +61,7 @@ class SteadyFile:
                 self._error = error
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Move to a place; returns it."""
+        """Move to a position and return it."""
         self._position = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._end}[whence]
         if self._error is None:
             try:

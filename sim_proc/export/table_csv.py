@@ -1,4 +1,4 @@
-"""Columns as a CSV file: numbers as Python writes them, which gives the same bits when they are read again."""
+"""Writes columns as a CSV file. Numbers are written so that reading them gives the same bits."""
 
 import csv
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from sim_proc.export.columns import Column
 
 
 def write_csv(columns: Sequence[Column], path: Path) -> None:
-    """One line of names, then one per row; `nan` where a value is not known."""
+    """Write a line of names, then a line for each row, with `nan` for unknown values."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([column.name for column in columns])

@@ -1,4 +1,4 @@
-"""Columns as a Parquet file, with what each of them is as metadata of its field."""
+"""Writes columns as a Parquet file, with unit and description as metadata of each field."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from sim_proc.export.columns import Column
 
 
 def write_parquet(columns: Sequence[Column], about: Mapping[str, str], path: Path) -> None:
-    """Floats and integers of 64 bits, words as a dictionary; `about` is metadata of the file."""
+    """Write floats and integers with 64 bits, words as a dictionary, and `about` as metadata of the file."""
     fields, arrays = [], []
     for column in columns:
         array = pyarrow.array(column.values.tolist() if column.values.dtype.kind == "U" else column.values)

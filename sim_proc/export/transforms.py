@@ -1,4 +1,4 @@
-"""Frames of a world and where they are at each tick, (w, x, y, z) quaternions, without any library but NumPy."""
+"""Frames of a world and their poses at each tick, in NumPy alone. Quaternions are (w, x, y, z)."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -9,11 +9,12 @@ from legpush.arrays import Floats
 from sim_proc.model.shapes import Part
 
 WORLD = "world"
+"""Name of the frame of the world."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Frame:
-    """A frame and its pose in the frame of its parent."""
+    """A frame and its poses in the frame of its parent."""
 
     name: str
     parent: str
@@ -24,12 +25,12 @@ class Frame:
 
 
 def moving_frames(parts: Sequence[Part], qpos: Floats) -> list[Frame]:
-    """Those that joints move, for each row of `qpos` (n, 26): free ones as they are there, bit for bit."""
+    """Frames that joints move, at each row of `qpos` (n, 26). Poses of free bodies are those in `qpos`, bit for bit."""
     return list(_moving(parts, qpos))
 
 
 def standing_frames(parts: Sequence[Part]) -> list[Frame]:
-    """Those that have no joint, but for the world; one row each."""
+    """Frames without a joint, except that of the world, with one row each."""
     return [
         Frame(
             name=part.name,
@@ -58,7 +59,7 @@ def _moving(parts: Sequence[Part], qpos: Floats) -> Iterator[Frame]:
 
 
 def product(first: Floats, second: Floats) -> Floats:
-    """Of quaternions, row by row, (n, 4): `second` happens first, or in the frame of `first`."""
+    """The product of quaternions (n, 4), row by row: the rotation `second`, followed by `first`."""
     w, x, y, z = first.T
     a, b, c, d = second.T
     return np.column_stack(
@@ -72,7 +73,7 @@ def product(first: Floats, second: Floats) -> Floats:
 
 
 def turn_to(direction: Floats) -> Floats:
-    """A quaternion that turns the x axis into a direction (3,); any where that is zero, (4,)."""
+    """A quaternion (4,) that turns the x axis into a direction (3,); the identity if the direction is zero."""
     length = float(np.linalg.norm(direction))
     if length == 0.0:
         return np.array([1.0, 0.0, 0.0, 0.0])

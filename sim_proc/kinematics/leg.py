@@ -1,4 +1,4 @@
-"""Analytic kinematics of one leg (Eqs. 3-6), for arrays of any leading shape.
+"""Analytic kinematics of one leg (Eqs. 3-6) for arrays of any leading shape.
 
 The hip frame is parallel to the trunk frame, with its origin on the hip-x axis. Joint angles are hip-x (abduction,
 about x), hip-y (about y, positive swings the leg backward) and knee (flexion: 0 is the straight leg, and the knee
@@ -21,13 +21,17 @@ HIPS_B = np.array(
 
 LOWER_LIMITS = np.array([JOINT_LIMITS_RAD[joint][0] for joint in JOINTS])
 UPPER_LIMITS = np.array([JOINT_LIMITS_RAD[joint][1] for joint in JOINTS])
+"""Limits of hip-x, hip-y and knee [rad], (3,)."""
 
 REACH_SQUARED_M2 = tuple(L2_M**2 + L3_M**2 + 2 * L2_M * L3_M * np.cos(JOINT_LIMITS_RAD["knee"][i]) for i in (1, 0))
-"""Squared distance from hip-y axis to tip, least and largest, that the knee's limits allow."""
+"""Least and largest squared distance from the hip-y axis to the tip that the limits of the knee allow."""
 
 
 def forward(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
-    """Tips in the hip frame, (..., 3), of joint angles (..., 3); `side` is +1 for left legs, broadcast over `...`."""
+    """Tips in the hip frame, (..., 3), for joint angles (..., 3).
+
+    `side` is +1 for left legs and -1 for right ones, broadcast over `...`.
+    """
     q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
     x = -L2_M * np.sin(q2) - L3_M * np.sin(q2 - q3)
     z2 = -L2_M * np.cos(q2) - L3_M * np.cos(q2 - q3)
@@ -37,12 +41,13 @@ def forward(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
 
 
 def inverse(tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> Floats:
-    """Joint angles, (..., 3), that put the tips at `tips_h` in the hip frame; NaN where the leg does not reach.
+    """Joint angles, (..., 3), that put the tips at `tips_h` in the hip frame.
 
-    With `saturate` it stretches, or folds, toward such a tip as far as its joint limits allow.
+    A tip that the leg does not reach gives NaN. With `saturate` the leg stretches or folds toward it as far as its
+    joint limits allow.
 
-    Of the two solutions, foot below or above the hip-y axis in the leg plane, the one inside the joint limits is taken,
-    the lower one if both are.
+    There are two solutions: the foot below or above the hip-y axis in the leg plane. The one inside the joint limits
+    is taken, or the lower one if both are inside.
     """
     tips = np.asarray(tips_h, dtype=np.float64)
     side = np.broadcast_to(np.asarray(side, dtype=np.float64), tips.shape[:-1])
@@ -57,7 +62,7 @@ def inverse(tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> Fl
 
 
 def _inverse_branch(tips: Floats, side: Floats, z_sign: float, *, saturate: bool) -> Floats:
-    """The solution with the foot at `z2` of this sign in the leg plane."""
+    """The solution whose foot has a `z2` of this sign in the leg plane."""
     x, y, z = np.moveaxis(tips, -1, 0)
     z2_squared = y * y + z * z - L1_M * L1_M
     if saturate:
@@ -76,7 +81,7 @@ def _inverse_branch(tips: Floats, side: Floats, z_sign: float, *, saturate: bool
 
 
 def jacobian(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
-    """Derivative of the tip in the hip frame by the joint angles, (..., 3, 3)."""
+    """Derivative of the tip in the hip frame with respect to the joint angles, (..., 3, 3)."""
     q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
     s2, c2 = np.sin(q2), np.cos(q2)
     s23, c23 = np.sin(q2 - q3), np.cos(q2 - q3)

@@ -1,1 +1,1 @@
-"""The world as a MuJoCo model."""
+"""The world as a MuJoCo model: robot, box, room and contacts."""

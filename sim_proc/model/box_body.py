@@ -13,7 +13,7 @@ MARK_HALF_WIDTH_M: Final = 0.012
 
 
 def add_box(spec: mujoco.MjSpec, box: Box) -> tuple[str, ...]:
-    """Add the free body `box`, its origin in the middle of `size_m`; returns the names of the geoms that touch."""
+    """Add the free body `box` with its origin in the middle of `size_m`; return the names of its colliding geoms."""
     body = spec.worldbody.add_body(name="box", pos=[0, 0, box.size_m[2] / 2])
     body.add_freejoint(name="box")
     names = []
@@ -33,7 +33,7 @@ def add_box(spec: mujoco.MjSpec, box: Box) -> tuple[str, ...]:
 
 
 def _geoms(spec: mujoco.MjSpec, box: Box) -> list[dict[str, Any]]:
-    """What the body is made of; their masses add up to that of the box."""
+    """Geoms that make up the shape. Their masses add up to the mass of the box."""
     length, width, height = box.size_m
     x, y, z = length / 2, width / 2, height / 2
     cuboid = mujoco.mjtGeom.mjGEOM_BOX
@@ -54,7 +54,7 @@ def _geoms(spec: mujoco.MjSpec, box: Box) -> list[dict[str, Any]]:
 
 
 def _mark(box: Box) -> dict[str, Any]:
-    """A line on the front half of the upper side, for people to see where the box heads."""
+    """A line on the front half of the upper side that shows people the heading of the box."""
     length, width, height = box.size_m
     flat = [length / 4, MARK_HALF_WIDTH_M, 0.002]
     if box.shape == "wedge":

@@ -1,4 +1,4 @@
-"""The robot as bodies of a MuJoCo model."""
+"""The Spot-like robot as bodies of a MuJoCo model, built from boxes, capsules and spheres."""
 
 from math import sin
 from typing import Final
@@ -24,6 +24,7 @@ DARK: Final = (0.13, 0.14, 0.16, 1.0)
 
 
 def add_robot(spec: mujoco.MjSpec) -> None:
+    """Add the free body `trunk` with its four legs, their joints and their position servos."""
     trunk = spec.worldbody.add_body(name="trunk", pos=[0, 0, 0.5])
     trunk.add_freejoint(name="trunk")
     trunk.add_geom(
@@ -57,9 +58,10 @@ def add_robot(spec: mujoco.MjSpec) -> None:
 
 
 def _trunk_com_x_m() -> float:
-    """Where the trunk's own mass sits, so that the standing robot's CoM is over the body frame, as in the paper.
+    """Offset of the trunk's own centre of mass along x, body frame.
 
-    The knees point backward, and the legs' mass lies behind the hips.
+    The knees point backward, so the legs' mass lies behind the hips. The trunk's mass sits forward to make up for it:
+    the standing robot's CoM is then over the origin of the body frame, as in the paper.
     """
     _, hip_y, knee = standing_joints_rad()[0]
     upper_x = -L2_M / 2 * sin(hip_y)

@@ -1,4 +1,4 @@
-"""What surrounds the robot in the MuJoCo model: floor, light, walls, goal markers."""
+"""Surroundings of the robot in the MuJoCo model: floor, light, walls and goal markers."""
 
 from math import cos, radians, sin
 from typing import Final
@@ -28,6 +28,7 @@ def add_scenery(spec: mujoco.MjSpec, scenario: Scenario) -> None:
 
 
 def _add_looks(spec: mujoco.MjSpec) -> None:
+    """Add materials and light, and set the quality of rendering."""
     spec.visual.global_.offwidth = 1920
     spec.visual.global_.offheight = 1080
     spec.visual.headlight.ambient[:] = (0.35, 0.35, 0.35)
@@ -67,12 +68,16 @@ def _add_looks(spec: mujoco.MjSpec) -> None:
 
 
 def wall_name(index: int) -> str:
-    """Of an obstacle's geom, and of its body if it appears later."""
+    """Name of an obstacle's geom, and of its body if the obstacle appears later."""
     return f"wall_{index}"
 
 
 def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
-    """A wall that appears later is a body that can be put somewhere else meanwhile; the model has it in its place."""
+    """Add the walls of a room.
+
+    A wall that appears later is a mocap body, so that the physics can keep it out of the way until then. In the model
+    it stands in its final place.
+    """
     for index, wall in enumerate(room.obstacles):
         half = [(wall.x_max_m - wall.x_min_m) / 2, (wall.y_max_m - wall.y_min_m) / 2, room.wall_height_m / 2]
         centre = [wall.x_min_m + half[0], wall.y_min_m + half[1], half[2]]
@@ -90,7 +95,7 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
 
 
 def _add_goal(spec: mujoco.MjSpec, goal: Goal, box: Box) -> None:
-    """The outline of the box at its goal pose, flat on the floor, with an arrow for its heading; nothing touches it."""
+    """Add the outline of the box at its goal pose, with a line for its heading. Nothing touches it."""
     length, width, _ = box.size_m
     yaw = radians(goal.pose.yaw_deg)
     body = spec.worldbody.add_body(

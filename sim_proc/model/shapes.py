@@ -1,4 +1,4 @@
-"""What a MuJoCo model looks like, as plain numbers: bodies that hang on each other, and the shapes on them."""
+"""The looks of a MuJoCo model as plain numbers: a tree of bodies and the shapes on them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,50 +22,50 @@ KINDS: Final[dict[int, Kind]] = {
     int(mujoco.mjtGeom.mjGEOM_MESH): "mesh",
 }
 FLOOR_GREY: Final = (0.83, 0.84, 0.86, 1.0)
-"""Instead of the texture."""
+"""Colour of the floor, instead of its texture."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """A geom."""
+    """A geom of a body."""
 
     name: str
     kind: Kind
     position_m: Floats
-    """In the frame of its body, (3,), as is the quaternion."""
+    """Position in the frame of the body, (3,). The quaternion is in the same frame."""
     quaternion_wxyz: Floats
     size_m: Floats
-    """MuJoCo's half sizes, (3,): of a sphere its radius; of a capsule or cylinder radius and half length, along z."""
+    """MuJoCo's half sizes, (3,). A sphere has a radius, a capsule or cylinder a radius and half a length along z."""
     rgba: tuple[float, float, float, float]
     triangles_m: Floats
-    """Of a mesh, in its own frame, (n, 3, 3)."""
+    """Triangles of a mesh in the frame of the shape, (n, 3, 3); none for other kinds."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """A body."""
+    """A body of the model."""
 
     name: str
     parent: str
-    """`world` for those that stand or move freely in it."""
+    """Name of the body it hangs on; `world` if it stands or moves freely."""
     position_m: Floats
-    """In the frame of its parent, (3,), as is the quaternion: of a hinge at angle 0; not meant for free ones."""
+    """Position in the frame of the parent, (3,), with a hinge at angle 0. A free body is where `qpos` says instead."""
     quaternion_wxyz: Floats
     joint: Literal["none", "hinge", "free"]
     axis: Floats
-    """Of a hinge, (3,), through the origin of the body."""
+    """Axis of a hinge, (3,), through the origin of the body."""
     qpos: int
-    """First column of the joint in `qpos`."""
+    """First column of the joint in `qpos`; -1 without a joint."""
     shapes: tuple[Shape, ...]
 
 
 def parts_of(scenario: Scenario) -> list[Part]:
-    """All bodies of a scenario's world, the world itself first, each behind its parent."""
+    """All bodies of a scenario's world: the world itself first, and each after its parent."""
     return parts_of_model(build_model(scenario))
 
 
 def parts_of_model(model: mujoco.MjModel) -> list[Part]:
-    """The same of a model."""
+    """The same for a compiled model."""
     return [_part(model, body) for body in range(model.nbody)]
 
 

@@ -1,7 +1,6 @@
-"""The world as a MuJoCo model: the Spot-like robot built from primitives, the box, and what touches what.
+"""The MuJoCo model of a scenario: the robot, the box and the room, which of them collide, and the sensors.
 
-Masses: 31.84 kg, Spot's public figure of about 32 kg, with 18 kg in the trunk and, per leg, 1.2 kg hip, 1.7 kg upper
-and 0.56 kg lower leg. Only the listed contact pairs collide, so that each friction coefficient is stated once.
+Only the listed contact pairs collide, so that each friction coefficient is stated once.
 """
 
 from collections.abc import Sequence
@@ -9,9 +8,7 @@ from typing import Final
 
 import mujoco
 
-from legpush.scene.robot import (
-    LEGS,
-)
+from legpush.scene.robot import LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.model.box_body import add_box
@@ -22,16 +19,16 @@ PHYSICS_STEP_S: Final = 0.002
 FOOT_FLOOR_FRICTION: Final = 1.0
 WALL_FRICTION: Final = 0.5
 NET_FORCE: Final = 3
-"""How MuJoCo's contact sensor reduces several contacts to one."""
+"""Reduction `netforce` of MuJoCo's contact sensor: the sum of all contacts as one."""
 
 
 def build_model(scenario: Scenario) -> mujoco.MjModel:
-    """Compile the model of a scenario; the state it starts in is set by whoever simulates it."""
+    """Compile the model of a scenario. Its `qpos0` is not where a mission starts: the simulator sets the poses."""
     return build_spec(scenario).compile()
 
 
 def model_xml(scenario: Scenario) -> str:
-    """The model of a scenario as MJCF, for people and other programs; numbers are rounded there."""
+    """The model of a scenario as MJCF, for people and other programs. MJCF rounds its numbers."""
     spec = build_spec(scenario)
     spec.compile()
     xml: str = spec.to_xml()
@@ -39,7 +36,7 @@ def model_xml(scenario: Scenario) -> str:
 
 
 def build_spec(scenario: Scenario) -> mujoco.MjSpec:
-    """What the model of a scenario consists of."""
+    """The uncompiled model of a scenario."""
     spec = mujoco.MjSpec()
     spec.modelname = "legpush"
     _set_options(spec, scenario.room)
@@ -52,9 +49,10 @@ def build_spec(scenario: Scenario) -> mujoco.MjSpec:
 
 
 def _set_options(spec: mujoco.MjSpec, room: Room) -> None:
-    """2 ms, implicit-in-velocity integration, elliptic friction cone.
+    """Set 2 ms steps, implicit-in-velocity integration and an elliptic friction cone.
 
-    With a pyramidal cone friction depends on direction, by a quarter, and so a pushed box on its heading in the room.
+    With a pyramidal cone friction would differ by a quarter between directions, and a pushed box would move differently
+    depending on its heading in the room.
     """
     spec.option.timestep = PHYSICS_STEP_S
     spec.option.gravity[:] = gravity_m_s2(room)
@@ -67,6 +65,8 @@ def _set_options(spec: mujoco.MjSpec, room: Room) -> None:
 
 
 def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Sequence[str]) -> None:
+    """Add the pairs of geoms that collide, with their friction."""
+
     def pair(first: str, second: str, friction: float) -> None:
         coefficients = [friction, friction, 0.005, 0.0001, 0.0001]
         spec.add_pair(name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3)
@@ -87,8 +87,10 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
+    """Add force sensors of the feet, against floor and box, an IMU, and the robot's centre of mass."""
+
     def contact_force(name: str, foot: str, other: str, kind: mujoco.mjtObj) -> None:
-        """Net force of a geom or body on a foot; MuJoCo's contact sensor with data `force` and reduction `netforce`."""
+        """Net force of a geom or body on a foot: MuJoCo's contact sensor with data `force` and reduction `netforce`."""
         spec.add_sensor(
             name=name,
             type=mujoco.mjtSensor.mjSENS_CONTACT,

@@ -1,1 +1,1 @@
-"""The running physics; `Physics.run` is the one function that advances it."""
+"""The running physics. Only `Physics.run` advances it."""

@@ -1,4 +1,4 @@
-"""Obstacles that appear later: when each is due, and whether anything is in its place."""
+"""Obstacles that appear later: when each of them is due, and whether its place is clear."""
 
 from math import ceil
 from typing import Final
@@ -9,19 +9,24 @@ from legpush.scene.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Box, Room
 
 ROBOT_CLEARANCE_M: Final = FOOT_RECTANGLE_RADIUS_M + 0.5
-"""From the trunk to what appears: the robot sees it after the gait cycle, 0.4 m farther on at most, and still has to
-have a cell's diagonal more than its feet need, to plan from there."""
+"""Least distance from the trunk to an obstacle that appears.
+
+The robot sees it after the gait cycle, at most 0.4 m farther on. To plan from there it still needs a cell's diagonal
+more room than its feet take.
+"""
 BOX_CLEARANCE_M: Final = 0.2
-"""From the box to what appears: as far as a push takes it, and a cell's diagonal."""
+"""Least distance from the box to an obstacle that appears: the travel of a push and a cell's diagonal."""
 ROUNDING_TICKS: Final = 1e-6
-"""A time that is a whole number of ticks but for rounding is that number."""
+"""A time this close above a whole number of ticks counts as that number."""
 NEVER: Final = 2**62
+"""A tick that no episode reaches."""
 
 
 class Waiting:
-    """The obstacles of a room that are yet to appear."""
+    """The obstacles of a room that have not appeared yet."""
 
     def __init__(self, room: Room, box: Box) -> None:
+        """Begin with every obstacle that appears later."""
         self._box = box
         self._due = {
             index: (ceil(obstacle.appears_at_s / CONTROL_PERIOD_S - ROUNDING_TICKS), obstacle_footprint(obstacle))
@@ -29,12 +34,15 @@ class Waiting:
             if obstacle.appears_at_s > 0.0
         }
         self.indices = tuple(self._due)
-        """All of them, as they were at first."""
+        """All obstacles of the room that appear later, also those that have appeared."""
         self.next_tick = self._next_tick()
-        """When the first of those that are left is due; `NEVER` without any."""
+        """When the first waiting obstacle is due; `NEVER` if none is left."""
 
-    def take(self, tick: int, trunk: Pose2, box: Pose2) -> list[int]:
-        """Those that appear at the end of this tick: they are due, and robot and box are far enough away."""
+    def take_due(self, tick: int, trunk: Pose2, box: Pose2) -> list[int]:
+        """Remove and return the obstacles that appear at the end of a tick.
+
+        They are due, and robot and box are far enough away.
+        """
         footprint = box_footprint(self._box, box)
         due = [(index, place) for index, (due_tick, place) in self._due.items() if due_tick <= tick]
         taken = [index for index, place in due if _is_clear(place, trunk, footprint)]
@@ -48,5 +56,5 @@ class Waiting:
 
 
 def _is_clear(place: Footprint, trunk: Pose2, box: Footprint) -> bool:
-    """Whether neither robot nor box is near a place."""
+    """Whether robot and box are far enough from a place."""
     return distance_to_point_m(place, trunk.xy()) >= ROBOT_CLEARANCE_M and distance_m(place, box) >= BOX_CLEARANCE_M

@@ -1,4 +1,4 @@
-"""The running world: MuJoCo's model and data behind arrays in the order of `LEGS`, and the control loop itself."""
+"""The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 import zlib
 from math import cos, radians, sin
@@ -21,15 +21,16 @@ from sim_proc.physics.appearing import Waiting
 
 FALL_TILT_RAD: Final = radians(30.0)
 FALL_HEIGHT_M: Final = 0.3
+"""A robot with more tilt, or whose trunk is lower, has fallen."""
 PARKED_M: Final = 1000.0
-"""So far below the floor is what has not appeared: nothing touches it, no ray and no camera meets it."""
+"""Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
 STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
-
 JOINT_QVEL: Final = slice(6, 18)
+"""Columns of the joints in `qvel`."""
 
 
 class Physics:
-    """One world in one state; `run` is the only thing that moves it."""
+    """The robot beside the box in MuJoCo, a `Plant`. Only `run` advances it."""
 
     def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2) -> None:
         """Stand the robot at `trunk` and the box at `box`, at rest."""
@@ -40,7 +41,7 @@ class Physics:
         self._trunk_body = model.body("trunk").id
         gravity = model.opt.gravity
         self.downhill: Floats = gravity[:2] / -gravity[2]
-        """How far from its foot on the floor a plumb line of unit height ends, world frame, (2,)."""
+        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
         self.mass_kg = float(model.body_subtreemass[self._trunk_body])
         self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
         self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
@@ -54,19 +55,20 @@ class Physics:
         for index in self._waiting.indices:
             data.mocap_pos[self._wall(index), 2] = -PARKED_M
         self.appeared: tuple[Appearance, ...] = ()
-        """What has appeared, in that order."""
+        """Obstacles that have appeared, in that order."""
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
 
     def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
-        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stops short at a fall.
+        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stop early at a fall.
 
-        An obstacle that is due is put in its place at the end of a tick.
+        Each servo is commanded `q + (torque + qfrc_bias) / Kp`. The bias forces of gravity and motion are cancelled
+        with their present values; the rest of the feed-forward was planned. Tips, forces and the CoM are those at the
+        beginning of the last physics step. An obstacle that is due is put in its place at the end of a tick.
 
-        Each servo is commanded `q + (torque + qfrc_bias) / Kp`: the bias forces of gravity and motion are cancelled
-        with their present values, the rest of the feed-forward was planned. Raises `LegpushError` where MuJoCo warns
-        or the state stops being finite. Tips, forces and the CoM are those of the last physics step's beginning.
+        Raises:
+            LegpushError: MuJoCo warned, or the state stopped being finite.
         """
         model, data = self.model, self.data
         n = len(joint_commands_rad)
@@ -103,21 +105,25 @@ class Physics:
         )
 
     def alter(self, scenario: Scenario) -> None:
-        """Go on in the world of a scenario that differs from the present one in mass or friction of the box alone."""
+        """Go on with a scenario that differs from the present one only in mass or friction of the box."""
         self.model = build_model(scenario)
 
     def _let_appear(self, tick: int) -> None:
-        """Put in their places what can appear at the end of a tick."""
-        for index in self._waiting.take(tick, self.trunk_pose(), self.box_pose()):
+        """Put obstacles in their places that can appear at the end of a tick."""
+        for index in self._waiting.take_due(tick, self.trunk_pose(), self.box_pose()):
             self.data.mocap_pos[self._wall(index)] = self.model.body(wall_name(index)).pos
             self.appeared += (Appearance(obstacle=index, tick=tick),)
 
     def _wall(self, index: int) -> int:
-        """The row of an obstacle that appears later in MuJoCo's positions of such bodies."""
+        """Row of an obstacle that appears later in MuJoCo's `mocap_pos`."""
         return int(self.model.body(wall_name(index)).mocapid[0])
 
     def _check(self, qpos: Floats) -> None:
-        """`LegpushError` if MuJoCo warned, or the state stopped being finite, in these ticks."""
+        """Check the ticks that were just simulated.
+
+        Raises:
+            LegpushError: MuJoCo warned, or the state stopped being finite.
+        """
         when = f"between ticks {self.tick} and {self.tick + len(qpos)}: the episode cannot go on"
         for warning in mujoco.mjtWarning.__members__.values():
             if warning != mujoco.mjtWarning.mjNWARNING and self.data.warning[warning].number:
@@ -126,7 +132,7 @@ class Physics:
             raise LegpushError(f"qpos stopped being finite {when}")
 
     def sensor(self, name: str) -> Floats:
-        """A copy of what a sensor of the model reads."""
+        """A copy of the reading of a sensor of the model."""
         values: Floats = self.data.sensordata[self._sensors[name]].copy()
         return values
 
@@ -151,7 +157,7 @@ class Physics:
         return forces
 
     def trunk_angular_velocity_rad_s(self) -> Floats:
-        """World frame, (3,); MuJoCo keeps it in the trunk's frame."""
+        """Angular velocity of the trunk, world frame, (3,). MuJoCo keeps it in the frame of the trunk."""
         rotation = self.data.xmat[self._trunk_body].reshape(3, 3)
         velocity: Floats = rotation @ self.data.qvel[3:6]
         return velocity

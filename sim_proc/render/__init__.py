@@ -1,1 +1,1 @@
-"""Films of a run, rendered off screen: `python -m sim_proc.render FOLDER`."""
+"""Renders films of a run off screen: `python -m sim_proc.render FOLDER`."""

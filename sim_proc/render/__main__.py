@@ -1,6 +1,6 @@
-"""`python -m sim_proc.render FOLDER`: the recorded episode of a run as `mission.mp4`, rendered off screen.
+"""`python -m sim_proc.render FOLDER`: renders the recorded episode of a run off screen as `mission.mp4`.
 
-Exit code 4 means that no OpenGL library for off-screen rendering is present; then nothing is written.
+Exit code 4 means that there is no OpenGL library for off-screen rendering. Then nothing is written.
 """
 
 import sys
@@ -22,9 +22,9 @@ class VideoConfig:
     """Film the recorded episode of a run."""
 
     folder: tyro.conf.Positional[Path]
-    """Folder that `legpush run` left."""
+    """Folder that `legpush run` wrote."""
     camera: View = "follow"
-    """Where it is seen from."""
+    """Where the film is seen from."""
     speed: Annotated[float | None, tyro.conf.arg(metavar="X")] = None
     """Simulated seconds per second of video; by default 3, or more for a long mission."""
     fps: float = 20.0
@@ -35,7 +35,7 @@ class VideoConfig:
 
 
 def main() -> None:
-    """Film; one line on stderr if it cannot be done."""
+    """Film the run; write one line to stderr if that fails."""
     config = tyro.cli(VideoConfig)
     try:
         code = film_run(config)
@@ -48,7 +48,14 @@ def main() -> None:
 
 
 def film_run(config: VideoConfig) -> int:
-    """Write `mission.mp4` into the folder; the exit code."""
+    """Write `mission.mp4` into the folder and return the exit code.
+
+    Raises:
+        ConfigError: The folder has no journal.
+        JournalError: No episode begins in the journal.
+        RecordingError: The episode has no traces.
+        LegpushError: ffmpeg failed.
+    """
     journals = sorted(config.folder.glob("episode-*.journal"))
     if not journals:
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {config.folder}")

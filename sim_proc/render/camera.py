@@ -1,4 +1,4 @@
-"""Renders single frames of a film off screen with MuJoCo."""
+"""Renders frames of a film off screen with MuJoCo."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,20 +21,21 @@ REAR_BLUE: Final = (0.16, 0.36, 0.62, 0.6)
 PATH_WIDTH_M: Final = 0.012
 FOOTPRINT_RADIUS_M: Final = 0.025
 SUN_M: Final = 8.0
+"""Distance of the light from the point that a camera looks at."""
 SHADOWS_M: Final = 8.0
-"""There are shadows at least so far from what a camera looks at."""
+"""Shadows are drawn at least this far around the point that a camera looks at."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrameSize:
-    """Pixels of a frame."""
+    """Size of a frame in pixels."""
 
     width: int = 854
     height: int = 480
 
 
 class Camera:
-    """Sees one film from one view."""
+    """Renders one film from one view."""
 
     def __init__(self, film: Film, size: FrameSize, view: View = "follow") -> None:
         """Compile the film's world and open an off-screen OpenGL context."""
@@ -43,7 +44,7 @@ class Camera:
         self._aspect = size.width / size.height
         self._model = build_model(film.scenario)
         visual = self._model.vis.global_
-        if view in FROM_ABOVE:  # the floor reflects a light beside the camera, and would be white
+        if view in FROM_ABOVE:  # the floor would reflect a light beside the camera and look white
             self._model.vis.headlight.diffuse[:] = 0.05
             self._model.vis.headlight.specular[:] = 0.0
             self._model.light_diffuse[:] *= 0.8
@@ -62,7 +63,7 @@ class Camera:
         for index, since in film.hidden_until.items():
             self._model.geom(wall_name(index)).rgba[3] = float(since is not None and since <= row)
         place = look(film, self._view, row, self._aspect)
-        # The sun's place tells only where there are shadows, and they are coarse at the border of that.
+        # The position of a directional light only centres its shadows, which are coarse at their border.
         self._model.light_pos[0] = place.at_m - SUN_M * self._model.light_dir[0]
         mujoco.mj_forward(self._model, self._data)
         self._camera.lookat[:] = place.at_m
@@ -74,10 +75,11 @@ class Camera:
         return pixels
 
     def close(self) -> None:
-        """Give the OpenGL context back."""
+        """Release the OpenGL context."""
         self._renderer.close()
 
     def _add_marks(self, row: int) -> None:
+        """Add the path that is followed at a row, and the footprints up to it."""
         scene = self._renderer.scene
         followed = [points for since, points in self._film.paths_m if since <= row]
         if followed:
@@ -106,7 +108,7 @@ class Camera:
     def _next_geom(
         scene: mujoco.MjvScene, kind: mujoco.mjtGeom, rgba: tuple[float, float, float, float]
     ) -> mujoco.MjvGeom | None:
-        """One more geom of the scene; None when it is full."""
+        """Add a geom to the scene; None when the scene is full."""
         if scene.ngeom >= scene.maxgeom:
             return None
         geom = scene.geoms[scene.ngeom]

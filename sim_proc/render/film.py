@@ -1,4 +1,4 @@
-"""What is filmed of an episode: which ticks, with which marks on the floor, and what the cameras follow."""
+"""The contents of a film of an episode: its ticks, the marks on the floor, and the places that cameras follow."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from legpush.scene.scenario import Scenario
 from sim_proc.kinematics.body import LOADED_N
 
 SMOOTHING_S: Final = 3.0
-"""Cameras follow places and headings averaged over this long."""
+"""Window over which the places and headings that cameras follow are averaged."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FootMark:
-    """Where a foot came down, from a row on."""
+    """The mark of a foot that came down, shown from a row on."""
 
     row: int
     position_m: Floats
@@ -31,11 +31,11 @@ class FootMark:
 
 @dataclass(frozen=True, kw_only=True)
 class Film:
-    """An episode, ready to be filmed: one row for every tick."""
+    """An episode, ready to be filmed, with one row for every tick."""
 
     scenario: Scenario
     first_tick: int
-    """Of row 0."""
+    """Tick of row 0."""
     qpos: Floats
     """(n, 26)"""
     trunk_m: Floats
@@ -50,16 +50,20 @@ class Film:
     """Paths by the row from which they are followed, each (k, 2)."""
     footprints: list[FootMark]
     hidden_until: dict[int, int | None]
-    """By the place of an obstacle that appears later: the row from which it is seen, None for never."""
+    """For each obstacle that appears later, by its index: the row from which it is seen; None if it never is."""
 
     @property
     def duration_s(self) -> float:
-        """Simulated time."""
+        """Simulated time from the first to the last row."""
         return (len(self.qpos) - 1) * CONTROL_PERIOD_S
 
 
 def timeline_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Timeline:
-    """The records of one journal; `JournalError` names `where` if there is no reset among them."""
+    """The timeline of the last episode in the records of one journal.
+
+    Raises:
+        JournalError: There is no reset among the records; names `where` they are from.
+    """
     timeline: Timeline | None = None
     n_steps = 0
     for record in records:
@@ -70,17 +74,20 @@ def timeline_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Timel
                 timeline.add(n_steps, record.motion, record.outcome, 0)
             n_steps += 1
     if timeline is None:
-        raise JournalError(f"{where}: expected an episode recorded with traces, got none that begins")
+        raise JournalError(f"{where}: expected an episode recorded with traces, got one without a reset")
     return timeline
 
 
 def film_of(timeline: Timeline, where: str) -> Film:
-    """What to film of an episode; `RecordingError` names `where` if nothing in it was traced.
+    """Prepare a timeline to be filmed.
 
-    Where ticks are missing, as in steps without a trace, the one before them stands still meanwhile.
+    While ticks are missing, as in steps without a trace, the film stands still.
+
+    Raises:
+        RecordingError: No step of the episode has a trace; names `where` the episode is from.
     """
     if not np.isfinite(timeline.com_m).any():
-        raise RecordingError(f"{where}: expected an episode recorded with traces, got none that moves")
+        raise RecordingError(f"{where}: expected an episode recorded with traces, got one without traces")
     ticks = timeline.tick.astype(int)
     rows = np.searchsorted(ticks, np.arange(ticks[0], ticks[-1] + 1), side="right") - 1
     qpos = timeline.qpos[rows]
@@ -108,13 +115,14 @@ def film_of(timeline: Timeline, where: str) -> Film:
 
 
 def _hidden_until(timeline: Timeline, first_tick: int) -> dict[int, int | None]:
+    """The row from which each obstacle that appears later is seen."""
     rows = {each.obstacle: max(0, each.tick - first_tick) for each in timeline.steps[-1].world.appeared}
     obstacles = enumerate(timeline.scenario.room.obstacles)
     return {index: rows.get(index) for index, obstacle in obstacles if obstacle.appears_at_s > 0.0}
 
 
 def _footprints(tips_m: Floats, forces_n: Floats) -> list[FootMark]:
-    """Where each foot begins to carry load; one whose force is not known carries it all the time."""
+    """The places where feet begin to carry load. A foot whose force is unknown counts as loaded all the time."""
     loaded = ~(forces_n < LOADED_N)
     landed = loaded[1:] & ~loaded[:-1] & (tips_m[1:, :, 2] < 2 * tips_m[0, :, 2].max())
     return [
@@ -132,7 +140,7 @@ def _smooth_heading(pose: Floats) -> Floats:
 
 
 def _smooth(values: Floats) -> Floats:
-    """A centred moving average with a raised-cosine window, held at the ends, (n,)."""
+    """A centred moving average with a raised-cosine window, (n,). The values are extended by those at the ends."""
     half = round(SMOOTHING_S / CONTROL_PERIOD_S / 2)
     window = np.hanning(2 * half + 3)[1:-1]
     padded = np.concatenate([np.full(half, values[0]), values, np.full(half, values[-1])])

@@ -1,4 +1,4 @@
-"""Films as files: frames are rendered in parallel, in segments that ffmpeg joins."""
+"""Writes films as files: renders frames in parallel, in segments that ffmpeg joins."""
 
 import multiprocessing
 import os
@@ -25,42 +25,44 @@ from sim_proc.render.film import Film
 
 BACKENDS: Final = ("egl", "osmesa")
 DRAW_NOTHING: Final = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 8, 8).render()"
+"""A program that fails where off-screen rendering does."""
 SEGMENT_FRAMES: Final = 60
 LONGEST_S: Final = 30.0
 LEAST_SPEED: Final = 3.0
-"""Unless a speed is asked for: three times real time, or faster where the film would be longer than `LONGEST_S`."""
+"""The usual speed is three times real time, or faster if the film would last longer than `LONGEST_S`."""
 SMALL: Final = ("-crf", "24", "-preset", "veryfast", "-threads", "1")
 LOSSLESS: Final = ("-qp", "0", "-preset", "ultrafast", "-threads", "1")
+"""Options of ffmpeg for the segments of an MP4 film, and of a GIF film."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Take:
-    """How a film is shown."""
+    """The frames of a film to render, and their size and format."""
 
     rows: tuple[int, ...]
-    """Of the film, one for each frame."""
+    """A row of the film for each frame."""
     fps: float
     width: int
     height: int
     view: View = "follow"
     gif: bool = False
-    """Else an MP4 file with H.264."""
+    """Whether to write a GIF file instead of an MP4 file with H.264."""
 
 
 def frame_rows(n_rows: int, speed: float, fps: float) -> tuple[int, ...]:
-    """The rows that are shown, of the first `n_rows`: the last one that was reached when each frame is due."""
+    """The row to show in each frame, out of `n_rows`: the last one reached when the frame is due."""
     stride = speed / (fps * CONTROL_PERIOD_S)
     rows = np.floor(np.arange(ceil(n_rows / stride)) * stride + 1e-9).astype(int)
     return tuple(rows[rows < n_rows].tolist())
 
 
 def usual_speed(duration_s: float) -> float:
-    """Simulated seconds per second of film."""
+    """The speed to use if none is asked for, in simulated seconds per second of film."""
     return max(LEAST_SPEED, duration_s / LONGEST_S)
 
 
 def working_backend() -> str | None:
-    """The first OpenGL backend that draws, tried in a process of its own; `MUJOCO_GL` decides if set."""
+    """The first OpenGL backend that draws, tried in a process of its own. Only `MUJOCO_GL` is tried if it is set."""
     asked = os.environ.get("MUJOCO_GL")
     for backend in (asked,) if asked else BACKENDS:
         attempt = subprocess.run(
@@ -75,7 +77,10 @@ def working_backend() -> str | None:
 
 
 def use_backend(again: str) -> bool:
-    """Choose how this process and its workers draw; where nothing draws, say what to install and run `again`."""
+    """Choose the OpenGL backend of this process and its workers.
+
+    Returns False if no backend draws, after it told the user what to install before running `again`.
+    """
     backend = working_backend()
     if backend is None:
         sys.stderr.write(
@@ -88,7 +93,11 @@ def use_backend(again: str) -> bool:
 
 
 def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]) -> None:
-    """Write the film to a file, which is replaced; `say` hears how many of how many segments are done."""
+    """Write a film to a file, which is replaced; call `say` with the numbers of finished and of all segments.
+
+    Raises:
+        LegpushError: ffmpeg failed.
+    """
     with tempfile.TemporaryDirectory(prefix="legpush-video-") as scratch:
         listing = _render_segments(film, take, Path(scratch), say)
         if take.gif:
@@ -98,7 +107,7 @@ def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]
 
 
 def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, int], None]) -> Path:
-    """Render them all; the file that lists them."""
+    """Render all segments and return the file that lists them."""
     n_segments = ceil(len(take.rows) / SEGMENT_FRAMES)
     jobs = [
         (scratch / f"{index:05d}.mp4", take.rows[index * SEGMENT_FRAMES : (index + 1) * SEGMENT_FRAMES])
@@ -125,7 +134,7 @@ def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, 
 
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Processes that are started meanwhile ignore Ctrl-C in their terminal: they are told by an event."""
+    """Let processes that are started meanwhile ignore Ctrl-C in the terminal. An event stops them instead."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
@@ -134,10 +143,11 @@ def _deaf_children() -> Iterator[None]:
 
 
 _worker: dict[str, object] = {}
-"""Of a render worker: its camera, its take and the event that stops it."""
+"""State of a render worker: its camera, its take and the event that stops it."""
 
 
 def _open_camera(film: Film, take: Take, stop: Event) -> None:
+    """Set up a render worker."""
     from sim_proc.render.camera import Camera, FrameSize
 
     _worker.update(
@@ -146,12 +156,13 @@ def _open_camera(film: Film, take: Take, stop: Event) -> None:
 
 
 def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
+    """Render the rows of a segment to its file, in a render worker."""
     from sim_proc.render.camera import Camera
 
     path, rows = job
     camera, take, stop = _worker["camera"], _worker["take"], _worker["stop"]
     if not isinstance(camera, Camera) or not isinstance(take, Take) or not isinstance(stop, Event):
-        raise TypeError("The worker was not opened")
+        raise TypeError("The render worker was not set up")
     if stop.is_set():
         return
     writer = imageio_ffmpeg.write_frames(
@@ -168,17 +179,18 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
     writer.send(None)
     for row in rows:
         writer.send(camera.frame(row).tobytes())
-        if stop.is_set():  # a film of one frame is one: ffmpeg has nothing to complain about
+        if stop.is_set():  # only after a frame: ffmpeg complains about a film without frames
             break
     writer.close()
 
 
 def _joined(listing: Path) -> tuple[str, ...]:
+    """Arguments of ffmpeg that read the listed segments as one film."""
     return ("-f", "concat", "-safe", "0", "-i", str(listing))
 
 
 def _join_as_gif(listing: Path, target: Path) -> None:
-    """In two passes: the best 256 colors of all frames, then the frames with them."""
+    """Join segments in two passes: find the best 256 colors of all frames, then convert the frames to them."""
     palette = listing.with_name("palette.png")
     _ffmpeg(*_joined(listing), "-vf", "palettegen=stats_mode=diff", str(palette))
     colors = "paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
@@ -186,7 +198,11 @@ def _join_as_gif(listing: Path, target: Path) -> None:
 
 
 def _ffmpeg(*arguments: str) -> None:
-    """Run it; `LegpushError` with what it says where it fails. The last argument is the file that it writes."""
+    """Run ffmpeg. The last argument is the file that it writes.
+
+    Raises:
+        LegpushError: ffmpeg failed; with its message.
+    """
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-nostdin", "-loglevel", "error", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:

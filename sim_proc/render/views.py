@@ -1,4 +1,4 @@
-"""Where a film is seen from."""
+"""The views from which a film can be seen."""
 
 from dataclasses import dataclass
 from math import pi, radians, tan
@@ -12,32 +12,33 @@ from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 FIELD_OF_VIEW_RAD: Final = radians(45.0)
-"""From the upper to the lower border of a frame: MuJoCo's default."""
+"""Angle from the lower to the upper border of a frame, MuJoCo's default."""
 AHEAD_M: Final = 0.35
-"""Cameras that follow the robot look at a point this far ahead of it."""
+"""Distance ahead of the robot of the point that cameras look at."""
 LOOK_HEIGHT_M: Final = 0.2
+"""Height of that point."""
 ORBIT_S: Final = 60.0
-"""Simulated time of one turn."""
+"""Simulated time of one turn around the robot."""
 FROM_ABOVE: Final[tuple[View, ...]] = ("top", "room")
 ROOM_BORDER: Final = 1.08
-"""What is seen of the floor, over what the room has."""
+"""Ratio of the visible floor to the floor of the room."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """A free camera of MuJoCo: what it looks at, and from where."""
+    """Placement of a free camera of MuJoCo: the point it looks at, and from where."""
 
     at_m: Floats
-    """World frame, (3,)."""
+    """The point that it looks at, world frame, (3,)."""
     distance_m: float
     azimuth_rad: float
-    """Direction in which it looks, about z."""
+    """Direction in which it looks, measured about z."""
     elevation_rad: float
-    """Negative: it looks down."""
+    """Negative if it looks down."""
 
 
 def look(film: Film, view: View, row: int, aspect: float) -> Look:
-    """How a view has the film's row; `aspect` is width over height of the frame."""
+    """Where the camera of a view is at a row of the film; `aspect` is width over height of the frame."""
     heading = float(film.heading_rad[row])
     match view:
         case "follow":

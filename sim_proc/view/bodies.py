@@ -1,6 +1,6 @@
-"""The bodies of a scenario's MuJoCo model as meshes, and where they are for given joint positions.
+"""The bodies of a scenario's MuJoCo model as meshes, and their poses for given joint positions.
 
-The meshes are coarse: a page that is drawn without a GPU spends its time on their corners.
+The meshes are coarse, because a page without a GPU spends most of its time on their corners.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from sim_proc.model.shapes import Part, Shape, parts_of_model
 from sim_proc.model.world import build_model
 
 AROUND: Final = 14
-"""Corners of what is round."""
+"""Corners around a sphere or capsule; a cylinder has twice as many."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,18 +27,18 @@ class Body:
 
     name: str
     index: int
-    """In the arrays of `Bodies.poses`."""
+    """Index of the body in the arrays of `Bodies.poses`."""
     mesh: Any
     """A `trimesh.Trimesh` with colours, in the frame of the body."""
     appears: bool
-    """Whether it is an obstacle that is not there from the beginning."""
+    """Whether it is an obstacle that appears later."""
 
 
 class Bodies:
-    """Of one scenario."""
+    """The bodies of one scenario."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Compile the model."""
+        """Compile the model and build its meshes."""
         self._model = build_model(scenario)
         self._data = mujoco.MjData(self._model)
         later = (index for index, wall in enumerate(scenario.room.obstacles) if wall.appears_at_s > 0.0)
@@ -48,7 +48,7 @@ class Bodies:
             for index, part in enumerate(parts_of_model(self._model))
             if any(map(_is_seen, part.shapes))
         )
-        """Those that can be seen; the floor is not among them."""
+        """The visible bodies. The floor is not among them."""
 
     def poses(self, qpos: Floats) -> tuple[Floats, Floats]:
         """Positions (n, 3) and quaternions (n, 4; w, x, y, z) of all bodies, world frame."""
@@ -57,14 +57,14 @@ class Bodies:
         return self._data.xpos.copy(), self._data.xquat.copy()
 
     def is_there(self, body: Body, appeared: tuple[Appearance, ...], tick: float) -> bool:
-        """Whether it can be seen at a tick, given all that has appeared up to then or later."""
+        """Whether a body is visible at a tick, given what has appeared by that tick or a later one."""
         return not body.appears or any(
             each.obstacle == self._appearing[body.name] and each.tick <= tick for each in appeared
         )
 
 
 def mesh_of(part: Part) -> trimesh.Trimesh:
-    """What can be seen of a body, in its frame, in one mesh."""
+    """The visible shapes of a body as one mesh, in the frame of the body."""
     mesh = trimesh.util.concatenate([_mesh(shape) for shape in part.shapes if _is_seen(shape)])
     if not isinstance(mesh, trimesh.Trimesh):
         raise TypeError(f"Expected a mesh of {part.name}, got {type(mesh).__name__}")
@@ -96,7 +96,7 @@ def _mesh(shape: Shape) -> trimesh.Trimesh:
 
 
 def _pose(shape: Shape) -> Floats:
-    """From the frame of a shape to that of its body, (4, 4)."""
+    """The transform from the frame of a shape to that of its body, (4, 4)."""
     matrix = np.eye(4)
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, shape.quaternion_wxyz)

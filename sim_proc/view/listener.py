@@ -1,4 +1,4 @@
-"""What a live run says, as copies that its processes hand over, as they do to recorders."""
+"""Receives the messages of a live run as copies, which its processes send to every recorder."""
 
 import queue
 import threading
@@ -20,17 +20,19 @@ from legpush.recording.recorder import taken_by
 from legpush.runs.folder import SCENARIO_FILE
 
 LOOK_S: Final = 0.05
+"""Longest wait for a batch before the thread checks whether it should end."""
 
 
 class Listener:
-    """Takes batches on a thread of its own, so that nobody waits for a page; a context manager."""
+    """Acknowledges batches on a thread of its own, so that no process waits for a page; a context manager."""
 
     def __init__(self, bus: Bus) -> None:
+        """Listen on an open bus once the context is entered."""
         self._bus = bus
         self._batches: queue.SimpleQueue[Copies] = queue.SimpleQueue()
         self._ledger = Ledger()
         self._played: dict[tuple[Role, str], tuple[Origin, str]] = {}
-        """Whom a replay stands for, and its incarnation."""
+        """Processes that a replay plays, by role and name, each with the incarnation of the replay."""
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="listener", daemon=True)
 
@@ -42,29 +44,29 @@ class Listener:
         self._closed.set()
         self._thread.join()
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
-        """Add what has come, for so long at most."""
+    def pump(self, history: RunHistory, budget_s: float) -> None:
+        """Add the batches that have arrived, for at most `budget_s`."""
         until = monotonic() + budget_s
         while monotonic() < until:
             try:
                 batch = self._batches.get_nowait()
             except queue.Empty:
                 return
-            self.take(batch, timelines)
+            self.take_batch(batch, history)
 
-    def take(self, batch: Copies, timelines: RunHistory) -> None:
-        """Add what a batch has."""
+    def take_batch(self, batch: Copies, history: RunHistory) -> None:
+        """Add the contents of a batch."""
         if batch.header.role == "launcher":
             self._played[batch.origin.role, batch.origin.name] = (batch.origin, batch.header.incarnation)
         for fact in batch.facts:
             if fact.name == SCENARIO_FILE:
-                timelines.scenario = scenario_in(fact.data)
+                history.scenario = scenario_in(fact.data)
         for copy in self._ledger.fresh(batch):
-            timelines.take_message(topic_of(copy.key), batch.origin, copy)
+            history.take_message(topic_of(copy.key), batch.origin, copy)
         self._ledger.note_batch(batch, batch.copies, set())
 
     def live(self) -> list[Origin]:
-        """Who is there, or played by a replay that is."""
+        """Processes that are alive, or played by a replay that is alive."""
         there = [
             Origin(role=peer.role, name=peer.name, incarnation=peer.incarnation) for peer in self._bus.liveliness.live()
         ]
@@ -72,6 +74,7 @@ class Listener:
         return there + [origin for origin, player in self._played.values() if player in incarnations]
 
     def _listen(self) -> None:
+        """Acknowledge every batch, and pass on each batch once."""
         copies = channels.copies(self._bus.run)
         batches = self._bus.subscribe(copies, BatchInbox(copies, self._bus.tally))
         answers: dict[tuple[Role, str], Publisher[Taken]] = {}

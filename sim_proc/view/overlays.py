@@ -1,4 +1,4 @@
-"""What is drawn beside the bodies at a row of a timeline, as arrays of points; pure, world frame."""
+"""Lines and arrows drawn beside the bodies at a row of a timeline, as arrays of points in the world frame."""
 
 from itertools import pairwise
 from typing import Final, NamedTuple
@@ -18,15 +18,17 @@ from sim_proc.control.swing import bezier, control_points
 from sim_proc.kinematics.body import LOADED_N
 
 FORCE_M_PER_N: Final = 0.0025
+"""Scale of the arrows of forces."""
 TRAIL_ROWS: Final = 160
-"""Ticks of the foot traces."""
 TRAIL_STRIDE: Final = 4
+"""Length of the foot traces, and the distance of their points, in ticks."""
 PATH_POINTS: Final = 80
-"""Of a path, at most: wide lines are what a page without a GPU draws most slowly."""
+"""Most points of a path. A page without a GPU draws wide lines slowly."""
 CURVE_POINTS: Final = 24
 BOX_TRACE_TICKS: Final = 10
+"""Ticks between points of the trace of the box."""
 MAX_BOX_POINTS: Final = 1000
-"""Of the trace of the box, which is coarser the longer the episode is."""
+"""Most points of that trace; it gets coarser in a longer episode."""
 ON_FLOOR_M: Final = 0.006
 """Height at which paths are drawn, so that the floor does not hide them."""
 
@@ -35,23 +37,23 @@ class Curve(NamedTuple):
     """The Bezier curve of a push."""
 
     points_m: Floats
-    """(`CURVE_POINTS`, 3)"""
+    """Points on the curve, (`CURVE_POINTS`, 3)."""
     control_m: Floats
-    """(4, 3)"""
+    """Control points, (4, 3)."""
 
 
 def segments(points_m: Floats) -> Floats:
-    """The lines between consecutive points (n, 3), (n - 1, 2, 3)."""
+    """Lines between consecutive points (n, 3), as (n - 1, 2, 3)."""
     return np.stack([points_m[:-1], points_m[1:]], axis=1)
 
 
 def on_floor(points_m: Floats, height_m: float = ON_FLOOR_M) -> Floats:
-    """Points of the plane (n, 2) just above it, (n, 3)."""
+    """Points on the floor (n, 2), raised to a height above it, (n, 3)."""
     return np.column_stack([points_m, np.full(len(points_m), height_m)])
 
 
 def support_polygon(timeline: Timeline, row: int) -> Floats:
-    """Corners of the convex hull of the feet that stand, counter-clockwise, on the floor, (k, 3), k in 0 to 4."""
+    """Convex hull of the standing feet on the floor, counter-clockwise, (k, 3) with k from 0 to 4."""
     loaded = timeline.contact_forces_n[row, :, 2] >= LOADED_N
     points = timeline.tips_m[row, loaded, :2]
     if len(points) == len(LEGS):
@@ -62,14 +64,14 @@ def support_polygon(timeline: Timeline, row: int) -> Floats:
 
 
 def contact_arrows(timeline: Timeline, row: int) -> Floats:
-    """From each foot as far as its contact force reaches, (4, 2, 3); without length where nothing is known of it."""
+    """The contact force of each foot as an arrow, (4, 2, 3). The arrow of an unknown force has no length."""
     tips = timeline.tips_m[row]
     forces = np.nan_to_num(timeline.contact_forces_n[row])
     return np.stack([tips, tips + FORCE_M_PER_N * forces], axis=1)
 
 
 def foot_traces(timeline: Timeline, row: int) -> Floats:
-    """Where the feet were in the last `TRAIL_ROWS` ticks, (4, n, 2, 3), n fixed: what is missing has no length."""
+    """Lines along the feet in the last `TRAIL_ROWS` ticks, (4, n, 2, 3). n is fixed; missing lines have no length."""
     n = TRAIL_ROWS // TRAIL_STRIDE
     rows = timeline.rows_at(timeline.tick[row] - TRAIL_STRIDE * np.arange(n, -1, -1))
     tips = timeline.tips_m[rows]
@@ -77,7 +79,7 @@ def foot_traces(timeline: Timeline, row: int) -> Floats:
 
 
 def box_trace(timeline: Timeline, row: int) -> Floats:
-    """Where the box was since the beginning, on the floor, (n, 3)."""
+    """The path of the box on the floor since the beginning, (n, 3)."""
     first, last = timeline.tick[0], timeline.tick[row]
     stride = BOX_TRACE_TICKS * np.ceil((last - first) / (BOX_TRACE_TICKS * MAX_BOX_POINTS) or 1.0)
     rows = np.unique(np.append(timeline.rows_at(np.arange(first, last, stride)), row))
@@ -85,7 +87,7 @@ def box_trace(timeline: Timeline, row: int) -> Floats:
 
 
 def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
-    """The curve that a push gives its foot (Eqs. 13, 14); None for another step, or one without a trace."""
+    """The curve of the foot in a push (Eqs. 13, 14); None if the step is no push or has no trace."""
     push = step.motion
     if not isinstance(push, Push) or step.n_rows <= PUSH_SHIFT_TICKS or not step.first_row:
         return None
@@ -99,18 +101,18 @@ def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
 
 
 def followed_path(timeline: Timeline, row: int) -> Floats:
-    """The path of the trunk that the last `Follow` up to a row gave, (n, 3)."""
+    """The path of the last `Follow` up to a row, (n, 3)."""
     motions = (timeline.steps[index].motion for index in range(timeline.step_index_at(row), -1, -1))
     paths = (motion.waypoints for motion in motions if isinstance(motion, Follow))
     return _waypoints(next(paths, ()))
 
 
-def plan_at(timelines: RunHistory, timeline: Timeline, row: int, kind: str) -> Plan | None:
-    """The last plan of the `box` or the `trunk` that was there at a row, with a path in it."""
-    if not timelines.plans:
+def plan_at(history: RunHistory, timeline: Timeline, row: int, kind: str) -> Plan | None:
+    """The last plan with a path for the `box` or the `trunk` that existed at a row; None without one."""
+    if not history.plans:
         return None
-    began, ended = timelines.span_ns(timeline)
-    for planned in reversed(timelines.plans):
+    began, ended = history.span_ns(timeline)
+    for planned in reversed(history.plans):
         is_wanted = isinstance(planned.query, BoxPathQuery) == (kind == "box") and planned.plan.waypoints
         if is_wanted and began <= planned.time_ns <= ended and timeline.row_at(planned.time_ns) <= row:
             return planned.plan
@@ -118,12 +120,12 @@ def plan_at(timelines: RunHistory, timeline: Timeline, row: int, kind: str) -> P
 
 
 def plan_path(plan: Plan) -> Floats:
-    """Its waypoints, (n, 3)."""
+    """Waypoints of a plan on the floor, (n, 3)."""
     return _waypoints(plan.waypoints)
 
 
 def plan_tree(plan: Plan) -> Floats:
-    """The edges of its search tree, (n, 2, 3)."""
+    """Edges of the search tree of a plan on the floor, (n, 2, 3)."""
     if plan.tree is None or not plan.tree.points_m:
         return np.empty((0, 2, 3))
     points = on_floor(np.array(plan.tree.points_m), ON_FLOOR_M / 2)
@@ -131,6 +133,7 @@ def plan_tree(plan: Plan) -> Floats:
 
 
 def _waypoints(waypoints: tuple[Pose2, ...]) -> Floats:
+    """At most `PATH_POINTS` of the waypoints, (n, 3)."""
     points = np.array([[pose.x_m, pose.y_m] for pose in waypoints]).reshape(-1, 2)
     if not len(points):
         return np.empty((0, 3))
@@ -138,7 +141,7 @@ def _waypoints(waypoints: tuple[Pose2, ...]) -> Floats:
 
 
 def hull(points: Floats) -> list[int]:
-    """Indices of the convex hull of 4 points (4, 2), counter-clockwise."""
+    """Indices of the corners of the convex hull of four points (4, 2), counter-clockwise."""
     about = points - points.mean(axis=0)
     order = [int(i) for i in np.argsort(np.arctan2(about[:, 1], about[:, 0]))]
     around = [order[-1], *order, order[0]]

@@ -1,10 +1,9 @@
-"""The page: a viser server on this machine, and the loop that shows what the player points at."""
+"""The page: a viser server on this machine, and the loop that shows the row chosen by the player."""
 
 import socket
 import threading
 from collections.abc import Callable, Collection
 from contextlib import redirect_stdout
-from dataclasses import dataclass
 from io import StringIO
 from math import cos, sin
 from time import monotonic, time_ns
@@ -17,62 +16,52 @@ from legpush.geometry import rpy_from_quaternion
 from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.messages.telemetry import Origin
-from sim_proc.view.panel import FOLLOW_ROBOT, Panel, PanelCommand, speed_of
+from sim_proc.view.panel import CAMERAS, FOLLOW_ROBOT, Panel, PanelCommand, speed_of
 from sim_proc.view.player import Player
 from sim_proc.view.plots import Plots
 from sim_proc.view.scene import LAYERS, Scene
 from sim_proc.view.statuses import conditions
 
 PERIOD_S: Final = 1 / 25
-"""Of the scene."""
+"""Period of the scene."""
 TIME_PERIOD_S: Final = 0.12
-"""Of the slider, and what is written beside it."""
+"""Period of the slider and the text beside it."""
 SLOW_PERIOD_S: Final = 0.5
-"""Of plots and statuses."""
+"""Period of plots and statuses."""
 PUMP_S: Final = 0.02
-
-
-@dataclass(frozen=True)
-class Viewpoint:
-    """Where it stands, and what it looks at, in the frame of the robot."""
-
-    position_m: tuple[float, float, float]
-    look_at_m: tuple[float, float, float]
-
-
-CAMERAS: Final = {
-    "Behind": Viewpoint((-2.2, -1.4, 1.4), (0.5, 0.0, 0.1)),
-    "Side": Viewpoint((0.4, -2.6, 0.9), (0.4, 0.0, 0.2)),
-    "Top": Viewpoint((-0.05, 0.0, 6.0), (0.0, 0.0, 0.0)),
-}
+"""Longest time for new messages in each period of the scene."""
 
 
 class Source(Protocol):
-    """Where timelines come from."""
+    """Where the page gets the history of a run from."""
 
     is_live: bool
     is_reading: bool
-    """Whether there is more to come that was there already."""
+    """Whether messages that exist already are still being read."""
 
     @property
     def title(self) -> str:
-        """For people."""
+        """Name of the source, for people."""
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
-        """Add what has come, for so long at most."""
+    def pump(self, history: RunHistory, budget_s: float) -> None:
+        """Add messages that have arrived, for at most `budget_s`."""
 
     def live(self) -> Collection[Origin] | None:
-        """Who is there; None where that is long ago."""
+        """Processes that are alive; None for a recording."""
 
 
 class Page:
-    """A context manager: the server stops on exit."""
+    """A page in the browser; a context manager that stops the server on exit."""
 
     def __init__(self, source: Source, host: str, port: int) -> None:
-        """`ConfigError` where nobody can listen there; port 0 is any that is free."""
+        """Start the server; port 0 takes any free port.
+
+        Raises:
+            ConfigError: The address cannot be listened on.
+        """
         port = _free_port(host, port)
         self._source = source
-        with redirect_stdout(StringIO()):  # viser announces itself
+        with redirect_stdout(StringIO()):  # viser prints a banner
             self._server = viser.ViserServer(host=host, port=port, label="legpush", verbose=False)
         self.url = f"http://{host}:{self._server.get_port()}"
         self._server.gui.configure_theme(control_width="medium", show_logo=False, show_share_button=False)
@@ -86,7 +75,7 @@ class Page:
         with panel.add_tab("Plots"):
             self._plots = Plots(self._server)
         panel.dock_left()
-        self.timelines = RunHistory()
+        self.history = RunHistory()
         self.shown: Timeline | None = None
         self._time_shown_at = self._slow_at = monotonic()
         self.player = Player(follows=source.is_live)
@@ -101,7 +90,7 @@ class Page:
             self._server.stop()
 
     def run(self, stop: threading.Event) -> None:
-        """Until `stop`."""
+        """Update the page until `stop` is set."""
         updated_at = monotonic()
         while not stop.is_set():
             began = monotonic()
@@ -110,8 +99,8 @@ class Page:
             stop.wait(max(0.0, PERIOD_S - (monotonic() - began)))
 
     def update(self, seconds: float) -> None:
-        """Take what has come and show it, so long after the last time."""
-        self._source.pump(self.timelines, PUMP_S)
+        """Take new messages and commands and show the present row, `seconds` after the last update."""
+        self._source.pump(self.history, PUMP_S)
         for command in self._panel.commands():
             self.obey(command)
         self._choose()
@@ -120,7 +109,7 @@ class Page:
             self.player.advance(seconds, self.shown, grows=self._source.is_reading)
             row = self.player.row(self.shown)
             if self._server.get_clients():
-                self._scene.show(self.timelines, self.shown, row, follow=self._follows_robot)
+                self._scene.show(self.history, self.shown, row, follow=self._follows_robot)
             if now - self._time_shown_at >= TIME_PERIOD_S:
                 self._time_shown_at = now
                 self._panel.show_time(self.shown, row, self.player)
@@ -129,6 +118,7 @@ class Page:
             self._show_slow()
 
     def _show_slow(self) -> None:
+        """Update plots, episodes and statuses."""
         at_ns = time_ns()
         if self.shown is not None:
             row = self.player.row(self.shown)
@@ -139,11 +129,11 @@ class Page:
         if self.shown is None:
             self._panel.show_waiting(live=self._source.is_live, reading=self._source.is_reading)
         self._show_episodes()
-        self._panel.show_processes(self._source.title, conditions(self.timelines.said, at_ns, live))
+        self._panel.show_processes(self._source.title, conditions(self.history.said, at_ns, live))
 
     def _choose(self) -> None:
-        """Which episode is looked at: the newest of a live run until somebody chooses otherwise."""
-        episodes = self.timelines.episodes
+        """Choose the episode to show: the newest of a live run, until a user chooses another one."""
+        episodes = self.history.episodes
         if not episodes:
             return
         newest = next(reversed(episodes.values()) if self._source.is_live else iter(episodes.values()))
@@ -151,20 +141,22 @@ class Page:
             self._begin(newest)
 
     def _show_episodes(self) -> None:
-        episodes, indices = self.timelines.episodes, self.timelines.indices
+        """List the episodes that a user can choose."""
+        episodes, indices = self.history.episodes, self.history.indices
         if self.shown is not None:
             labels = {key: f"{indices[key]}: simulator {key[0]}" for key in episodes}
             chosen = next(label for key, label in labels.items() if episodes[key] is self.shown)
             self._panel.show_episodes(tuple(labels.values()), chosen)
 
     def _begin(self, timeline: Timeline) -> None:
-        self.shown = self.timelines.held = timeline
+        """Show another episode from its beginning."""
+        self.shown = self.history.held = timeline
         self.player.restart()
         self._scene.begin(timeline)
-        self._scene.show(self.timelines, timeline, self.player.row(timeline), follow=self._follows_robot)
+        self._scene.show(self.history, timeline, self.player.row(timeline), follow=self._follows_robot)
 
     def obey(self, command: PanelCommand) -> None:
-        """Do what somebody wants."""
+        """Carry out the command of a user."""
         if command.name in LAYERS:
             self._scene.show_layer(command.name, bool(command.value))
         elif command.name == FOLLOW_ROBOT:
@@ -177,6 +169,11 @@ class Page:
             self._obey_in_time(command, self.shown)
 
     def _obey_in_time(self, command: PanelCommand, timeline: Timeline) -> None:
+        """Carry out a command that moves the player, or chooses the episode.
+
+        Raises:
+            ConfigError: There is no such command.
+        """
         player = self.player
         self._follows_newest = False
         match command.name:
@@ -197,15 +194,15 @@ class Page:
                 raise ConfigError(f"Expected a command of the page, got {command.name}")
 
     def _begin_chosen(self, index: int) -> None:
-        """An episode that somebody chose; none where it was forgotten meanwhile."""
-        for key, each in self.timelines.indices.items():
+        """Show an episode that a user chose, unless it has been forgotten meanwhile."""
+        for key, each in self.history.indices.items():
             if each == index:
-                self._begin(self.timelines.episodes[key])
+                self._begin(self.history.episodes[key])
                 if self.player.follows:
-                    self.player.play(self.timelines.episodes[key])
+                    self.player.play(self.history.episodes[key])
 
     def _aim(self, command: PanelCommand) -> None:
-        """Of whoever asked for it, and nobody else."""
+        """Aim the camera of the user who asked for it."""
         client = command.client
         if client is None:
             return
@@ -215,7 +212,7 @@ class Page:
             client.camera.look_at = self._from_robot(camera.look_at_m)
 
     def _from_robot(self, point_m: tuple[float, float, float]) -> tuple[float, float, float]:
-        """A point in the frame of the robot, on the floor below it, in that of the page."""
+        """Convert a point from the frame of the robot, on the floor below it, to that of the page."""
         if self.shown is None:
             return point_m
         trunk = self.shown.qpos[self.player.row(self.shown), TRUNK]
@@ -226,7 +223,11 @@ class Page:
 
 
 def _free_port(host: str, port: int) -> int:
-    """The port, or any if it is 0; `ConfigError` where nobody can listen there."""
+    """The port, or any free one if it is 0.
+
+    Raises:
+        ConfigError: The address cannot be listened on.
+    """
     try:
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -235,5 +236,5 @@ def _free_port(host: str, port: int) -> int:
     except OSError as error:
         raise ConfigError(
             f"Expected an address to listen on for --host and --port, got {host}:{port} ({error.strerror}); "
-            "--port 0 takes any port that is free"
+            "--port 0 takes any free port"
         ) from error

@@ -1,4 +1,4 @@
-"""The controls of the page: who does what, where in time we are, and what is shown."""
+"""The controls of the page: the processes and what they do, the moment that is shown, and which layers are visible."""
 
 from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,6 @@ from sim_proc.view.scene import LAYERS
 from sim_proc.view.statuses import Condition
 
 FOLLOW_ROBOT: Final = "follow the robot"
-CAMERAS: Final = ("Behind", "Side", "Top")
 COLORS: Final = {"alive": "#1fa35c", "silent": "#e0a100", "gone": "#b9bec7"}
 WORDS: Final = {"planner": "Planner", "sim": "Simulator", "agent": "Agent"}
 ROW: Final = "display:flex;gap:.5em;align-items:baseline;padding:.12em 0"
@@ -24,8 +23,23 @@ SMALL: Final = "color:#6b7280;font-size:.85em"
 
 
 @dataclass(frozen=True)
+class Viewpoint:
+    """Position of a camera, and the point that it looks at, in the frame of the robot."""
+
+    position_m: tuple[float, float, float]
+    look_at_m: tuple[float, float, float]
+
+
+CAMERAS: Final = {
+    "Behind": Viewpoint((-2.2, -1.4, 1.4), (0.5, 0.0, 0.1)),
+    "Side": Viewpoint((0.4, -2.6, 0.9), (0.4, 0.0, 0.2)),
+    "Top": Viewpoint((-0.05, 0.0, 6.0), (0.0, 0.0, 0.0)),
+}
+
+
+@dataclass(frozen=True)
 class PanelCommand:
-    """What somebody did."""
+    """A command that a user gave."""
 
     name: str
     value: Any = None
@@ -33,10 +47,10 @@ class PanelCommand:
 
 
 class Panel:
-    """What stands there, and what people did there since it was asked last."""
+    """The main panel of the page, and the commands that users gave there."""
 
     def __init__(self, server: viser.ViserServer, *, live: bool) -> None:
-        """All controls, in the main panel of the page; a live run can be followed."""
+        """Create all controls. Only a live run has a button to follow it."""
         self._commands: SimpleQueue[PanelCommand] = SimpleQueue()
         self._gui = gui = server.gui
         self._processes = gui.add_html("")
@@ -52,20 +66,20 @@ class Panel:
             self._live = gui.add_button("Follow live", icon=viser.Icon.LIVE_PHOTO, color="red", visible=live)
             self._on_click(self._live, "live")
             self._jump = gui.add_button_group(
-                "Step", ("|<", "<", ">", ">|"), hint="By a step of the lockstep, or a tick"
+                "Step", ("|<", "<", ">", ">|"), hint="Move by a step of the lockstep, or by a tick"
             )
             self._on_click(self._jump, "jump")
             self._speed = gui.add_dropdown("Speed", tuple(map(speed_label, SPEEDS)), initial_value=speed_label(1.0))
             self._on_update(self._speed, "speed")
         with gui.add_folder("Show"):
-            self._camera = gui.add_button_group("Camera", CAMERAS)
+            self._camera = gui.add_button_group("Camera", tuple(CAMERAS))
             self._on_click(self._camera, "camera")
             self._on_update(gui.add_checkbox("Follow robot", initial_value=True), FOLLOW_ROBOT)
             for name, label in LAYERS.items():
                 self._on_update(gui.add_checkbox(label, initial_value=True), name)
 
     def commands(self) -> list[PanelCommand]:
-        """What people did since the last call, in order."""
+        """Commands that users gave since the last call, in order."""
         done = []
         while True:
             try:
@@ -74,12 +88,12 @@ class Panel:
                 return done
 
     def show_processes(self, title: str, conditions: Sequence[Condition]) -> None:
-        """Who is there, does what, and waits for whom."""
+        """Show what each process does, and which peer it waits for."""
         rows = "".join(map(_process_row, conditions))
         self._set(self._processes, f"<div style='padding:.4em .8em 0'><b>{escape(title)}</b>{rows}</div>")
 
     def show_episodes(self, labels: tuple[str, ...], chosen: str) -> None:
-        """Which episodes there are."""
+        """List the episodes, and mark the chosen one."""
         if labels != self._episode.options:
             self._episode.options = labels
             self._episode.visible = len(labels) > 1
@@ -87,7 +101,7 @@ class Panel:
             self._episode.value = chosen
 
     def show_time(self, timeline: Timeline, row: int, player: Player) -> None:
-        """Where in time we are."""
+        """Show the moment of a row, and whether the player moves."""
         last_s = max(0.02, round(float(timeline.time_s[-1]), 2))
         if self._slider.max != last_s:
             self._slider.max = last_s
@@ -103,14 +117,14 @@ class Panel:
         self._set(self._now, now_html(timeline, row))
 
     def show_waiting(self, *, live: bool, reading: bool) -> None:
-        """That there is nothing to see yet, or at all."""
+        """Say that there is nothing to see yet, or at all."""
         text = "Nothing has moved yet. <code>legpush run</code> in a terminal begins a run."
         if not live:
-            text = "Reading." if reading else "No episode is in it whose beginning, or scenario, was recorded."
+            text = "Reading." if reading else "It has no episode whose beginning or scenario was recorded."
         self._set(self._now, f"<div style='padding:.2em .8em;{SMALL}'>{text}</div>")
 
     def _set(self, handle: Any, content: str) -> None:
-        """Only where it says something else now."""
+        """Set the content of a control if it has changed."""
         if self._shown.get(id(handle)) != content:
             self._shown[id(handle)] = content
             handle.content = content
@@ -122,10 +136,12 @@ class Panel:
         self._listen(handle.on_click, name)
 
     def _listen(self, register: Callable[[Callable[[Any], Coroutine[Any, Any, None]]], object], name: str) -> None:
-        # Viser awaits a coroutine at once, but leaves a function to another thread, in which the control may have been
-        # set to the present time again, and what people chose would be lost.
+        """Queue a command for each event of a control."""
+
+        # Viser awaits a coroutine at once, but runs a function in another thread. By then the control may have been set
+        # to the present time again, and the choice of the user would be lost.
         async def take(event: Any) -> None:
-            # Not what this program set itself, nor what no control of it can say.
+            # Ignore values that this program set itself, and values that the control does not offer.
             if event.client_id is not None and is_possible(event.target):
                 self._commands.put(PanelCommand(name, event.target.value, event.client))
 
@@ -133,7 +149,7 @@ class Panel:
 
 
 def is_possible(handle: Any) -> bool:
-    """Whether a control has a value that people can choose; whoever reaches the port can send others."""
+    """Whether the value of a control is one that it offers. Anyone who reaches the port can send other values."""
     options = getattr(handle, "options", None)
     if options is not None:
         return handle.value in options
@@ -141,17 +157,17 @@ def is_possible(handle: Any) -> bool:
 
 
 def speed_label(speed: float) -> str:
-    """For people."""
+    """A speed, for people."""
     return f"{speed:g} x"
 
 
 def speed_of(label: str) -> float:
-    """What `speed_label` made."""
+    """The speed of a label that `speed_label` made."""
     return float(label.removesuffix(" x"))
 
 
 def now_html(timeline: Timeline, row: int) -> str:
-    """What goes on at a row, and how far the box is."""
+    """The motion at a row, the error of the box, and the reward."""
     step = timeline.step_at(row)
     error_m, angle_rad = timeline.box_error(slice(row, row + 1))[0]
     lines = [
@@ -182,7 +198,7 @@ def _process_row(condition: Condition) -> str:
     if condition.health == "gone":
         said = "not there" if not said else f"gone; last: {said}"
     elif not said:
-        said = "there, says nothing"
+        said = "there, but silent"
     waiting = f" &middot; <b style='color:#b45309'>waits for {escape(condition.waiting_for)}</b>"
     return (
         f"<div style='{ROW}' data-process='{condition.role}' data-health='{condition.health}'>"

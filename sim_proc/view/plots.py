@@ -1,4 +1,4 @@
-"""The plots of the page: the whole episode, with a line at the present moment."""
+"""The plots of the page: curves of a whole episode, with a line at the moment that is shown."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from legpush.arrays import Floats, Indices
 from legpush.history.timeline import Timeline
 
 MAX_POINTS: Final = 400
-"""Of a curve; more would not be seen."""
+"""Most points of a curve. More could not be seen."""
 HEIGHT: Final = 120
-"""Pixels."""
+"""Height of a plot in pixels."""
 FONT: Final = "11px sans-serif"
 NOW_GREY: Final = "#6b7280"
 
@@ -25,11 +25,11 @@ class Curve:
     label: str
     color: str
     scale: str = "y"
-    """`y` on the left, `y2` on the right."""
+    """The axis: `y` on the left or `y2` on the right."""
 
 
 def rewards(timeline: Timeline, rows: Indices) -> Floats:
-    """What the step that led to each row earned; 0 of one that is not known to have earned anything."""
+    """Reward of the step that led to each row; 0 if none is known."""
     starts = np.array([step.first_row for step in timeline.steps])
     earned = np.array([timeline.rewards.get(step.number, 0.0) for step in timeline.steps])
     found: Floats = earned[np.searchsorted(starts, rows, side="right") - 1]
@@ -37,30 +37,30 @@ def rewards(timeline: Timeline, rows: Indices) -> Floats:
 
 
 def chosen_rows(n_rows: int) -> Indices:
-    """At most `MAX_POINTS` rows, the first and the last among them."""
+    """At most `MAX_POINTS` rows, including the first and the last."""
     return np.unique(np.linspace(0, n_rows - 1, min(n_rows, MAX_POINTS)).round().astype(np.intp))
 
 
 def box_errors(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
-    """Position [cm] and angle [deg]."""
+    """Errors of the box in position [cm] and angle [deg]."""
     error = timeline.box_error(rows)
     return 100.0 * error[:, 0], np.degrees(error[:, 1])
 
 
 def trunk_angles(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
-    """Roll and pitch [deg]."""
+    """Roll and pitch of the trunk [deg]."""
     angles = np.degrees(timeline.roll_pitch_rad[rows])
     return angles[:, 0], angles[:, 1]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Plot:
-    """What is drawn over simulated time."""
+    """A plot over simulated time."""
 
     title: str
     curves: tuple[Curve, ...]
     values: Callable[[Timeline, Indices], tuple[Floats, ...]]
-    """Of each curve at some rows; NaN where nothing is known."""
+    """A function to the values of each curve at some rows; unknown values are NaN."""
 
 
 PLOTS: Final = (
@@ -88,10 +88,10 @@ PLOTS: Final = (
 
 
 class Plots:
-    """All of them, in the current container of the page."""
+    """All plots, in the current container of the page."""
 
     def __init__(self, server: viser.ViserServer) -> None:
-        """Empty."""
+        """Create empty plots."""
         nothing = np.zeros(1)
         self._handles: list[Any] = []
         self._drawn: object = None
@@ -114,7 +114,7 @@ class Plots:
             self._handles.append(handle)
 
     def show(self, timeline: Timeline, row: int) -> None:
-        """Draw them with the present at a row."""
+        """Draw a timeline, with the line of the present at a row."""
         source = (id(timeline), timeline.n_rows, len(timeline.rewards), row)
         if source == self._drawn:
             return
@@ -129,6 +129,6 @@ class Plots:
 
 
 def begun(values: Floats) -> Floats:
-    """A curve whose first value is a number, if any is: charts find no scale for one that begins with none."""
+    """Put the first known value at the beginning of a curve, because charts find no scale if it begins with NaN."""
     known = values[np.isfinite(values)]
     return np.concatenate([known[:1], values[1:]]) if len(known) else values

@@ -1,4 +1,4 @@
-"""The scene of the page: bodies, and what is drawn beside them, in handles that are updated and seldom made anew."""
+"""The scene of the page: bodies, lines and arrows, in handles that are updated and seldom recreated."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ from sim_proc.view.bodies import Bodies
 Rgb = tuple[int, int, int]
 
 WORLD: Final = "/world"
-"""Frame of everything; it moves where the view follows the robot."""
+"""Frame of everything. It moves while the view follows the robot."""
 FLOOR: Final[Rgb] = (233, 236, 240)
 TREE_GREY: Final[Rgb] = (150, 165, 185)
 TRUNK_GREEN: Final[Rgb] = (24, 140, 80)
@@ -35,31 +35,31 @@ LAYERS: Final = {
     "forces": "Forces",
     "support": "Support, ZMP",
 }
-"""What can be hidden."""
+"""Layers that can be hidden, and their labels."""
 SHORTEST_M: Final = 0.005
-"""Arrows that are shorter are not seen."""
+"""Shorter arrows are hidden."""
 BELOW_M: Final = -100.0
-"""Where they are kept meanwhile."""
+"""Height at which hidden arrows are kept."""
 SMOOTHING: Final = 0.15
-"""Of the place that the view follows, per update."""
+"""Share of the way to the robot that the view moves per update."""
 
 
 class Scene:
-    """What is drawn of one timeline; call it from one thread."""
+    """Draws one timeline. All calls must come from one thread."""
 
     def __init__(self, server: viser.ViserServer) -> None:
-        """An empty scene."""
+        """Set up an empty scene with its lights."""
         self._server = server
         self._bodies: Bodies | None = None
         self._handles: dict[str, list[Any]] = {}
         self._poses: dict[str, tuple[bytes, bytes]] = {}
         self._drawn: dict[str, object] = {}
-        """Of each thing that changes seldom: what it was drawn from."""
+        """Key of the data that each seldom changing part was drawn from."""
         self._layers: dict[str, Any] = {}
         self._shown = dict.fromkeys(LAYERS, True)
         self._centre_m: Floats | None = None
         server.scene.set_up_direction("+z")
-        # The default surroundings, a photograph that lights everything, cost a page without a GPU most of its time.
+        # A page without a GPU would spend most of its time on the default environment map, a photograph as light.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(enabled=False)
         server.scene.add_light_ambient("/sky", intensity=1.5)
@@ -74,7 +74,7 @@ class Scene:
             self._layers[name].visible = shown
 
     def begin(self, timeline: Timeline) -> None:
-        """Draw another episode from now on."""
+        """Begin to draw another episode."""
         scene = self._server.scene
         with self._server.atomic():
             for handle in [*(each for some in self._handles.values() for each in some), *self._layers.values()]:
@@ -108,13 +108,13 @@ class Scene:
                 self._layers[name].visible = shown
             self._add_fast_overlays()
 
-    def show(self, timelines: RunHistory, timeline: Timeline, row: int, *, follow: bool) -> None:
+    def show(self, history: RunHistory, timeline: Timeline, row: int, *, follow: bool) -> None:
         """Draw a row."""
         with self._server.atomic():
             self._move_bodies(timeline, row)
             self._follow(timeline.qpos[row, TRUNK][:2] if follow else np.zeros(2))
             self._show_push(timeline, row)
-            self._show_paths(timelines, timeline, row)
+            self._show_paths(history, timeline, row)
             self._box_trace(timeline, row)
             for layer, show in (
                 ("traces", self._show_traces),
@@ -128,6 +128,7 @@ class Scene:
         self._server.flush()
 
     def _move_bodies(self, timeline: Timeline, row: int) -> None:
+        """Move the bodies to their poses at a row, and hide obstacles that have not appeared yet."""
         if self._bodies is None:
             return
         positions, quaternions = self._bodies.poses(timeline.qpos[row])
@@ -144,14 +145,14 @@ class Scene:
                     handle.visible = self._bodies.is_there(body, appeared, timeline.tick[row])
 
     def _follow(self, centre_m: Floats) -> None:
-        """Move the world instead of the cameras, which are the users'."""
+        """Follow a place by moving the world. The cameras belong to the users."""
         before = self._centre_m
         self._centre_m = centre_m if before is None else before + SMOOTHING * (centre_m - before)
         if before is None or np.abs(self._centre_m - before).max() > 1e-5:
             self._world.position = (-self._centre_m[0], -self._centre_m[1], 0.0)
 
     def _add_fast_overlays(self) -> None:
-        """What changes with every row, in handles of a fixed size."""
+        """Create the parts that change with every row, in handles of a fixed size."""
         scene, nothing = self._server.scene, np.zeros((4, 2, 3), dtype=np.float32)
         n_trail = overlays.TRAIL_ROWS // overlays.TRAIL_STRIDE
         self._forces = scene.add_arrows(
@@ -199,7 +200,7 @@ class Scene:
                 handle.position = (float(point[0]), float(point[1]), 0.02)
 
     def _show_push(self, timeline: Timeline, row: int) -> None:
-        """The curve of the push that goes on."""
+        """Draw the curve of the push at a row."""
         step = timeline.step_at(row)
         with self._redrawn("curve", (id(timeline), step.number)) as draw:
             curve = overlays.push_curve(timeline, step) if draw else None
@@ -210,9 +211,10 @@ class Scene:
             elif draw:
                 self._forget("curve/curve", "curve/polygon", "curve/points")
 
-    def _show_paths(self, timelines: RunHistory, timeline: Timeline, row: int) -> None:
+    def _show_paths(self, history: RunHistory, timeline: Timeline, row: int) -> None:
+        """Draw the plans that exist at a row, and the path that is followed."""
         for kind, color in (("trunk", TRUNK_GREEN), ("box", BOX_PURPLE)):
-            plan = overlays.plan_at(timelines, timeline, row, kind)
+            plan = overlays.plan_at(history, timeline, row, kind)
             with self._redrawn(f"{kind} plan", id(plan)) as draw:
                 if draw:
                     tree = None if plan is None else overlays.plan_tree(plan)
@@ -234,7 +236,7 @@ class Scene:
 
     @contextmanager
     def _redrawn(self, what: str, source: object) -> Iterator[bool]:
-        """Whether something has to be drawn anew, since it comes from something else now."""
+        """Yield whether a part has to be redrawn because its source has changed."""
         yield self._drawn.get(what) != source
         self._drawn[what] = source
 

@@ -1,4 +1,4 @@
-"""Where the page's timelines come from: a recording, or a run that goes on."""
+"""Sources of the history that the page shows: a recording, or a live run."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -19,18 +19,22 @@ from legpush.scene.scenario import Scenario
 from sim_proc.view.listener import Listener
 
 LOOK_S: Final = 0.3
-"""Launchers are looked for this often."""
+"""Time between two searches for the next run."""
 KEEP_EPISODES: Final = 100
-"""Of a live run, however long it lasts."""
+"""Most episodes of live runs to keep; the oldest are forgotten."""
 
 
 class RecordedSource:
-    """All messages of a recording that are as they were recorded; a context manager as the others are."""
+    """The undamaged messages of a recording; a context manager, like `LiveSource`."""
 
     is_live = False
 
     def __init__(self, files: Sequence[Path]) -> None:
-        """`RecordingError` where it cannot be read."""
+        """Open a recording.
+
+        Raises:
+            RecordingError: It cannot be read.
+        """
         recording = read_recording(files)
         self.title = f"Recording {', '.join(path.name for path in files)}"
         self.is_reading = True
@@ -43,37 +47,41 @@ class RecordedSource:
     def __exit__(self, *_: object) -> None:
         return None
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
-        """Add messages for so long at most."""
-        timelines.scenario = self._scenario
+    def pump(self, history: RunHistory, budget_s: float) -> None:
+        """Add messages, for at most `budget_s`."""
+        history.scenario = self._scenario
         until = monotonic() + budget_s
         for message in self._left:
-            timelines.take_message(message.topic, message.origin, message.copy)
+            history.take_message(message.topic, message.origin, message.copy)
             if monotonic() >= until:
                 return
         self.is_reading = False
 
     def live(self) -> list[Origin] | None:
-        """Nobody is there any more."""
+        """None: the processes of a recording are long gone."""
         return None
 
 
 def _scenario(recording: Recording) -> Scenario | None:
-    """The one among its files; None where there is none that can be read."""
+    """The scenario attached to a recording; None if it has none that can be read."""
     try:
         return scenario_of(recording)
-    except RecordingError:  # it is damaged; most episodes bring their own
+    except RecordingError:  # damaged; most episodes have their own
         return None
 
 
 class LiveSource:
-    """The run that goes on, or the next one that begins; when it is over, the one after it."""
+    """The live run, or the next one to begin. When a run is over, it goes on with the one after it."""
 
     is_live = True
     is_reading = False
 
     def __init__(self, run: str | None, connect: tuple[str, ...]) -> None:
-        """What the command line says; `ConfigError` where several runs are meant."""
+        """Choose a run by its name, or by endpoints to connect to.
+
+        Raises:
+            ConfigError: Several runs are possible, or `run` is not a valid name.
+        """
         self._run = run
         self._connect = connect
         self._watched = choose_run(run, connect)
@@ -89,33 +97,34 @@ class LiveSource:
 
     @property
     def title(self) -> str:
-        """For people."""
+        """Name of the source, for people."""
         return f"Run {self._watched.run}"
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
-        """Add what has come, for so long at most; look for the next run where this one is over."""
-        self._listener.pump(timelines, budget_s)
-        timelines.keep_newest(KEEP_EPISODES)
+    def pump(self, history: RunHistory, budget_s: float) -> None:
+        """Add messages that have arrived, for at most `budget_s`, and go on with the next run if this one is over."""
+        self._listener.pump(history, budget_s)
+        history.keep_newest(KEEP_EPISODES)
         if monotonic() - self._looked_at >= LOOK_S and not self._connect:
             following = self._next_run()
             self._looked_at = monotonic()
             if following is not None:
                 self._open.close()
                 self._watched = following
-                timelines.said.clear()
-                timelines.scenario = None
+                history.said.clear()
+                history.scenario = None
                 self._attach()
 
     def live(self) -> list[Origin]:
-        """Who is there."""
+        """Processes of the run that are alive."""
         return self._listener.live()
 
     def _attach(self) -> None:
+        """Listen to the chosen run."""
         bus = Bus(self._watched.run, "recorder", f"view-{token_hex(3)}", self._watched.endpoints)
         self._listener = self._open.enter_context(Listener(self._open.enter_context(bus)))
 
     def _next_run(self) -> ChosenRun | None:
-        """Another one that has begun, where nobody of this one is there."""
+        """Another run that has begun, if no process of this one is alive."""
         if self._watched.launched in find_live_runs() or any(peer.role != "launcher" for peer in self.live()):
             return None
         try:

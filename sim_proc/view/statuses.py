@@ -1,4 +1,4 @@
-"""How the processes of a run are doing at some time, as people are told."""
+"""Human-readable state of each process of a run at a given time."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -9,28 +9,29 @@ from legpush.messages.common import ROLES, Role
 from legpush.messages.telemetry import Origin
 
 SILENT_S: Final = 3.0
-"""Statuses come at least once a second; whoever said nothing for this long is not well."""
+"""A process without a status for this long counts as silent. Statuses come at least once a second."""
 
 Health = Literal["alive", "silent", "gone"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """Of one process."""
+    """State of one process."""
 
     role: Role
     name: str
     health: Health
-    """`silent`: it is there, but says nothing. `gone`: it is not there, or was not seen yet."""
+    """`silent`: alive, but without a recent status. `gone`: not alive, or not seen yet."""
     phase: str = ""
     detail: str = ""
     waiting_for: str = ""
 
 
 def conditions(said: Sequence[Said], time_ns: int, live: Collection[Origin] | None) -> list[Condition]:
-    """Of every process that was heard up to a time, and of each role at least one; `live` are those that are there now.
+    """State of every process that was heard up to a time, with at least one process of each role.
 
-    Without `live`, as in a recording, whoever said nothing for `SILENT_S` before that time is gone.
+    `live` are the processes that are alive now. Without it, as in a recording, a process without a status in the last
+    `SILENT_S` before that time is gone.
     """
     last: dict[tuple[Role, str], Said] = {}
     for each in said:

@@ -17,7 +17,8 @@ from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.occupancy import occupancy_grid
 from legpush.scene.scenario import Rectangle, Room, Smoothing
 from planner_proc.clearance.field import ClearanceField
-from tests.planner.test_box_plan import OPEN, SIDES, check, pose, query
+from tests.planner.boxes import OPEN, SIDES, check, query
+from tests.planner.maps import pose
 
 FOLDER = Path(__file__).parents[2] / "examples"
 CLEARANCE_M = 0.4

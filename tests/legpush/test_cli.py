@@ -12,7 +12,19 @@ from legpush import cli
 from legpush.options.run import RunOptions
 from legpush.scenarios.file import load_scenario, scenario_names
 
-HEAVY = ("numpy", "zenoh", "mujoco", "ompl", "torch", "matplotlib", "mcap", "PIL", "yaml", "rich.live", "legpush.bus.bus")
+HEAVY = (
+    "numpy",
+    "zenoh",
+    "mujoco",
+    "ompl",
+    "torch",
+    "matplotlib",
+    "mcap",
+    "PIL",
+    "yaml",
+    "rich.live",
+    "legpush.bus.bus",
+)
 
 
 def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -90,7 +102,7 @@ def test_the_version_is_that_of_the_package() -> None:
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
         (
             ["run", "--planner-command", "no-such-planner"],
-            "begins with a program, got 'no-such-planner', which is none",
+            "begins with a program, got 'no-such-planner', which is not one",
         ),
         (
             ["run", "--planner-command", "'"],
@@ -101,7 +113,7 @@ def test_the_version_is_that_of_the_package() -> None:
         (["scenarios", "copy", "default", "full/file"], "error: full/file: expected a new file"),
         (
             ["map", "show", "map.pgm"],
-            "error: map.pgm: expected a map with its scale: of an image, its .yaml or",
+            "error: map.pgm: expected a map with its scale; for an image, name its .yaml or",
         ),
         (["map", "show", "map.csv", "--cell-m", "1"], "map.csv: expected --cell-m and --first-row, which a .csv file"),
         (["map", "show", "map.npy", "--first-row", "top"], "map.npy: expected --cell-m and --first-row, which a .npy"),

@@ -36,6 +36,10 @@ def room(*blocks: tuple[float, float, float, float], size_m: tuple[float, float]
     return grid(cells)
 
 
+MAZE = room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
+"""Two walls between (1, 1) and (7, 5)."""
+
+
 def gate(width_m: float) -> OccupancyGrid:
     """Two halves of a room, 20 by 10 m in cells of 0.02 m, joined by a gate at (10, 5)."""
     cells = np.zeros((500, 1000), dtype=np.bool_)

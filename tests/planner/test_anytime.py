@@ -11,16 +11,15 @@ from legpush.scene.names import PlannerName
 from legpush.scene.scenario import Anytime, Rectangle
 from planner_proc.planning import make_plan, make_plans
 from tests.planner import maps
-from tests.planner.test_box_plan import OPEN, pose
-from tests.planner.test_box_plan import query as box_query
+from tests.planner.boxes import OPEN
+from tests.planner.boxes import query as box_query
 
-MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
 PLANNERS: tuple[PlannerName, ...] = get_args(PlannerName)
 
 
 def asked(planner: PlannerName, **changes: Any) -> PlanQuery:
     anytime = Anytime(n_improvements=4, improvement_iterations=400)
-    return maps.query(MAZE, (1.0, 1.0), (7.0, 5.0), planner=planner, **({"anytime": anytime} | changes))
+    return maps.query(maps.MAZE, (1.0, 1.0), (7.0, 5.0), planner=planner, **({"anytime": anytime} | changes))
 
 
 @pytest.mark.parametrize("planner", PLANNERS)
@@ -32,7 +31,7 @@ def test_each_revision_is_at_least_as_good_and_equal_queries_get_equal_ones(plan
     assert lengths_m == sorted(lengths_m, reverse=True)
     for plan in revisions:
         path = maps.samples(maps.positions(plan), 0.02)
-        assert maps.true_clearance(MAZE, path).min() >= maps.CLEARANCE_M - 1e-7
+        assert maps.true_clearance(maps.MAZE, path).min() >= maps.CLEARANCE_M - 1e-7
     assert list(make_plans(asked(planner), lambda: False)) == revisions
 
 
@@ -80,6 +79,6 @@ def test_a_search_stops_when_it_is_interrupted(planner: PlannerName) -> None:
 
 def test_a_search_for_a_path_of_the_box_stops_too() -> None:
     wall = Rectangle(x_min_m=3.9, x_max_m=4.1, y_min_m=0.0, y_max_m=8.0)
-    query = box_query(replace(OPEN, obstacles=(wall,)), pose(2.5, 4.0), pose(5.5, 4.0))
+    query = box_query(replace(OPEN, obstacles=(wall,)), maps.pose(2.5, 4.0), maps.pose(5.5, 4.0))
     with pytest.raises(PlanningInterruptedError):
         list(make_plans(query, lambda: True))

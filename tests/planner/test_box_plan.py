@@ -1,113 +1,23 @@
 """Paths of the box: forward only, with a minimum turning radius, and clear of everything with box and robot."""
 
-from itertools import groupby, pairwise
-from math import hypot, pi
-from typing import Any
+from math import pi
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.geometry import Pose2, wrap_angle
-from legpush.messages.planning import BoxPathQuery, Plan, PushSide
-from legpush.scene.footprints import Footprint, distance_m, distance_to_border_m, obstacle_footprint
-from legpush.scene.occupancy import occupancy_grid
+from legpush.arrays import Flags, Floats
+from legpush.geometry import Pose2
+from legpush.messages.planning import BoxPathQuery
+from legpush.plans.planner import Interrupted
 from legpush.scene.scenario import Rectangle, Room
 from planner_proc import box_plan
+from planner_proc.box.footprint_field import FootprintField
 from planner_proc.box.pushes import Pushes
-from planner_proc.box.search import Found
-from planner_proc.box.walking_space import WalkingSpace
-from planner_proc.clearance.field import ClearanceField
+from planner_proc.box.search import Found, search
 from planner_proc.planning import make_plan
-
-RADIUS_M = 0.7
-CLEARANCE_M = 0.05
-WALK_M = 0.4
-
-
-def pose(x_m: float, y_m: float, yaw_rad: float = 0.0) -> Pose2:
-    return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
-
-
-def side(turn_rad: float, length_m: float, width_m: float, axle_m: float = 0.15) -> PushSide:
-    """A face with the robot behind it, and the place from which it comes."""
-    behind = axle_m - length_m / 2
-    return PushSide(
-        frame=pose(0.0, 0.0, turn_rad) @ pose(-axle_m, 0.0),
-        min_turning_radius_m=RADIUS_M,
-        footprints=(
-            Footprint(pose=pose(axle_m, 0.0), length_m=length_m, width_m=width_m),
-            Footprint(pose=pose(behind - 0.42, 0.0), length_m=0.76, width_m=0.44),
-        ),
-        stand_off=pose(behind - 0.75, 0.0),
-    )
-
-
-SIDES = (side(0.0, 0.4, 0.5), side(pi / 2, 0.5, 0.4), side(pi, 0.4, 0.5), side(-pi / 2, 0.5, 0.4))
-
-
-def query(room: Room, start: Pose2, goal: Pose2, **changes: Any) -> BoxPathQuery:
-    fields: dict[str, Any] = {
-        "sides": SIDES,
-        "present_side": None,
-        "box": Footprint(pose=pose(0.0, 0.0), length_m=0.4, width_m=0.5),
-        "walk_clearance_m": WALK_M,
-        "side_change_m": 0.5,
-        "clearance_m": CLEARANCE_M,
-        "run_in_m": 0.4,
-        "position_tolerance_m": 0.01,
-        "angle_tolerance_rad": 0.02,
-        "seed": 1,
-        "max_iterations": 1500,
-        "goal_bias": 0.1,
-        "step_m": 1.0,
-    }
-    return BoxPathQuery(grid=occupancy_grid(room), start=start, goal=goal, **(fields | changes))
-
-
-def check(asked: BoxPathQuery, room: Room, plan: Plan) -> None:
-    """All that an exact plan promises, by other means than the planner's."""
-    assert plan.status == "exact", plan.reason
-    assert len(plan.sides) == len(plan.waypoints)
-    first, last = plan.waypoints[0], plan.waypoints[-1]
-    assert first.xy() == pytest.approx(asked.start.xy())
-    assert hypot(*(last.xy() - asked.goal.xy())) <= asked.position_tolerance_m + 1e-9
-    assert abs(wrap_angle(last.yaw_rad - asked.goal.yaw_rad)) <= asked.angle_tolerance_rad + 1e-9
-    length_m = 0.0
-    for (side_a, a), (side_b, b) in pairwise(zip(plan.sides, plan.waypoints, strict=True)):
-        if side_a != side_b:
-            assert [*b.xy(), b.yaw_rad] == pytest.approx([*a.xy(), a.yaw_rad]), "it stays while the robot changes sides"
-            continue
-        frame = asked.sides[side_b].frame
-        moved = (a @ frame).inverse() @ (b @ frame)
-        step_m = hypot(moved.x_m, moved.y_m)
-        length_m += step_m
-        assert moved.x_m >= -1e-9
-        assert abs(moved.y_m) <= step_m**2 / RADIUS_M + 1e-9, "it does not slip sideways"
-        assert abs(moved.yaw_rad) <= 1.01 * step_m / RADIUS_M + 1e-9
-        assert step_m < 0.03
-    assert length_m == pytest.approx(plan.length_m, rel=1e-3, abs=1e-6)
-    least_m = min(clearances(asked, room, plan))
-    assert least_m >= CLEARANCE_M - 1e-6
-    assert least_m >= plan.min_clearance_m - 1e-6
-
-
-def clearances(asked: BoxPathQuery, room: Room, plan: Plan) -> list[float]:
-    """Of every footprint at every waypoint, to walls and obstacles."""
-    found = []
-    for index, waypoint in zip(plan.sides, plan.waypoints, strict=True):
-        for footprint in asked.sides[index].footprints:
-            placed = replace(footprint, pose=waypoint @ asked.sides[index].frame @ footprint.pose)
-            found.append(distance_to_border_m(placed.corners(), room))
-            found += [distance_m(placed, obstacle_footprint(obstacle)) for obstacle in room.obstacles]
-    return found
-
-
-def faces(plan: Plan) -> list[int]:
-    return [index for index, _ in groupby(plan.sides)]
-
-
-OPEN = Room(size_m=(8.0, 8.0))
+from tests.planner.boxes import OPEN, RADIUS_M, SIDES, check, faces, query, side
+from tests.planner.maps import pose
 
 
 @pytest.mark.parametrize(
@@ -200,36 +110,6 @@ def test_a_robot_that_cannot_walk_around_the_box_changes_no_side() -> None:
     assert make_plan(query(hall, pose(3.0, 1.3), pose(2.0, 1.3), present_side=0)).status == "exact"
 
 
-def test_a_way_around_the_box_is_found_beyond_its_neighbourhood() -> None:
-    walls = (Rectangle(x_min_m=0.0, x_max_m=6.8, y_min_m=1.8, y_max_m=2.0),)
-    room = Room(size_m=(8.0, 3.0), obstacles=walls)
-    space = WalkingSpace(occupancy_grid(room), ClearanceField(occupancy_grid(room)), WALK_M)
-    box = Footprint(pose=pose(3.0, 0.9), length_m=0.4, width_m=0.5)
-    behind, ahead, above = (pose(x_m, y_m).xy() for x_m, y_m in ((1.5, 0.9), (4.5, 0.9), (1.5, 2.5)))
-
-    assert not space.joins(behind[None], ahead, box)
-    assert space.joins(ahead[None], above, box)
-    assert space.joins(np.stack([behind, ahead]), above, box)
-    assert not space.joins(ahead[None], pose(9.0, 0.9).xy(), box)
-
-
-@pytest.mark.parametrize(("n_refused", "status"), [(1, "exact"), (2, "exact"), (3, "failed")])
-def test_a_path_that_does_not_keep_its_clearance_exactly_is_searched_for_again_with_more(
-    n_refused: int, status: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    judged, extra_m = box_plan._judged, []
-
-    def strict(found: Found, pushes: Pushes, n_iterations: int) -> Plan | None:
-        extra_m.append(pushes.extra_m)
-        return judged(found, pushes, n_iterations) if len(extra_m) > n_refused else None
-
-    monkeypatch.setattr(box_plan, "_judged", strict)
-    plan = make_plan(query(OPEN, pose(4.0, 4.0), pose(6.0, 4.0)))
-
-    assert plan.status == status
-    assert extra_m == [0.05 * cells for cells in box_plan.EXTRA_CLEARANCE_CELLS[: n_refused + 1]]
-
-
 def test_a_goal_that_the_robot_has_to_come_close_to_is_pushed_into_by_less_than_the_run_in() -> None:
     obstacles = (Rectangle(x_min_m=3.4, x_max_m=3.75, y_min_m=5.75, y_max_m=6.55),)
     room = Room(size_m=(8.0, 8.0), obstacles=obstacles)
@@ -251,3 +131,25 @@ def test_a_tree_leads_from_the_start_and_holds_no_more_nodes_than_a_plan_may() -
     assert plan.tree.parents[0] == 0
     assert all(parent < index for index, parent in enumerate(plan.tree.parents) if index)
     assert 0 < plan.n_iterations <= 400
+
+
+@pytest.mark.parametrize(("n_refused", "status"), [(1, "exact"), (2, "exact"), (3, "failed")])
+def test_a_path_that_does_not_keep_its_clearance_exactly_is_searched_for_again_with_more(
+    n_refused: int, status: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    extra_m, free = [], FootprintField.free
+
+    def observed(query: BoxPathQuery, pushes: Pushes, interrupted: Interrupted) -> Found:
+        extra_m.append(pushes.extra_m)
+        return search(query, pushes, interrupted)
+
+    def strict(field: FootprintField, poses: Floats, clearance_m: float) -> Flags:
+        is_refused = len(poses) > 1 and len(extra_m) <= n_refused
+        return np.zeros(len(poses), dtype=np.bool_) if is_refused else free(field, poses, clearance_m)
+
+    monkeypatch.setattr(box_plan, "search", observed)
+    monkeypatch.setattr(FootprintField, "free", strict)
+    plan = make_plan(query(OPEN, pose(4.0, 4.0), pose(6.0, 4.0)))
+
+    assert plan.status == status
+    assert extra_m == [0.05 * cells for cells in box_plan.EXTRA_CLEARANCE_CELLS[: n_refused + 1]]

@@ -19,8 +19,7 @@ from planner_proc.planning import make_plan
 from tests.planner import maps
 
 PLANNERS: tuple[PlannerName, ...] = ("rrt", "rrt_connect", "rrt_star")
-MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
-QUERY = maps.query(MAZE, (1.0, 1.0, -1.0), (7.0, 5.0, 2.0))
+QUERY = maps.query(maps.MAZE, (1.0, 1.0, -1.0), (7.0, 5.0, 2.0))
 U_TRAP = maps.room((4.5, 4.9, 1.5, 4.5), (2.5, 4.9, 1.5, 1.9), (2.5, 4.9, 4.1, 4.5))
 
 
@@ -184,7 +183,7 @@ def test_a_gate_just_wider_than_needed_is_passed_and_one_just_narrower_is_not() 
 
 @pytest.mark.parametrize("goal", [(1.0, 1.0, 2.0), (1.0 + 1e-8, 1.0, 2.0)])
 def test_a_goal_at_the_start_is_a_turn_on_the_spot(goal: tuple[float, float, float]) -> None:
-    plan = make_plan(maps.query(MAZE, (1.0, 1.0, -1.0), goal))
+    plan = make_plan(maps.query(maps.MAZE, (1.0, 1.0, -1.0), goal))
     assert plan.status == "exact"
     assert [waypoint.yaw_rad for waypoint in plan.waypoints] == [-1.0, 2.0]
     assert plan.length_m == 0.0
@@ -195,7 +194,7 @@ def test_a_goal_at_the_start_is_a_turn_on_the_spot(goal: tuple[float, float, flo
 @pytest.mark.parametrize("distance_m", [1e-5, 1e-3, 0.03, 0.2])
 def test_a_goal_next_to_the_start_is_reached_straight(distance_m: float) -> None:
     for planner in PLANNERS:
-        query = maps.query(MAZE, (1.0, 1.0), (1.0 + distance_m, 1.0), planner=planner, max_iterations=200)
+        query = maps.query(maps.MAZE, (1.0, 1.0), (1.0 + distance_m, 1.0), planner=planner, max_iterations=200)
         plan = make_plan(query)
         assert plan.status == "exact"
         check(query, plan)
@@ -203,7 +202,7 @@ def test_a_goal_next_to_the_start_is_reached_straight(distance_m: float) -> None
 
 
 def test_a_start_and_goal_exactly_at_the_clearance_are_good() -> None:
-    query = maps.query(MAZE, (1.0, 0.4), (7.0, 5.6), clearance_m=0.4)
+    query = maps.query(maps.MAZE, (1.0, 0.4), (7.0, 5.6), clearance_m=0.4)
     plan = make_plan(query)
     assert plan.status == "exact"
     check(query, plan)
@@ -258,7 +257,7 @@ def test_what_cannot_be_planned_is_invalid_and_says_why(changes: dict[str, Any],
     ],
 )
 def test_a_map_that_is_none_is_invalid_and_says_why(changes: dict[str, Any], reason: str) -> None:
-    assert_invalid(msgspec.structs.replace(QUERY, grid=msgspec.structs.replace(MAZE, **changes)), reason)
+    assert_invalid(msgspec.structs.replace(QUERY, grid=msgspec.structs.replace(maps.MAZE, **changes)), reason)
 
 
 def assert_invalid(query: PlanQuery, reason: str) -> None:

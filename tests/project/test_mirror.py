@@ -7,7 +7,7 @@ import pytest
 
 MIRRORED = {"shared/legpush": "legpush"}
 """Package to the folder of its tests."""
-ROW = re.compile(r"^\| `(?P<module>[\w/]+\.py)` \| (?P<covered_by>.+) \|$", re.MULTILINE)
+ROW = re.compile(r"^\| `(?P<module>(?!\S*/test_)[\w/]+\.py)` \| (?P<covered_by>.+) \|$", re.MULTILINE)
 
 
 @pytest.fixture(scope="module")

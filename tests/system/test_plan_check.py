@@ -51,7 +51,7 @@ def test_the_built_in_planner_passes_all_checks(tmp_path: Path) -> None:
         ("answers twice", "answers once", "it answers a request twice that was sent once"),
         ("invents fields", "plans: open floor", "no valid answer within 2 s; what came: "),
         ("ignores a cancel", "is cancelled", "no last answer within 2 s to a request that was cancelled"),
-        ("takes a restarted client for the old one", "anew", "a client that was started anew: no answer within 2 s"),
+        ("takes a restarted client for the old one", "restarted", "a client that was restarted: no answer within 2 s"),
         ("skips a revision", "better plans", "its revisions are [0, 2, 3], expected 0 to 3 in order"),
         ("never is done", "better plans", "after revision 2, which is not final: no answer within 2 s"),
         ("gets worse", "better plans", "revision 1 is longer than the one before it"),
@@ -90,7 +90,7 @@ def test_the_example_without_a_fault_passes_the_same_checks() -> None:
     [
         (["plan-check"], "Expected the planner's command after `--`: legpush plan-check"),
         (["plan-check", "--"], "Expected the planner's command after `--`"),
-        (["plan-check", "--", "no-such-planner"], "got 'no-such-planner', which is none"),
+        (["plan-check", "--", "no-such-planner"], "got 'no-such-planner', which is not one"),
         (["plan-check", "--deadline", "0", "--", "true"], "more than 0 seconds for --deadline, got 0.0"),
         (["plan-check", "--only", "poetry", "--", "true"], "Expected a part of the name of a check for --only"),
     ],

@@ -20,7 +20,7 @@ from legpush.recording.mcap_file.reader import read_recording
 
 
 def branch(options: BranchOptions) -> int:
-    """Run it; the exit code of the mission."""
+    """Run the branch, and return the exit code of the mission."""
     at = parse_point(options.at)
     recording = read_recording(options.files)
     RecordedPast(recording, at)
@@ -56,14 +56,14 @@ def branch(options: BranchOptions) -> int:
 
 
 def default_file(options: BranchOptions) -> Path:
-    """Where the new recording goes: beside the old one, under a name that is free."""
+    """Return a free file name beside the old recording."""
     first, at = options.files[0], parse_point(options.at)
     file = first.with_name(f"{first.stem}-branch-{at.episode}-{at.step}{first.suffix}")
     return next_file(file) if file.exists() else file
 
 
 def again(options: BranchOptions, folder: Path) -> str:
-    """The command that goes on with an interrupted branch; what it records is a file of its own."""
+    """Return the command that continues an interrupted branch; it records into a new file."""
     words = ["legpush", "branch", *map(str, options.files), "--at", options.at, "--out", str(folder)]
     for name in ("policy", "planner", "planner_command", "box_mass_kg", "box_friction"):
         if (value := getattr(options, name)) is not None:

@@ -11,21 +11,21 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from rich.text import Text
 
 PLAIN_PERIOD_S: Final = 5.0
-"""Where lines cannot be overwritten, a phase gets one at least this far apart."""
+"""Least time between two lines of one phase where lines cannot be overwritten."""
 
 
 class Display(AbstractContextManager["Display"], Protocol):
-    """Where the launcher says what goes on."""
+    """Shows the user what the launcher is doing."""
 
     def progress(self, phase: str, fraction: float | None, detail: str, waiting_for: str) -> None:
-        """Show what is being done now, in place of what was shown before; `fraction` in [0, 1] or unknown."""
+        """Show what is being done now, in place of what was shown before; `fraction` is in [0, 1], or None."""
 
     def notice(self, text: str) -> None:
-        """Say something that stays."""
+        """Show a line that stays."""
 
 
 def make_display(console: Console) -> Display:
-    """A live display on a terminal, plain lines elsewhere."""
+    """Return a live display on a terminal, and one that prints plain lines elsewhere."""
     return LiveDisplay(console) if console.is_terminal else PlainDisplay(console)
 
 
@@ -54,13 +54,13 @@ class LiveDisplay:
         self._bar.stop()
 
     def progress(self, phase: str, fraction: float | None, detail: str, waiting_for: str) -> None:
-        """Redraw the line, if it says something else now."""
+        """Redraw the line if it has changed."""
         shown = (phase, fraction, detail, waiting_for)
         if shown == self._shown:
             return
         self._shown = shown
         (task,) = self._bar.tasks
-        task.total = None if fraction is None else 1.0  # `update` takes None for "as it was", not for "unknown"
+        task.total = None if fraction is None else 1.0  # to `update`, None means "unchanged", not "unknown"
         self._bar.update(
             self._task,
             description=phase,
@@ -71,12 +71,12 @@ class LiveDisplay:
         )
 
     def notice(self, text: str) -> None:
-        """Print above the line."""
+        """Print a line above the redrawn one."""
         self._bar.console.print(Text(text))
 
 
 class PlainDisplay:
-    """Lines, one after the other: each new phase, each tenth of it, and otherwise one every few seconds."""
+    """Prints one line after the other: at each new phase, at each tenth of it, and otherwise every few seconds."""
 
     def __init__(self, console: Console, clock: Callable[[], float] = monotonic) -> None:
         self._console = console
@@ -93,7 +93,7 @@ class PlainDisplay:
         return None
 
     def progress(self, phase: str, fraction: float | None, detail: str, waiting_for: str) -> None:
-        """Print a line if it says enough that is new."""
+        """Print a line if enough has changed since the last one."""
         shown = (phase, None if fraction is None else int(10 * fraction), waiting_for)
         percent = "" if fraction is None else f"{fraction:4.0%}"
         line = "  ".join(filter(None, (phase, percent, detail, _waiting(waiting_for))))

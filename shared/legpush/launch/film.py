@@ -1,4 +1,4 @@
-"""The film of a run: a process of its own, since whether and how a machine can draw is known only when it tries."""
+"""Films a run in a process of its own, since only a trial shows whether and how a machine can draw."""
 
 import sys
 from pathlib import Path
@@ -13,17 +13,20 @@ from legpush.processes.child import Command, describe_exit
 from legpush.processes.crew import Crew, Interrupt
 
 LONGEST_S: Final = 900.0
-"""A film that takes longer is given up."""
+"""Give up a film that takes longer."""
 
 
 def film_arguments(folder: Path, camera: View = "follow") -> tuple[str, ...]:
-    """The command line that films the run in `folder`."""
+    """Return the command line that films the run in `folder`."""
     flags = () if camera == "follow" else ("--camera", camera)
     return (sys.executable, "-P", "-m", "sim_proc.render", str(folder), *flags)
 
 
 def film(command: Command, crew: Crew, display: Display, longest_s: float = LONGEST_S) -> Verdict | None:
-    """Make the film, or say why there is none; only an interrupt changes how the run ended."""
+    """Make the film, or tell the user why there is none.
+
+    Returns the verdict of an interrupt, which replaces that of the run; otherwise None.
+    """
     process = crew.start(command)
     stopwatch = Stopwatch()
     while process.exit_code is None:

@@ -1,4 +1,4 @@
-"""The recorder of a mission: started and ended with it; if the recorder fails, the mission goes on."""
+"""Starts the recorder of a mission. It ends with the mission, and its failure does not end the mission."""
 
 import json
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from legpush.runs.folder import REPORT_FILE
 
 
 class MissionRecorder:
-    """Starts the recorder process, tells the user when it fails, and adds the recording to the report."""
+    """Starts the recorder process, tells the user when it fails, and adds its result to the report."""
 
     def __init__(self, file: Path, run: str, endpoints: Endpoints, display: Display) -> None:
         self._file = file.absolute()
@@ -27,7 +27,7 @@ class MissionRecorder:
         self._failure: str | None = None
 
     def start(self, crew: Crew, log: Path, environment: Mapping[str, str], about: Mapping[str, str]) -> None:
-        """Start it; `about` becomes metadata of the recording."""
+        """Start the recorder; `about` becomes metadata of the recording."""
         argv = recorder_arguments(self._file, self._run, self._endpoints, about)
         self._process = crew.start(Command(role="recorder", argv=argv, log=log, environment=environment))
 
@@ -36,13 +36,13 @@ class MissionRecorder:
         words = process.last_words(1)
         said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
         self._failure = (
-            f"the recorder {describe_exit(process.exit_code or 0)}{said}; the mission goes on without; "
+            f"the recorder {describe_exit(process.exit_code or 0)}{said}; the mission goes on without it; "
             f"`legpush recover {self._file}` saves what was recorded"
         )
         self._display.notice(self._failure)
 
     def complete_report(self, folder: Path) -> None:
-        """After the mission: say what is missing, and add `recording` to its report."""
+        """After the mission, tell the user what is missing, and add `recording` to the report."""
         if self._process is None:
             return
         code = self._process.exit_code
@@ -60,7 +60,7 @@ class MissionRecorder:
 
 
 def next_file(file: Path) -> Path:
-    """A new file for what goes on after this one: `m-2.mcap` after `m.mcap`, or with the first number that is free."""
+    """Return a file that continues this one: `m-2.mcap` after `m.mcap`, or the first number that is free."""
     stem, _, number = file.stem.rpartition("-")
     first = file.with_name(f"{stem}{file.suffix}")
     if not (number.isdecimal() and first.exists()):

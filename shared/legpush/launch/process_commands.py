@@ -1,4 +1,4 @@
-"""The command lines of the three processes of a mission."""
+"""Makes the command lines of the three processes of a mission."""
 
 import sys
 from collections.abc import Callable
@@ -15,24 +15,24 @@ from legpush.runs.folder import SCENARIO_FILE, run_name
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """Where a run happens."""
+    """The folders of a run."""
 
     folder: Path
-    """What it leaves behind; absolute."""
+    """The folder for the results of the run; absolute."""
     sockets: Path
     """A directory of mode 0700 for the sockets of its processes."""
 
     @property
     def run(self) -> str:
-        """Name of the run on the bus."""
+        """The name of the run on the bus."""
         return run_name(self.folder)
 
 
 def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
-    """The command line of a process of this package, without what `bus_flags` adds."""
+    """Return the command line of a process, without the flags that `bus_flags` adds."""
     if role == "planner" and options.planner_command is not None:
         return split_command(options.planner_command)
-    # -P: what lies in the working directory is no part of the program.
+    # -P: files in the working directory are not part of the program.
     arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
     if role == "agent":
         arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
@@ -48,18 +48,18 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
 
 @dataclass(frozen=True, kw_only=True)
 class Programs:
-    """The command lines that a mission is made of."""
+    """The programs that a mission starts."""
 
     process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
     film: Callable[[Path], tuple[str, ...]] = film_arguments
     again: Callable[[Path], str] | None = None
-    """The command that goes on with an interrupted run in its folder; that of `legpush run` if None."""
+    """Makes the command that continues an interrupted run in its folder; without it, that is `legpush run`."""
     kind: str = "run"
-    """The subcommand of `legpush` that runs it."""
+    """The subcommand of `legpush` that runs the mission."""
 
 
 def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
-    """Flags by which a process finds its peers, and those of injected faults and recorders."""
+    """Return the flags for the endpoints of a process, for injected faults and for recording."""
     endpoints = in_directory(place.sockets, role)
     flags = ["--run", place.run, "--listen", *endpoints.listen]
     if endpoints.connect:
@@ -73,6 +73,6 @@ def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
 
 
 def flags_again(role: Role, options: RunOptions) -> tuple[str, ...]:
-    """Further flags of a process that is started again: somebody may be recording by then."""
+    """Return the flags that a restarted process needs besides `bus_flags`, since it may be recorded by then."""
     foreign = role == "planner" and options.planner_command is not None
     return () if foreign or options.record is not None else RECORDED

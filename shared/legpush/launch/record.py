@@ -1,4 +1,4 @@
-"""`legpush record`, and the recorder of a run: a process of its own."""
+"""`legpush record`, which is also the recorder process of a run."""
 
 import logging
 import sys
@@ -18,7 +18,7 @@ log = logging.getLogger(__name__)
 
 
 def run_recorder(options: RecordOptions) -> int:
-    """Record as `options` say; 0 if the recording is complete, 1 if not."""
+    """Record, and return the exit code: 0 if the recording is complete, 1 if not."""
     # With --listen, the processes are started by hand.
     chosen = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
     at = Endpoints(listen=options.listen, connect=chosen.endpoints.connect)
@@ -36,7 +36,7 @@ def run_recorder(options: RecordOptions) -> int:
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
     log.info("recording run %s", chosen)
     if chosen.launched is None and not options.connect:
-        log.info("no launcher has it going: waiting for processes that are started by hand")
+        log.info("no launcher runs it: waiting for processes that are started by hand")
     file = RecordingFile(options.file, about, split)
     try:
         with Bus(chosen.run, "recorder", options.name, at) as bus:
@@ -52,7 +52,7 @@ def run_recorder(options: RecordOptions) -> int:
 
 
 def main() -> int:
-    """The recorder that a launcher starts."""
+    """Run the recorder that a launcher starts."""
     import tyro
 
     return exit_code_of(lambda: run_recorder(tyro.cli(RecordOptions, prog="legpush record")))

@@ -1,4 +1,4 @@
-"""`legpush replay`: verify a recording, let it take the part of a process, or publish it again."""
+"""`legpush replay`: verifies a recording, lets it take the part of a process, or publishes it again."""
 
 import logging
 import sys
@@ -34,7 +34,7 @@ from legpush.service import stop_on_signals
 
 
 def replay(options: ReplayOptions) -> int:
-    """Do what the options say; the exit code."""
+    """Run the command, and return its exit code."""
     logging.basicConfig(level=logging.ERROR)
     if options.verify:
         return verify_files(options.files, Console())
@@ -46,7 +46,7 @@ def replay(options: ReplayOptions) -> int:
 
 
 def publish_again(options: ReplayOptions) -> int:
-    """Hand everything to recorders and viewers; 0 at the end, 130 if it is interrupted before."""
+    """Hand everything to recorders and views, and return 0 at the end, or 130 if interrupted before."""
     recording = read_recording(options.files)
     from_start(recording, options.start_s)
     stop = stop_on_signals()
@@ -66,7 +66,7 @@ def publish_again(options: ReplayOptions) -> int:
 
 
 def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Console) -> int:
-    """Run the recorded mission with the recording in the place of one process; the exit code of the mission."""
+    """Run the recorded mission with the recording in the place of one process, and return its exit code."""
     with TemporaryDirectory(prefix="legpush-replay-") as folder:
         mission = unpack_mission(read_recording(options.files), Path(folder))
         files = tuple(str(path.absolute()) for path in options.files)
@@ -88,7 +88,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
 
 
 def play_agent(files: tuple[Path, ...], console: Console) -> int:
-    """Ask a live planner and simulator what was asked, and compare their answers."""
+    """Send the recorded requests to a live planner and simulator, and compare the answers; return 0 if identical."""
     recording = read_recording(files)
     plans, stop = read_plans(recording), stop_on_signals()
     with ExitStack() as stack:
@@ -110,13 +110,18 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
 
 
 def verify_files(files: tuple[Path, ...], console: Console) -> int:
-    """Compare with a simulator process of its own; 0 where it is identical, 1 where not."""
+    """Compare the recording with a simulator process of its own, and return 0 if identical, 1 if not.
+
+    Raises:
+        RecordingError: No episode was recorded from its reset on.
+        StopRequestedError: Interrupted before the end.
+    """
     recording = read_recording(files)
     episodes = read_episodes(recording)
     if not any(episode.carried_out() or episode.damage for episode in episodes):
         raise RecordingError(
             f"{files[0]}: expected a recording with an episode from its reset on, got one of "
-            f"{len(recording.messages)} messages without"
+            f"{len(recording.messages)} messages without one"
         )
     stop = stop_on_signals()
     began = perf_counter()
@@ -133,7 +138,7 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
             raise StopRequestedError("interrupted: not verified") from error
     sys.stdout.write(_words(verified, perf_counter() - began))
     if verified.divergence is None and not recording.is_complete:
-        notes = recording.completeness.get("notes") or "its recorder did not come to an end"
+        notes = recording.completeness.get("notes") or "its recorder did not finish"
         sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
     if recording.n_lost:
         sys.stdout.write(f"{recording.n_lost} messages that were recorded cannot be read: not verified\n")
@@ -141,7 +146,7 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
 
 
 def _words(verified: Verified, wall_s: float) -> str:
-    """What came out, for people."""
+    """Return the result as a line for people."""
     if verified.divergence is not None:
         return f"{verified.divergence}\n"
     seconds = verified.n_ticks * CONTROL_PERIOD_S

@@ -1,4 +1,4 @@
-"""`legpush run`: a whole mission, from the options to the report."""
+"""`legpush run`: runs a whole mission, from the options to the report."""
 
 import os
 import shlex
@@ -34,18 +34,18 @@ from legpush.runs.live_runs import LiveRun, shown, socket_directory
 from legpush.runs.report import read_report
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
-"""Library that each process cannot start without; it stands for all of its extra."""
+"""A library that each process cannot start without; the rest of its extra is installed with it."""
 
 
 def launch_mission(
     options: RunOptions, console: Console, programs: Programs | None = None, about: Mapping[str, str] | None = None
 ) -> int:
-    """Run a mission and return the exit code.
+    """Run a mission, and return the exit code.
 
-    `programs` takes the place of the processes of this package, `about` is metadata for its recording.
+    `programs` takes the place of the processes of this package, and `about` is metadata for the recording.
 
     Raises:
-        LegpushError: The input is bad; nothing has been started.
+        LegpushError: The input cannot be used. Nothing was started.
     """
     scenario = options.resolved_scenario()
     if programs is None:
@@ -68,10 +68,10 @@ def launch_mission(
 
 
 def require_libraries() -> None:
-    """Check that the libraries of all processes are installed, before three of them fail to start.
+    """Check that the libraries of all three processes are installed, before any of them fails to start.
 
     Raises:
-        ConfigError: One is not; says how to install it.
+        ConfigError: A library is missing.
     """
     missing = [name for names in LIBRARIES.values() for name in names if find_spec(name) is None]
     if missing:
@@ -84,7 +84,7 @@ def require_libraries() -> None:
 def _run_in(
     given: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
 ) -> Verdict:
-    """Run the mission and film it; everything that it started has ended afterwards."""
+    """Run the mission and film it; every process has ended when this returns."""
     with ExitStack() as stack:
         sockets = stack.enter_context(socket_directory())
         place = Place(folder=given.absolute(), sockets=sockets)
@@ -134,7 +134,7 @@ def _run_in(
 
 
 def _again(options: RunOptions, folder: Path) -> str:
-    """The command that goes on with an interrupted run."""
+    """Return the command that continues an interrupted run."""
     words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
     words += ["--out", str(folder), "--policy", options.policy]
     if options.planner_command is not None:

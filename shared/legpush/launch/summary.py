@@ -1,4 +1,4 @@
-"""The end of a run, for people: how the mission went, from `report.json`, and where its files are."""
+"""Prints the end of a run for people: the result of the mission, from `report.json`, and its files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +12,7 @@ from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, 
 
 
 def _recorded(recording: dict[str, Any]) -> str:
-    """Where the recording is and what it lacks."""
+    """Return the file of the recording, and what it lacks."""
     return "; ".join((f"{recording['file']}{', complete' if recording['complete'] else ''}", *recording["notes"]))
 
 
@@ -44,10 +44,10 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "seed": ("seed", str),
     "recording": ("recording", _recorded),
 }
-"""Fields of the report in the order of the table: what people call them, and how they read them."""
+"""Fields of the report in the order of the table, each with its title and its format."""
 
 IF_APPEARED: Final = ("appeared", "n_replans")
-"""Rows of missions in which an obstacle appeared."""
+"""Rows that are shown only if an obstacle appeared."""
 
 FILES: Final = {
     REPORT_FILE: "these numbers, and the versions of everything",
@@ -59,7 +59,7 @@ FILES: Final = {
 
 
 def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> None:
-    """A table of the numbers, one of the files that are there; a number that was not measured is a dash."""
+    """Print a table of the numbers and one of the files that exist; a number that was not measured is a dash."""
     numbers = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for field, (title, read) in ROWS.items():
         if field in report and _is_shown(field, report):
@@ -75,12 +75,12 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
 
 
 def _is_shown(field: str, report: dict[str, Any]) -> bool:
-    """Rows about what did not happen are left out."""
+    """Return False for a row about something that did not happen."""
     if field in IF_APPEARED:
         return bool(report.get("appeared"))
     return field != "n_better_paths" or report[field] > 0
 
 
 def _style(field: str, report: dict[str, Any]) -> str:
-    """Success is green, its absence red."""
+    """Return the style of a row: success is green, failure red."""
     return "" if field not in ("success", "reason") else "bold green" if report.get("success") else "bold red"

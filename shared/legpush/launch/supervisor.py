@@ -1,4 +1,4 @@
-"""Watches over the processes of a mission: waits until each is ready, restarts what dies, names what hangs."""
+"""Watches over the processes of a mission: waits until each is ready, restarts it if it dies, names it if it hangs."""
 
 import signal
 from collections.abc import Callable, Iterable, Sequence
@@ -19,24 +19,24 @@ BAD_INPUT: Final = 2
 GAVE_UP: Final = 3
 
 FROZEN_EVERY_S: Final = 0.5
-"""How often processes are checked for being frozen."""
+"""Period of the check for frozen processes."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """When the launcher gives up."""
+    """The limits beyond which the launcher gives up."""
 
     ready_s: float = 60.0
-    """A process that shows no sign of life for this long, although it runs."""
+    """Longest time in which a running process may show no sign of life."""
     mission_s: float | None = None
-    """The whole mission, from its start; None for no limit. Time in which a process is frozen does not count."""
+    """Longest duration of the whole mission; None for no limit. Time in which a process is frozen does not count."""
     max_restarts: int = 3
-    """Of each process."""
+    """Most restarts of each process."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How the mission ended, and why where it was no success."""
+    """How the mission ended, with the reason unless it was a success."""
 
     exit_code: int
     reason: str = ""
@@ -44,21 +44,21 @@ class Verdict:
 
 @dataclass
 class _Post:
-    """A role and who fills it."""
+    """A role, and the process that has it."""
 
     process: Process
     absent: Stopwatch
-    """How long it has shown no sign of life."""
+    """Time since the last sign of life."""
     n_restarts: int = 0
     seen: bool = False
-    """Whether this process ever showed one."""
+    """Whether this process ever showed a sign of life."""
     frozen: bool = False
 
 
 class Supervisor:
     """Runs the processes of a mission until the leading one is done.
 
-    `is_alive` tells whether a role shows its liveliness token, `hear` returns what the processes said since last asked.
+    `is_alive` says whether a role shows its liveliness token. `hear` returns the statuses since the last call.
     `on_bystander` gets a process of the crew that ended and has no part in the mission.
     """
 
@@ -88,7 +88,7 @@ class Supervisor:
         self._last: Status | None = None
 
     def run(self, commands: Sequence[Command]) -> Verdict:
-        """Start the commands, watch until the mission is over, and end whatever still runs."""
+        """Start the commands, watch until the mission is over, and end all processes that still run."""
         try:
             for command in commands:
                 self._posts[command.role] = self._fill(command)
@@ -103,7 +103,7 @@ class Supervisor:
         return _Post(self._crew.start(command), Stopwatch(self._clock), n_restarts)
 
     def _watch(self) -> Verdict:
-        """Take what happens, one event or one look around at a time, until there is a verdict."""
+        """Handle one event or look around once, again and again until there is a verdict."""
         while True:
             event = self._crew.next_event(SLICE_S)
             if isinstance(event, Interrupt):
@@ -113,7 +113,7 @@ class Supervisor:
                 return verdict
 
     def _take_end(self, process: Process) -> Verdict | None:
-        """A process ended: that is the end of the mission, or it is started again."""
+        """Handle a process that ended: end the mission, or start the process again."""
         role, exit_code = process.role, process.exit_code
         if exit_code is None:
             raise ValueError(f"Expected a process that ended, got the running {role}")
@@ -138,7 +138,7 @@ class Supervisor:
         return None
 
     def _look_around(self) -> Verdict | None:
-        """Show progress, note which processes are there, and give up on what takes too long."""
+        """Show progress, note which processes are alive, and give up if a process or the mission takes too long."""
         self._show()
         if self._until_look.tick() >= FROZEN_EVERY_S:
             self._until_look.restart()
@@ -171,7 +171,7 @@ class Supervisor:
         return Verdict(GAVE_UP, f"the mission did not end in {limit_s:g} s{doing}{waiting}")
 
     def _look_for_frozen(self) -> None:
-        """Name who is stopped, once, and who goes on."""
+        """Tell the user once of each process that is frozen, and once when it goes on."""
         for role, post in self._posts.items():
             frozen = post.process.is_frozen()
             if frozen != post.frozen:
@@ -182,7 +182,7 @@ class Supervisor:
                 )
 
     def _show(self) -> None:
-        """Show what the leader said last, or who is still to come."""
+        """Show the last status of the leader, or the processes that are not ready yet."""
         for status in self._hear():
             if status.header.role == self._leader:
                 self._last = status
@@ -195,7 +195,7 @@ class Supervisor:
 
 
 def _said(process: Process, n_lines: int = TAIL_LINES) -> str:
-    """The end of a process's log, to follow a sentence about it; of one that was killed, only where its log is."""
+    """Return the end of a process's log, to follow a sentence about it; after SIGKILL there are no last words."""
     if process.exit_code == -signal.SIGKILL:
         return f"; its log is {process.command.log}"
     words = process.last_words(n_lines)

@@ -1,4 +1,4 @@
-"""Checks of flags that several commands have."""
+"""Checks the flags that several commands have."""
 
 import os
 import shutil
@@ -32,7 +32,7 @@ def require_new_file(path: Path, flag: str) -> None:
     """Check that a file can be made.
 
     Raises:
-        ConfigError: There is one of this name, or its folder is not there or cannot be written to.
+        ConfigError: The file exists, or its folder does not exist or cannot be written to.
     """
     folder = path.absolute().parent
     if os.path.lexists(path) or not folder.is_dir() or not os.access(folder, os.W_OK):
@@ -40,12 +40,12 @@ def require_new_file(path: Path, flag: str) -> None:
 
 
 def program_path(name: str) -> str:
-    """Absolute path of a planner's program, given by name or path.
+    """Return the absolute path of a planner's program, given by name or path.
 
     Raises:
         ConfigError: No such program is found.
     """
     program = shutil.which(name)
     if program is None:
-        raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is none")
+        raise ConfigError(f"Expected a planner's command that begins with a program, got {name!r}, which is not one")
     return os.path.abspath(program)

@@ -15,17 +15,17 @@ USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- CO
 
 @dataclass(frozen=True, kw_only=True)
 class PlanCheckOptions:
-    """Check a planner: `legpush plan-check [OPTIONS] -- COMMAND...` starts it and asks it over the bus.
+    """Check a planner: `legpush plan-check [OPTIONS] -- COMMAND...` starts it and sends it queries over the bus.
 
     Exit codes: 0 all checks passed, 1 not all, 2 bad input, 130 interrupted.
     """
 
     deadline_s: Annotated[float, tyro.conf.arg(name="deadline", metavar="S")] = 20.0
-    """How long the planner may take for each answer."""
+    """Longest time that the planner may take for each answer."""
     only: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT ...")] = ()
     """Run only the checks that have one of these texts in their name."""
     json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Write the findings there as well."""
+    """Write the findings to this file as well."""
 
     def __post_init__(self) -> None:
         require_positive(self.deadline_s, "--deadline", "seconds")

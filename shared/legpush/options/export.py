@@ -18,35 +18,35 @@ class ExportOptions:
     """Export a recording for other programs: a file for Foxglove, a table of its time series, or a film.
 
     Exit codes: 0 exported, 2 bad input, 3 a program or library failed, 4 nothing can be drawn here, 130 interrupted.
-    The recording stays as it is, a file that exists is kept, and what is not whole never gets the name asked for.
+    The recording is not changed, no existing file is overwritten, and the new file gets its name only when it is whole.
     """
 
     files: Files
     """The recording, or its parts."""
     to: Annotated[Format | None, tyro.conf.arg(metavar="foxglove|csv|parquet|mp4|gif")] = None
-    """What to make; told by the ending of --out as well (foxglove: .mcap)."""
+    """Format of the new file; without it, the ending of --out decides (foxglove: .mcap)."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The new file; if not given, beside the recording and named after it."""
+    """The new file. If not given, it is beside the recording and named after it."""
     episode: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Which one, as `legpush info` counts them. Else tables have all episodes, in the column `episode`, and what shows
-    one has the longest."""
+    """Episode to export, as numbered by `legpush info`. If not given, tables have all episodes, with a column
+    `episode`, and the other formats have the longest one."""
     partial: bool = False
-    """Take what comes before the first gap or damage of an episode, instead of refusing it."""
+    """Export an incomplete episode up to its first gap or damage, instead of refusing it."""
     camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
-    """Films: where it is seen from. `follow`: from the right, a little behind; `top`: from above the robot; `room`: all
-    of it from above; `box`: close to the box; `orbit`: around the robot."""
+    """Films: position of the camera. `follow`: right of the robot, a little behind; `top`: above the robot; `room`:
+    above, with the whole room in view; `box`: close to the box; `orbit`: circling the robot."""
     speed: Annotated[float | None, tyro.conf.arg(metavar="X")] = None
-    """Films: simulated seconds per second; by default 3, or more where it would take longer than 30 s."""
+    """Films: simulated seconds per second. The default is 3, or more if the film would be longer than 30 s."""
     fps: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
-    """Films: frames per second, 20 if not given, 12.5 of a GIF."""
+    """Films: frames per second; 20 if not given, and 12.5 for a GIF."""
     width: Annotated[int | None, tyro.conf.arg(metavar="PIXELS")] = None
-    """Films: 854 if not given, 480 of a GIF."""
+    """Films: width of a frame; 854 if not given, and 480 for a GIF."""
     height: Annotated[int | None, tyro.conf.arg(metavar="PIXELS")] = None
-    """Films: 480 if not given, 270 of a GIF."""
+    """Films: height of a frame; 480 if not given, and 270 for a GIF."""
     start_s: Annotated[float, tyro.conf.arg(name="start", metavar="S")] = 0.0
-    """Films: from this simulated time on."""
+    """Films: begin at this simulated time."""
     end_s: Annotated[float | None, tyro.conf.arg(name="end", metavar="S")] = None
-    """Films: up to this simulated time."""
+    """Films: end at this simulated time."""
 
     def __post_init__(self) -> None:
         if not self.files:
@@ -62,7 +62,7 @@ class ExportOptions:
         """Return the format to make, from --to, the ending of --out, or both.
 
         Raises:
-            ConfigError: Neither says it, or they contradict each other.
+            ConfigError: Both are missing, or they contradict each other.
         """
         if self.out is None:
             if self.to is None:
@@ -77,7 +77,7 @@ class ExportOptions:
         return told
 
     def target(self) -> Path:
-        """The new file."""
+        """Return the path of the new file."""
         if self.out is not None:
             return self.out
         made, first = self.format(), self.files[0]

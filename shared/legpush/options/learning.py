@@ -13,28 +13,28 @@ from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
 
 MAX_SIMULATORS: Final = 8
-"""Most simulators that are started unless more are asked for."""
+"""Most simulators to start by default."""
 
 
 def default_simulators() -> int:
-    """One per core that this process may use, capped."""
+    """Return the default number of simulators: one per core that this process may use, 8 at most."""
     return min(len(os.sched_getaffinity(0)), MAX_SIMULATORS)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatorOptions:
-    """Which simulators are used."""
+    """The simulators to use."""
 
     simulators: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """How many; one per core, 8 at most, if not given."""
+    """Number of simulators; if not given, one per core, 8 at most."""
     join: Annotated[str | None, tyro.conf.arg(metavar="RUN")] = None
-    """Join the simulators of this run, which are running already, instead of starting some."""
+    """Join the running simulators of this run instead of starting some."""
     listen: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
-    """With --join: where to listen for them."""
+    """With --join: endpoints to listen on for the simulators."""
     connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
-    """With --join: where they listen."""
+    """With --join: endpoints on which the simulators listen."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Record everything that is said into this new MCAP file; see `legpush replay`."""
+    """Record all messages into this new MCAP file; see `legpush replay`."""
 
     def __post_init__(self) -> None:
         if self.simulators is not None and self.simulators < 1:
@@ -42,13 +42,13 @@ class SimulatorOptions:
         if self.join is None and (self.listen or self.connect):
             raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
         if self.join is not None and self.record is not None:
-            raise ConfigError("Expected either --join or --record, got both; `legpush record` records a run that runs")
+            raise ConfigError("Expected either --join or --record, got both; `legpush record` records a live run")
         if self.record is not None:
             require_new_file(self.record, "--record")
 
     @property
     def n_simulators(self) -> int:
-        """How many are used."""
+        """Number of simulators to use."""
         return self.simulators if self.simulators is not None else default_simulators()
 
 
@@ -56,20 +56,20 @@ class SimulatorOptions:
 class TrainOptions(SimulatorOptions):
     """Train a policy: start simulators, learn, evaluate now and then, keep the best policy.
 
-    Ctrl-C leaves a checkpoint; `--resume DIR` goes on from it to the very weights of a training that was not stopped.
+    Ctrl-C leaves a checkpoint. `--resume DIR` continues from it, to the same weights as a training without a stop.
     Exit codes: 0 trained, 2 bad input, 3 a simulator failed, 130 interrupted.
     """
 
     profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
-    """paper, tuned, sac, td3, or the path of a profile file."""
+    """Training profile: paper, tuned, sac, td3, or the path of a profile file."""
     entry: Literal["fixed", "variable"] = "variable"
-    """Whether all pushes are equally deep, or the policy chooses."""
+    """Depth of the pushes: the same for all, or chosen by the policy."""
     actions: Literal["continuous", "discrete"] = "continuous"
-    """The form of the action; discrete is the published grid of w1, w2 and leg."""
+    """Form of the action; `discrete` is the published grid of w1, w2 and leg."""
     seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """Draws initial weights, exploration and initial conditions."""
+    """Seed of initial weights, exploration and initial conditions."""
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
-    """Where the robot stands ready to push, and the goal."""
+    """Scenario with the robot ready to push, and the goal."""
     steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Replaces the profile's number of push cycles."""
     mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
@@ -77,11 +77,11 @@ class TrainOptions(SimulatorOptions):
     friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
     """Draw the friction of the box for each episode."""
     distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
-    """Draw how far the goal is from the box for each episode."""
+    """Draw the distance from box to goal for each episode."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder of the training, `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
+    """Folder of the training; `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Go on with the training in this folder, with the settings that it was begun with."""
+    """Continue the training in this folder, with its own settings."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -89,30 +89,30 @@ class TrainOptions(SimulatorOptions):
         if self.steps is not None and self.steps < 1:
             raise ConfigError(f"Expected at least 1 for --steps, got {self.steps}")
         if self.resume is not None and self.out is not None:
-            raise ConfigError("Expected either --resume DIR, which goes on in its folder, or --out DIR, got both")
+            raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
 
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluateOptions(SimulatorOptions):
-    """Evaluate a policy: episodes from seeded initial conditions, errors with 95 % intervals.
+    """Evaluate a policy: run episodes from seeded initial conditions, and report errors with 95 % intervals.
 
     Exit codes: 0 evaluated, 2 bad input, 3 a simulator failed, 130 interrupted.
     """
 
     policy: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="POLICY")]
-    """scripted, the name of a shipped policy, a policy folder, a model file (.zip) that Stable-Baselines3 saved, or
-    module:factory of your own."""
+    """The policy: scripted, the name of a shipped policy, a policy folder, a model file (.zip) that Stable-Baselines3
+    saved, or module:factory for a policy of your own."""
     normalizer: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """With a model file: what `VecNormalize.save` wrote, if observations were normalized in its training."""
+    """With a model file: the file of `VecNormalize.save`, if the training normalized observations."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 20
-    """For each value that is swept."""
+    """Number of episodes for each swept value."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 9000
-    """The episodes' initial conditions are drawn from this seed and those after it."""
+    """Seed of the first episode's initial conditions; each later episode has the next seed."""
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
-    """Where the robot stands ready to push, and the goal with its tolerances."""
+    """Scenario with the robot ready to push, and the goal with its tolerances."""
     sweep: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="FIELD=VALUE,...")] = ()
     """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9, box.size_m=0.4x0.5x0.4,0.8x0.4x0.4,
-    box.shape=cuboid,l_shape or room.slope_deg=0,5; may be given again for other fields."""
+    box.shape=cuboid,l_shape or room.slope_deg=0,5. Give it again for other fields."""
     grid: bool = False
     """Evaluate every combination of the swept values instead of one field after the other."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
@@ -128,26 +128,26 @@ class EvaluateOptions(SimulatorOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class CalibrateOptions(SimulatorOptions):
-    """Measure what pushes do to a box: travel and turn by face, leg, curve and depth, and the circle it turns on.
+    """Measure how pushes move a box: its travel and turn by face, leg, curve and depth, and the circle it turns on.
 
-    `legpush run --push-map FILE` plans and follows paths by it. Exit codes: 0 measured, 1 the robot fell, 2 bad input,
-    3 a simulator failed, 130 interrupted.
+    `legpush run --push-map FILE` plans and follows paths with this map. Exit codes: 0 measured, 1 the robot fell, 2 bad
+    input, 3 a simulator failed, 130 interrupted.
     """
 
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
-    """Whose box is measured, on an open floor."""
+    """Scenario whose box is measured, on an open floor."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Replaces the scenario's box mass."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
     """Replaces the scenario's box friction."""
     depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
-    """How deep to push."""
+    """Depths of the pushes."""
     curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = (0.5,)
-    """Shapes of the curve: w1 = w2; missions push by the first one."""
+    """Shapes of the curve: w1 = w2. Missions use the first one."""
     series: Annotated[int, tyro.conf.arg(metavar="N")] = 2
-    """Series of eight pushes, four with each leg, for every face, curve and depth."""
+    """Number of series of eight pushes, four with each leg, for every face, curve and depth."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 8000
-    """The places of the box are drawn from this seed and those after it."""
+    """Seed of the place of the box in the first series; each later series has the next seed."""
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")] = Path("push_map.json")
     """The new file."""
 

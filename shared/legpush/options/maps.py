@@ -13,36 +13,37 @@ from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SER
 
 @dataclass(frozen=True, kw_only=True)
 class MapOptions:
-    """Draw a map from above as legpush reads it, x to the right and y up, and print what is in it.
+    """Draw a map from above as legpush reads it, x to the right and y up, and print a description of it.
 
-    A scenario is drawn as the planner gets it, with start, box, goal and what the trunk keeps clear.
+    A scenario is drawn as the planner gets it, with start, box, goal and the zone that the trunk keeps clear.
     Exit codes: 0 drawn, 2 bad input.
     """
 
     action: tyro.conf.Positional[Literal["show"]]
-    """What to do."""
+    """The action."""
     file: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME|FILE")]
     """A built-in scenario, a scenario file, the YAML file of a ROS map, or a grid of 0 and 1 in a .csv or .npy file."""
     output: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
-    """The picture, `<name>_map.png` here if not given. No file is overwritten but a picture that this command made."""
+    """The picture; `<name>_map.png` in the working directory if not given. It may replace only a picture that this
+    command made."""
     cell_m: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
-    """Side of a cell; asked for with .csv and .npy files, which do not say it."""
+    """Side of a cell; required for .csv and .npy files, which do not have it."""
     first_row: FirstRow | None = None
-    """Where the first row of a .csv or .npy file lies: at the highest y, or at y = 0."""
+    """Place of the first row of a .csv or .npy file: at the highest y, or at y = 0."""
 
     def __post_init__(self) -> None:
-        """Refuse flags that do not belong to the kind of file.
+        """Check that the flags fit the type of the file.
 
         Raises:
-            ConfigError: Names the file and the flag.
+            ConfigError: They do not.
         """
         suffix = suffix_of(self.file)
         if suffix in IMAGE_SUFFIXES:
             valid = " or ".join(MAP_SERVER_SUFFIXES)
-            raise ConfigError(f"{self.file}: expected a map with its scale: of an image, its {valid} file")
+            raise ConfigError(f"{self.file}: expected a map with its scale; for an image, name its {valid} file")
         for flag, value in (("--cell-m", self.cell_m), ("--first-row", self.first_row)):
             if value is None and suffix in CELL_SUFFIXES:
-                raise ConfigError(f"{self.file}: expected --cell-m and --first-row, which a {suffix} file does not say")
+                raise ConfigError(f"{self.file}: expected --cell-m and --first-row, which a {suffix} file lacks")
             if value is not None and suffix not in CELL_SUFFIXES:
                 raise ConfigError(f"{self.file}: expected {flag} only with {' and '.join(CELL_SUFFIXES)} files")
         require_positive(self.cell_m, "--cell-m")
@@ -50,5 +51,5 @@ class MapOptions:
             raise ConfigError(f"Expected a .png file in an existing folder for --output, got {self.output}")
 
     def picture(self) -> Path:
-        """Where the picture goes."""
+        """Return the path of the picture."""
         return Path(f"{Path(self.file).stem}_map.png") if self.output is None else self.output

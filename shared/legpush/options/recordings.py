@@ -19,7 +19,7 @@ Files = Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar=
 
 @dataclass(frozen=True, kw_only=True)
 class RecordOptions:
-    """Record all that the processes of a run publish into an MCAP file, until Ctrl-C; it never slows them.
+    """Record all messages of a run into an MCAP file, until Ctrl-C, without slowing its processes.
 
     Exit codes: 0 the recording is complete from its beginning on, 1 it is not and says what is missing, 2 bad input, or
     the file cannot be written any more.
@@ -28,25 +28,25 @@ class RecordOptions:
     file: File
     """The new recording, such as mission.mcap."""
     run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
-    """Which run: the one that a launcher has going if not given, else that of processes started by hand, `local`.
-    LEGPUSH_RUN says the same."""
+    """The run to record. If not given, it is the run in LEGPUSH_RUN, else the live run of a launcher, else `local`, the
+    run of processes started by hand."""
     name: str = "main"
-    """Tells recorders of one run apart."""
+    """Name of the recorder, to distinguish several recorders of one run."""
     listen: tuple[str, ...] = ()
     """Endpoints to listen on."""
     connect: tuple[str, ...] = ()
-    """Endpoints of planner, simulator and agent; found by --run, or the ports of those started by hand, if not
-    given."""
+    """Endpoints of planner, simulator and agent. If not given, --run finds them, or they are the ports of processes
+    started by hand."""
     topics: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PATTERN ...")] = ()
-    """Record only these, such as "sim/*" "plan/*"."""
+    """Record only these topics, such as "sim/*" "plan/*"."""
     split_mb: Annotated[float | None, tyro.conf.arg(metavar="MB")] = None
-    """Go on in another file, FILE-001 and so on, when one has this size."""
+    """Continue in another file, FILE-001 and so on, when a file has this size."""
     split_s: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
-    """The same after this many seconds."""
+    """Continue in another file after this many seconds."""
     duration_s: Annotated[float | None, tyro.conf.arg(name="duration", metavar="S")] = None
     """Stop after this many seconds."""
     about: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME=VALUE")] = ()
-    """Metadata for the file; may be given again."""
+    """Metadata for the file. Give it again for more."""
 
     def __post_init__(self) -> None:
         require(Name, self.name, "--name")
@@ -63,7 +63,10 @@ class RecordOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class InfoOptions:
-    """Show what is in a recording: channels, rates, episodes, completeness, result. Exit code 2 where it is none."""
+    """Describe a recording: channels, rates, episodes, completeness, result.
+
+    Exit codes: 0 described, 2 the file is not a recording.
+    """
 
     files: Files
     """The recording, or its parts."""
@@ -71,42 +74,42 @@ class InfoOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RecoverOptions:
-    """Make a whole recording of one that was cut off, in a new file."""
+    """Make a whole recording from one that was cut off, in a new file."""
 
     file: File
-    """It stays as it is."""
+    """The recording that was cut off; it is not changed."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The new file, FILE-recovered.mcap if not given."""
+    """The new file; FILE-recovered.mcap if not given."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayOptions:
-    """Verify a recording, let it play a process, or publish it again for recorders and viewers.
+    """Verify a recording, let it take the part of a process, or publish it again for recorders and viewers.
 
-    Exit codes: 0 identical, or done; 1 it diverges; 2 bad input, such as a recording without the steps that it takes; 3
-    a process failed; 130 interrupted.
+    Exit codes: 0 identical, or done; 1 it diverges; 2 bad input, such as a recording without the required steps; 3 a
+    process failed; 130 interrupted.
     """
 
     files: Files
     """The recording, or its parts."""
     verify: bool = False
-    """Ask a fresh simulator what was asked, and compare every answer bit for bit."""
+    """Send the recorded motions to a fresh simulator, and compare every answer bit for bit."""
     as_role: Annotated[
         Literal["planner", "sim", "agent"] | None, tyro.conf.arg(name="as", metavar="planner|sim|agent")
     ] = None
-    """The recording takes the part of this process, the others are live."""
+    """Let the recording take the part of this process; the other processes are live."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """With --as: folder of the run, `runs/<time>-...` if not given."""
+    """With --as: folder of the run; `runs/<time>-...` if not given."""
     rate: Annotated[float, tyro.conf.arg(metavar="X")] = 1.0
-    """How many times as fast as it was recorded it is published."""
+    """Publish this many times as fast as it was recorded."""
     loop: bool = False
-    """Publish over and over, until Ctrl-C."""
+    """Publish again and again, until Ctrl-C."""
     start_s: Annotated[float, tyro.conf.arg(name="start", metavar="S")] = 0.0
-    """Publish from this many seconds after the beginning on."""
+    """Begin to publish this many seconds after the beginning."""
     run: str = "replay"
-    """Name of the run in which it is published."""
+    """Name of the run in which the recording is published."""
     listen: tuple[str, ...] = local("agent").listen
-    """Where recorders and viewers of that run connect to."""
+    """Endpoints for the recorders and viewers of that run."""
 
     def __post_init__(self) -> None:
         if not self.files:
@@ -122,27 +125,28 @@ class ReplayOptions:
 class BranchOptions:
     """Continue a recorded mission from a step on with another policy, planner or box, as a run of its own.
 
-    Steps before it are done again, to the same states; then the mission goes on live. Exit codes as of `legpush run`.
+    The steps before it are done again, with the same states. Then the mission continues live. The exit codes are those
+    of `legpush run`.
     """
 
     files: Files
     """The recording of a mission, or its parts."""
     at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
-    """The first step that is not the recorded one, such as 0:12; `legpush info` lists both."""
+    """The first step that differs from the recording, such as 0:12; `legpush info` lists episodes and steps."""
     policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
-    """Chooses the pushes from there on."""
+    """Policy that chooses the pushes from that step on."""
     planner: PlannerName | None = None
-    """Which search is asked for from there on."""
+    """Search that the planner uses from that step on."""
     planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
-    """Another planner process from there on."""
+    """Planner process from that step on."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
-    """Mass of the box from there on; the mission is not told."""
+    """Mass of the box from that step on; the mission is not told about it."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Friction of the box from there on; the mission is not told."""
+    """Friction of the box from that step on; the mission is not told about it."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished one goes on in its folder."""
+    """Folder of the run; `runs/<time>-<scenario>-seed<N>` if not given. An unfinished run in this folder continues."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The new recording, which names this one; FILE-branch-EPISODE-STEP.mcap if not given."""
+    """The new recording, which names the old one; FILE-branch-EPISODE-STEP.mcap if not given."""
     video: bool = False
     """Render mission.mp4 at the end."""
 

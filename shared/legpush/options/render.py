@@ -11,9 +11,9 @@ from legpush.exports import View
 
 @dataclass(frozen=True)
 class RenderOptions:
-    """Film a run again, from what it recorded: writes mission.mp4 into its folder."""
+    """Film a run again from its journal: write mission.mp4 into its folder."""
 
     run_folder: Annotated[Path, tyro.conf.arg(metavar="RUN_FOLDER")]
     """The folder of the run."""
     camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
-    """Where it is seen from; `legpush export --help` says what each shows."""
+    """Position of the camera; `legpush export --help` describes each."""

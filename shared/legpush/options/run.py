@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from legpush.scene.scenario import Scenario
 
 DEFAULT_POLICY: Final = "variable"
-"""The shipped one that chooses leg, curve and depth."""
+"""The shipped policy that chooses leg, curve and depth."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,20 +29,20 @@ class RunOptions:
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
     """A built-in scenario (`legpush scenarios list`) or the path of a scenario file."""
     seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """Draws the offsets of start and box, and the path: equal seeds, equal missions, bit for bit."""
+    """Seed of the offsets of start and box, and of the path. Equal seeds give equal missions, bit for bit."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder of the run, `runs/<time>-<scenario>-seed<N>` if not given; an unfinished run goes on in its folder."""
+    """Folder of the run; `runs/<time>-<scenario>-seed<N>` if not given. An unfinished run in this folder continues."""
     policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
-    """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
+    """Policy that chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
     push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
+    """Push map of this box, measured by `legpush calibrate`. If not given, that of the default box is scaled."""
     planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
-    """Another planner process, such as "python examples/grid_planner.py"; `docs/protocol.md` says what it has to do."""
+    """Another planner process, such as "python examples/grid_planner.py"; `docs/protocol.md` says what it must do."""
     planner: PlannerName | None = None
     """Replaces the scenario's planner."""
     steering: Steering | None = None
-    """Replaces how the scenario's paths are steered; dubins and reeds_shepp need a turning radius."""
+    """Replaces the scenario's steering of paths; dubins and reeds_shepp need a turning radius."""
     turning_radius_m: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
     """Replaces the scenario's least turning radius of the robot's paths."""
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
@@ -50,15 +50,15 @@ class RunOptions:
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
     """Replaces the scenario's box friction."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Record everything that the processes publish into this new MCAP file; see `legpush replay`."""
+    """Record all messages of the processes into this new MCAP file; see `legpush replay`."""
     picture: bool = True
     """Draw mission.png at the end."""
     video: bool = True
     """Render mission.mp4 at the end."""
     deadline_s: Annotated[float | None, tyro.conf.arg(name="deadline", metavar="S")] = None
-    """Give up when the mission is not over after this many seconds."""
+    """Give up if the mission is not over after this many seconds."""
     inject_faults: Annotated[float, tyro.conf.arg(metavar="P")] = 0.0
-    """Drop, duplicate, delay and reorder each message between the processes, each with this probability (a test)."""
+    """For tests: drop, duplicate, delay and reorder messages between the processes, each with this probability."""
 
     def __post_init__(self) -> None:
         require(Seed, self.seed, "--seed")
@@ -71,10 +71,10 @@ class RunOptions:
         require_positive(self.deadline_s, "--deadline", "seconds")
 
     def resolved_scenario(self) -> "Scenario":
-        """Load the scenario, with what these options replace in it.
+        """Return the scenario, with the values that these options replace.
 
         Raises:
-            ScenarioError: The scenario, or a value that replaces one in it, cannot be used.
+            ScenarioError: The scenario, or a value of these options, cannot be used.
         """
         from legpush.scenarios.file import resolve_scenario
 
@@ -91,7 +91,7 @@ def split_command(command: str) -> tuple[str, ...]:
     """Split the command of a planner into its program, with its absolute path, and the arguments.
 
     Raises:
-        ConfigError: It is no command, or there is no such program.
+        ConfigError: The text cannot be parsed, or there is no such program.
     """
     try:
         words = shlex.split(command)

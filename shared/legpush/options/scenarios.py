@@ -38,7 +38,7 @@ class CopyScenario:
 class RandomScenario(RandomRoom):
     """Draw a room with obstacles, start, box and goal from a seed, and write it to a new file.
 
-    A planner is started and asked whether there is a way to walk and to push; if not, another room is drawn.
+    A planner checks that the robot can walk and push there. If not, another room is drawn.
     """
 
     file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
@@ -53,7 +53,7 @@ class RandomScenario(RandomRoom):
             raise ConfigError(f"{self.file}: expected a new file in an existing folder")
 
     def flags(self) -> list[str]:
-        """The same as a command line."""
+        """Return these options as a command line."""
         words = []
         for field in fields(self):
             value = getattr(self, field.name)

@@ -16,19 +16,19 @@ MAX_PORT: Final = 65535
 class ViewOptions:
     """Show a live run or a recording in the browser, on a page of this machine, until Ctrl-C.
 
-    The run is not disturbed: pages come and go as they like.
+    The run is not disturbed: pages can be opened and closed at any time.
     """
 
     files: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")] = ()
-    """A recording, or its parts; without any, the run that goes on, or the next one that begins."""
+    """A recording, or its parts; without any, the live run, or the next one that begins."""
     run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
-    """Which run, where there are several; LEGPUSH_RUN says the same."""
+    """The run to show, if there are several; if not given, the one in LEGPUSH_RUN."""
     connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT ...")] = ()
-    """Endpoints of its processes, where they were not started by this command."""
+    """Endpoints of the processes, if no launcher of this machine started them."""
     host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0 lets other machines look, and use the controls."""
+    """Address to listen on; 0.0.0.0 lets other machines see the page and use its controls."""
     port: int = PORT
-    """Port to listen on; 0 takes any that is free."""
+    """Port to listen on; 0 for any free port."""
     open: bool = False
     """Open the page in the default browser."""
 

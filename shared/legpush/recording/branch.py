@@ -1,4 +1,4 @@
-"""The past of a branch: questions and answers of a recorded episode, up to the step at which the branch begins."""
+"""The past of a branch: requests and answers of a recorded episode before the step at which the branch begins."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -16,13 +16,13 @@ from legpush.recording.play import RecordedPlanner, instead
 
 
 class BranchPoint(NamedTuple):
-    """Where a branch begins: steps before `step` are those that were recorded."""
+    """The step at which a branch begins; the steps before it are the recorded ones."""
 
     episode: int
     step: int
 
     def __str__(self) -> str:
-        """As `--at` takes it."""
+        """Return the text that `--at` takes."""
         return f"{self.episode}:{self.step}"
 
 
@@ -36,7 +36,7 @@ def parse_point(text: str) -> BranchPoint:
 
 
 class RecordedPast:
-    """Answers from a recording, up to a branch point."""
+    """Gives the answers of a recording up to a branch point."""
 
     def __init__(self, recording: Recording, at: BranchPoint, alter: Alter | None = None) -> None:
         """Read the past of the branch point; `alter` changes the box there.
@@ -62,17 +62,17 @@ class RecordedPast:
         self._others = [episode for episode in episodes if episode is not self._episode]
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Return what the motion led to as this step.
+        """Return the recorded outcome of this motion at this step.
 
         Raises:
             RecordingError: Another motion was recorded.
-            MotionError: The motion was refused.
+            MotionError: The recorded simulator refused the motion.
         """
         asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
         if asked is None:
             raise RecordingError(
-                f"step {step} of the recording: {instead([self._episode], step, motion)}; what was decided then "
-                "depended on something else than the recording tells, such as another version of legpush"
+                f"step {step} of the recording: {instead([self._episode], step, motion)}; the recorded decision "
+                "depended on something that is not in the recording, such as another version of legpush"
             )
         outcome = asked.outcome
         if outcome is None:
@@ -80,22 +80,29 @@ class RecordedPast:
         return self._with_trace(step, asked, outcome) if with_trace else replace(outcome, trace=None)
 
     def plan(self, query: PlanQuery) -> Plan:
-        """Return the recorded answer.
+        """Return the first recorded answer.
 
         Raises:
-            RecordingError: The recording does not answer this query.
+            RecordingError: The query was not recorded.
         """
         return self.revision(query, 0)
 
     def revision(self, query: PlanQuery, revision: int) -> Plan:
-        """The recorded answer with this number, or the last one."""
+        """Return the recorded answer with this number, or the last one.
+
+        Raises:
+            RecordingError: The query was not recorded.
+        """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
             raise RecordingError(self._planner.instead(query))
         return plans[min(revision, max(plans))]
 
     def _with_trace(self, step: int, asked: Asked, outcome: Outcome) -> Outcome:
-        """The outcome with its trace, if any episode has it: a simulator that was led again does not send it."""
+        """Return the outcome with its trace, if any episode has it.
+
+        A simulator that repeats steps after a restart does not send it.
+        """
         if outcome.trace is not None:
             return outcome
         for episode in self._others:

@@ -1,4 +1,4 @@
-"""Digests of recorded messages, in the recording itself: a bit that flips later is found, and where."""
+"""Digests of recorded messages, kept in the recording itself. They show whether and where a bit flipped later."""
 
 from typing import Final, NamedTuple
 
@@ -12,38 +12,38 @@ from legpush.messages.common import Count
 DIGEST_TOPIC: Final = "recording/digests"
 
 Key = tuple[str, str, int]
-"""Which message: topic, incarnation of the sender, sequence."""
+"""Identifies a message: topic, incarnation of the sender, sequence."""
 
 
 class Mark(NamedTuple):
-    """What a message was when it was recorded."""
+    """The digest of a message when it was recorded."""
 
     crc: int
     """CRC-32 of its bytes."""
     place: tuple[int, int] | None
-    """Episode and step, where the message has them."""
+    """Episode and step, if the message has them."""
 
 
 class Digest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Marks of messages of one sender under one topic."""
+    """The marks of messages of one sender under one topic."""
 
     topic: str
     incarnation: Name
     sequences: tuple[Count, ...]
     crcs: tuple[Count, ...]
-    """CRC-32 of each, in the order of `sequences`."""
+    """CRC-32 of each message, in the order of `sequences`."""
     places: tuple[tuple[Count, Count] | None, ...]
-    """Episode and step of each, where messages have them: a damaged one does not tell."""
+    """Episode and step of each message that has them. Kept here since they cannot be read from a damaged message."""
 
 
 class Digests(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Of the messages that were recorded since the last one."""
+    """The digests of the messages that were recorded since the last record of this type."""
 
     digests: tuple[Digest, ...]
 
 
 class _Placed(Struct, frozen=True):
-    """What is looked for in a message of any kind."""
+    """The fields that are looked for in a message of any type."""
 
     episode: Count
     step: Count
@@ -53,7 +53,7 @@ _PLACED: Final = msgspec.msgpack.Decoder(_Placed)
 
 
 def mark_of(payload: bytes) -> Mark:
-    """The mark of a message that is as it should be."""
+    """Return the mark of an undamaged message."""
     try:
         placed = _PLACED.decode(payload)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):

@@ -1,4 +1,4 @@
-"""The episodes of a recording, by step instead of by wall clock: what the wire repeated counts once."""
+"""Reads the episodes of a recording, by step instead of by wall clock; a message that was sent again counts once."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -16,29 +16,29 @@ T = TypeVar("T", Action, Answer)
 
 @dataclass(kw_only=True)
 class Asked:
-    """A motion that was asked for as a step."""
+    """A motion that was requested as a step."""
 
     motion: Motion
     with_trace: bool
     answer: bytes | None = None
-    """The observation as it was recorded; None where it was not answered, or refused."""
+    """The recorded bytes of the observation; None if the motion was refused or not answered."""
     refusal: str | None = None
-    """Why it could not be carried out, if so."""
+    """The reason for which the motion was refused, if it was."""
 
     @property
     def is_told(self) -> bool:
-        """Whether it was answered or refused."""
+        """Whether the motion was answered or refused."""
         return self.answer is not None or self.refusal is not None
 
     @property
     def outcome(self) -> Outcome | None:
-        """What the answer says; made each time, since traces take many times the memory of their bytes."""
+        """The decoded answer; decoded each time, since traces take many times the memory of their bytes."""
         return codec.decode(self.answer, Observation).outcome if self.answer is not None else None
 
 
 @dataclass(kw_only=True)
 class Damage:
-    """A message whose bytes are not what was recorded, or no message at all."""
+    """A message with other bytes than were recorded, or bytes that are no message."""
 
     step: int
     field: str
@@ -49,19 +49,19 @@ class Damage:
 
 @dataclass(kw_only=True)
 class EpisodeRecord:
-    """What one simulator was asked, from a reset to the next."""
+    """The motions that one simulator was asked for, from a reset to the next."""
 
     index: int
-    """Its place in the recording, from 0."""
+    """Index in the recording, from 0."""
     sim: str
     number: int
-    """On the wire."""
+    """Number of the episode on the bus."""
     steps: dict[int, list[Asked]] = field(default_factory=dict)
-    """Those asked as the same step one after the other: all but the last were refused."""
+    """Motions by step. Of several motions for one step, in their order, all but the last were refused."""
     damage: list[Damage] = field(default_factory=list)
 
     def carried_out(self) -> list[Asked]:
-        """The steps that were answered, in order, up to the first that was not."""
+        """Return the steps that were answered, in order, up to the first that was not."""
         done: list[Asked] = []
         for number in range(len(self.steps)):
             asked = self.steps.get(number, [])
@@ -72,12 +72,12 @@ class EpisodeRecord:
 
     @property
     def label(self) -> str:
-        """For messages to people."""
+        """Name of the episode in texts for people."""
         return f"episode {self.index}"
 
 
 def read_episodes(recording: Recording) -> list[EpisodeRecord]:
-    """All episodes of all simulators, in the order in which they began."""
+    """Return all episodes of all simulators, in the order in which they began."""
     return _Reader(recording).read()
 
 
@@ -88,10 +88,10 @@ class _Reader:
         self._recording = recording
         self._episodes: dict[tuple[str, int], EpisodeRecord] = {}
         self._before: dict[tuple[str, str], tuple[int, int]] = {}
-        """Of each topic and incarnation: episode and step of the last message that was in order."""
+        """Episode and step of the last undamaged message, by topic and incarnation."""
 
     def read(self) -> list[EpisodeRecord]:
-        """Actions first, so that every answer finds its question."""
+        """Read actions first, so that every answer finds its action."""
         parts = [(message, message.topic.split("/")) for message in self._recording.messages]
         for message, topic in parts:
             if topic[0] == "sim" and topic[-1] == "action":
@@ -140,9 +140,9 @@ class _Reader:
                 episode.damage.append(damage)
 
     def _decoded(self, message: Recorded, sim: str, kind: type[T], what: str) -> T | None:
-        """The message, or None where it is damaged, which is noted at its step.
+        """Return the message, or None if it is damaged; the damage is noted at its step.
 
-        Where no digest tells the step either, it is that after the last message that was in order.
+        If no digest has the step, it is the one after the last undamaged message.
         """
         place: tuple[str, str] = (message.topic, message.origin.incarnation)
         mark = self._recording.mark(message)
@@ -170,17 +170,17 @@ class _Reader:
 
 
 def _was_answered(episode: EpisodeRecord) -> bool:
-    """Whether a simulator did, or refused to do, any of its steps, and not only asked to be led to them first."""
+    """Return whether a simulator carried out or refused any step, and did not just ask for the steps before it."""
     return any(one.is_told for asked in episode.steps.values() for one in asked)
 
 
 def same(one: msgspec.Struct, other: msgspec.Struct) -> bool:
-    """Whether two records are the same, bit for bit."""
+    """Return whether two records are the same, bit for bit."""
     return msgspec.msgpack.encode(one) == msgspec.msgpack.encode(other)
 
 
 def difference(expected: msgspec.Struct, got: msgspec.Struct) -> tuple[str, str, str]:
-    """The first field in which two records differ, as a path, and both values."""
+    """Return the path of the first field in which two records differ, and both values."""
     for path, one, other in _differences("", msgspec.to_builtins(expected), msgspec.to_builtins(got)):
         return path.lstrip("."), _short(one), _short(other)
     return "(none)", "", ""

@@ -1,4 +1,4 @@
-"""What a recording knows of its mission besides the messages: enough to run it again."""
+"""Reads the files of a recorded mission that, besides the messages, are needed to run it again."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,17 +19,17 @@ VERSIONS_FILE: Final = "versions.json"
 PUSH_MAP_FILE: Final = "push_map.json"
 
 CONTINUED: Final = "continued"
-"""In the metadata of a recording that goes on with a mission which was interrupted before."""
+"""Key in the metadata of a recording that continues an interrupted mission."""
 
 
 class MissionFacts(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a mission is made of, besides its scenario and push map: `mission.json` of a recording."""
+    """The inputs of a mission besides its scenario and push map: `mission.json` of a recording."""
 
     seed: Count
     policy: str
-    """By name, as `--policy` takes it."""
+    """Name of the policy, as `--policy` takes it."""
     policy_sha256: str
-    """Of its files; empty for one that has none."""
+    """SHA-256 of the files of the policy; empty if it has no files."""
 
 
 class MissionFiles(NamedTuple):
@@ -41,10 +41,10 @@ class MissionFiles(NamedTuple):
 
 
 def read_facts(recording: Recording) -> MissionFacts:
-    """Return the facts of the recorded mission.
+    """Return the inputs of the recorded mission.
 
     Raises:
-        RecordingError: It is no recording of a mission.
+        RecordingError: No mission was recorded, or its file cannot be read.
     """
     mission = recording.attachment(MISSION_FILE)
     if mission is None:
@@ -59,13 +59,13 @@ def read_facts(recording: Recording) -> MissionFacts:
 
 
 def scenario_of(recording: Recording) -> Scenario | None:
-    """The scenario among the files of a recording; None if this version cannot read one."""
+    """Return the scenario among the files of a recording; None if it has none, or one of another version."""
     attachment = recording.attachment(SCENARIO_FILE)
     return None if attachment is None else scenario_in(attachment.data)
 
 
 def scenario_in(data: bytes) -> Scenario | None:
-    """The scenario in a file's bytes; None if this version cannot read it."""
+    """Return the scenario in the bytes of its file; None if this version cannot read it."""
     with TemporaryDirectory(prefix="legpush-") as folder:
         file = Path(folder) / SCENARIO_FILE
         file.write_bytes(data)
@@ -79,8 +79,8 @@ def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
     """Write the files of the recorded mission into a folder.
 
     Raises:
-        RecordingError: It is no recording of a mission, or of one that began in another recording: a branch, or one
-            that goes on after an interruption.
+        RecordingError: No mission was recorded, or it began in another recording: it is a branch, or it was continued
+            after an interruption.
     """
     if CONTINUED in recording.about:
         raise RecordingError(
@@ -95,7 +95,7 @@ def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:
         )
     facts, scenario = read_facts(recording), recording.attachment(SCENARIO_FILE)
     if scenario is None:
-        raise RecordingError(f"Expected the recording of a mission, with {SCENARIO_FILE} in it, got one without")
+        raise RecordingError(f"Expected the recording of a mission, with {SCENARIO_FILE} in it, got one without it")
     (folder / SCENARIO_FILE).write_bytes(scenario.data)
     push_map = recording.attachment(PUSH_MAP_FILE)
     if push_map is not None:

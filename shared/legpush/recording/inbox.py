@@ -1,4 +1,4 @@
-"""Batches that wait to be recorded: each once, and no more than fit in a bounded memory."""
+"""Holds the batches that wait to be recorded: each once, and within a bounded memory."""
 
 import threading
 from typing import Final
@@ -9,11 +9,11 @@ from legpush.bus.tally import Tally
 from legpush.messages.telemetry import Copies
 
 LIMIT_BYTES: Final = 128 * 1024 * 1024
-"""Most bytes of batches that wait. More are refused: a process that waits for this recorder sends them again."""
+"""Refuse batches beyond this size. A sender that waits for this recorder sends them again; those of others are lost."""
 
 
 class BatchInbox(Subscription[Copies]):
-    """A batch that is sent again while it waits is the same batch; with a slow disk they would add up."""
+    """Drops a batch that is sent again while it waits; with a slow disk they would add up."""
 
     def __init__(self, channel: Channel[Copies], tally: Tally, limit_bytes: int = LIMIT_BYTES) -> None:
         super().__init__(channel, tally)
@@ -22,10 +22,10 @@ class BatchInbox(Subscription[Copies]):
         self._waiting: dict[tuple[str, str, int], int] = {}
         """Bytes by sender, origin and number."""
         self.n_bytes = 0
-        """Of all that wait."""
+        """Total size of the waiting batches."""
 
     def put(self, message: Copies) -> None:
-        """Called by the bus; never blocks."""
+        """Take a batch from the bus, without blocking."""
         key, n_bytes = _key(message), _size(message)
         with self._lock:
             if key in self._waiting:
@@ -40,7 +40,7 @@ class BatchInbox(Subscription[Copies]):
             super().put(message)
 
     def next(self, timeout_s: float) -> Copies | None:
-        """The next batch, or None if none comes within `timeout_s`."""
+        """Return the next batch, or None if none comes within `timeout_s`."""
         message = super().next(timeout_s)
         if message is not None:
             with self._lock:

@@ -1,4 +1,4 @@
-"""`legpush info`: what is in a recording, for people."""
+"""`legpush info`: describes a recording for people."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,7 +13,7 @@ from legpush.scene.robot import CONTROL_PERIOD_S
 
 
 def lines(recording: Recording) -> Iterator[str]:
-    """Line by line."""
+    """Yield the description, line by line."""
     paths = recording.files
     times = [message.copy.time_ns for message in recording.messages]
     duration_s = (max(times) - min(times)) / 1e9 if times else 0.0
@@ -52,7 +52,7 @@ def lines(recording: Recording) -> Iterator[str]:
 def _completeness(recording: Recording) -> Iterator[str]:
     stated = recording.completeness
     damaged = recording.n_damaged
-    word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not come to an end")
+    word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not finish")
     word = "no" if recording.n_lost else word
     missing = stated.get("n_missing", "0")
     yield f"complete      {word}" + (f", {missing} messages missing" if missing != "0" else "")
@@ -66,7 +66,7 @@ def _completeness(recording: Recording) -> Iterator[str]:
         names = ", ".join(sorted(recording.damaged_attachments))
         yield f"              {len(recording.damaged_attachments)} files are damaged: {names}"
     if recording.n_damaged_chunks:
-        yield f"              {recording.n_damaged_chunks} pieces of the file have a bit that flipped"
+        yield f"              {recording.n_damaged_chunks} pieces of the file have a flipped bit"
 
 
 def _result(recording: Recording) -> Iterator[str]:

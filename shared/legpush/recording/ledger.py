@@ -1,4 +1,4 @@
-"""What a recording should have and what it has: sequences per key and incarnation, and who said farewell."""
+"""Compares what a recording should have with what it has, by sequences per key and incarnation, and by farewells."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
@@ -8,26 +8,26 @@ from legpush.messages.common import Role
 from legpush.messages.telemetry import Copies, Copy, Origin
 
 WITNESSED: Final[tuple[Role, ...]] = ("planner",)
-"""Roles whose messages other processes may hand over, as they heard them."""
+"""Roles whose messages other processes may hand over."""
 MAX_HEARD: Final = 10_000
-"""How many messages of a key a witness may lag behind the process that it hears, or the other way round."""
+"""Largest distance between a witness and the process that it hears, in messages of a key."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Completeness:
-    """Whether everything that was published is in a recording, from its beginning on; if not, what is not."""
+    """Whether a recording has everything that was published since it began, and what is missing."""
 
     complete: bool
     n_recorded: int
     n_missing: int
-    """According to the sequences."""
+    """As far as the sequences show it."""
     notes: tuple[str, ...]
-    """What is missing, or may be, and what came before the recording began, one sentence each."""
+    """Sentences about what is missing, what may be missing, and what came before the recording began."""
 
 
 @dataclass
 class _Account:
-    """One key of one incarnation."""
+    """The messages of one key of one incarnation."""
 
     first: int
     """The first sequence that this recorder could have had."""
@@ -35,12 +35,12 @@ class _Account:
     n_published: int = 0
 
     def n_missing(self) -> int:
-        """Of those from the first one on."""
+        """Return the number of missing messages from the first one on."""
         return max(0, self.n_published - self.first - self.n_recorded)
 
 
 class _Heard:
-    """Sequences of a key that are recorded; of the oldest only that there were some, so that they do not add up."""
+    """The recorded sequences of a key. The oldest ones are kept as a bound only, which limits the memory."""
 
     def __init__(self) -> None:
         self._below = 0
@@ -50,7 +50,7 @@ class _Heard:
         return sequence < self._below or sequence in self._sequences
 
     def add(self, sequence: int) -> None:
-        """One more."""
+        """Add a sequence."""
         self._sequences.add(sequence)
         if len(self._sequences) > 2 * MAX_HEARD:
             kept = sorted(self._sequences)[-MAX_HEARD:]
@@ -59,43 +59,43 @@ class _Heard:
 
 @dataclass
 class _Source:
-    """One incarnation."""
+    """One incarnation of a process."""
 
     label: str
     accounts: dict[str, _Account] = field(default_factory=dict)
     n_batches: dict[str, int] = field(default_factory=dict)
-    """By who handed them over: the source itself, or a witness."""
+    """By the incarnation that handed them over: the source itself, or a witness."""
     heard: dict[str, _Heard] = field(default_factory=dict)
-    """By key, for a role that is witnessed: each message counts once, no matter who hands it over."""
+    """By key, for witnessed roles only: each message counts once, even if two processes hand it over."""
     final: bool = False
 
 
 class Ledger:
-    """Kept by a recorder from the batches that come; a batch counts once, however often it is sent."""
+    """A recorder's account of the batches that came; a batch counts once, even if it is sent again."""
 
     def __init__(self) -> None:
         self._sources: dict[str, _Source] = {}
         self._silent: dict[str, str] = {}
 
     def note_process(self, origin: Origin) -> None:
-        """Note that a process is there, whether it hands over copies or not."""
+        """Note that a process is alive, which may not hand over copies."""
         if origin.incarnation not in self._sources:
             self._silent[origin.incarnation] = _label(origin)
 
     def is_new(self, batch: Copies) -> bool:
-        """Whether this batch was not taken before."""
+        """Return whether this batch was not taken before."""
         source = self._sources.get(batch.origin.incarnation)
         return source is None or batch.batch >= source.n_batches.get(batch.header.incarnation, 0)
 
     def fresh(self, batch: Copies) -> tuple[Copy, ...]:
-        """Copies of a batch that nobody else has handed over: of a planner the agent may hand over what it hears."""
+        """Return the copies that no other process has handed over; the agent may hand over a planner's messages."""
         source = self._sources.get(batch.origin.incarnation)
         if source is None or batch.origin.role not in WITNESSED:
             return batch.copies
         return tuple(copy for copy in batch.copies if copy.sequence not in source.heard.get(copy.key, ()))
 
     def note_batch(self, batch: Copies, copies: Sequence[Copy], recorded: set[str]) -> None:
-        """Note a batch, of which these copies, those under the keys `recorded`, are in the file."""
+        """Note a batch, of which `copies`, those under the keys `recorded`, are in the file."""
         origin = batch.origin
         self._silent.pop(origin.incarnation, None)
         source = self._sources.setdefault(origin.incarnation, _Source(_label(origin)))
@@ -112,18 +112,18 @@ class Ledger:
                 source.heard.setdefault(copy.key, _Heard()).add(copy.sequence)
 
     def unfinished(self) -> set[str]:
-        """The incarnations that have not said farewell."""
+        """Return the incarnations that have not said farewell."""
         return {incarnation for incarnation, source in self._sources.items() if not source.final} | self._silent.keys()
 
     def completeness(self, live: Collection[str] = ()) -> Completeness:
-        """What the recording has by now; the `live` incarnations need not have said farewell.
+        """Return the state of the recording now; the `live` incarnations need not have said farewell.
 
-        Messages from before the recorder came are not expected of it, but noted.
+        Messages from before the recorder came are not counted as missing, but noted.
         """
         losses = [f"{label} hands over no copies: its messages are missing" for label in self._silent.values()]
         before: list[str] = []
         if not self._sources and not self._silent:
-            losses.append("nobody was there to be recorded")
+            losses.append("no process was there to be recorded")
         n_recorded = n_missing = 0
         for incarnation, source in self._sources.items():
             for key, account in source.accounts.items():

@@ -1,4 +1,4 @@
-"""The plans of a recording: which query got which answers."""
+"""Reads the plans of a recording: each query with its answers."""
 
 from dataclasses import dataclass, field
 
@@ -21,7 +21,7 @@ class RecordedPlans:
 
 
 def read_plans(recording: Recording) -> list[RecordedPlans]:
-    """Return every query that was answered, in the order of asking.
+    """Return every query that was answered, in the order of the requests.
 
     Raises:
         RecordingError: A message is damaged.
@@ -50,5 +50,5 @@ def read_plans(recording: Recording) -> list[RecordedPlans]:
 
 
 def query_bytes(query: PlanQuery) -> bytes:
-    """The bytes of a query, which are the same for equal queries."""
+    """Return bytes that are the same for equal queries."""
     return msgspec.msgpack.encode(query)

@@ -1,6 +1,6 @@
-"""A recording in the place of a simulator or a planner: `python -m legpush.recording.play ROLE FILE... [FLAGS]`.
+"""Plays a recording in the place of a simulator or a planner: `python -m legpush.recording.play ROLE FILE... [FLAGS]`.
 
-It answers what was answered then, and ends with an error where it is asked something else.
+It gives the recorded answers, and ends with an error if it gets a request that was not recorded.
 """
 
 import sys
@@ -31,14 +31,14 @@ IDLE_S: Final = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class PlayConfig(ServiceConfig):
-    """As any process, and the recording that it plays."""
+    """Options of any process, and the recording to play."""
 
     files: tyro.conf.Positional[tuple[Path, ...]] = ()
     """The recording, or its parts."""
 
 
 class RecordedSim:
-    """A simulator that knows the recorded episodes only."""
+    """A simulator that knows only the recorded episodes."""
 
     def __init__(self, episodes: Sequence[EpisodeRecord]) -> None:
         self._episodes = episodes
@@ -46,11 +46,11 @@ class RecordedSim:
         self._step = 0
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Return the recorded answer.
+        """Return the recorded answer to a motion.
 
         Raises:
-            MotionError: The motion was refused.
-            RecordingError: Nothing of the kind was recorded.
+            MotionError: The recorded simulator refused the motion.
+            RecordingError: Another motion was recorded.
         """
         step = 0 if isinstance(motion, Reset) else self._step
         among = self._episodes if step == 0 else self._candidates
@@ -73,7 +73,7 @@ class RecordedSim:
 
 
 def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_trace: bool = False) -> str:
-    """What the recording has in the place of a motion."""
+    """Return a text that says what the recording has in the place of a motion."""
     asked = [one for episode in among for one in episode.steps.get(step, []) if one.is_told]
     if not asked:
         return f"the recording ends before it, got {type(motion).__name__.lower()}"
@@ -81,20 +81,25 @@ def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_t
     if type(recorded) is not type(motion):
         return f"expected {type(recorded).__name__.lower()} as recorded, got {type(motion).__name__.lower()}"
     if recorded == motion and with_trace:
-        return "expected to be asked without a trace, which the recording lacks here, got a question with one"
+        return "expected a request without a trace, which the recording lacks here, got a request with one"
     path, expected, got = difference(recorded, motion)
     return f"expected {type(motion).__name__.lower()} with {path} {expected} as recorded, got {got}"
 
 
 class RecordedPlanner:
-    """A planner that knows the recorded queries only."""
+    """A planner that knows only the recorded queries."""
 
     def __init__(self, records: Sequence[RecordedPlans]) -> None:
         self._records = records
         self._plans = {query_bytes(record.query): record.plans for record in records}
 
     def make_plans(self, query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
-        """Yield the recorded answers; after the last one it waits, like a planner that takes its time."""
+        """Yield the recorded answers, then wait to be interrupted, like a planner that is still planning.
+
+        Raises:
+            RecordingError: The query was not recorded.
+            PlanningInterruptedError: `interrupted` returned True.
+        """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
             raise RecordingError(self.instead(query))
@@ -105,7 +110,7 @@ class RecordedPlanner:
         raise PlanningInterruptedError
 
     def instead(self, query: PlanQuery) -> str:
-        """What the recording has in the place of a query that it does not have."""
+        """Return a text that says what the recording has in the place of a query that was not recorded."""
         same_kind = [record.query for record in self._records if type(record.query) is type(query)]
         if not same_kind:
             return f"the recording answers no {type(query).__name__}"
@@ -114,7 +119,7 @@ class RecordedPlanner:
 
 
 def main(role: Literal["sim", "planner"]) -> int:
-    """Take the part of this process."""
+    """Take the part of the process with this role."""
 
     def serve(config: PlayConfig, bus: Bus, stop: threading.Event) -> None:
         recording = read_recording(config.files)

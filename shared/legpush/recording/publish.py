@@ -1,4 +1,4 @@
-"""Publishes a recording again, for recorders and viewers, at its own speed or another."""
+"""Publishes a recording again, for recorders and viewers, at the recorded speed or another."""
 
 import threading
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ NAME_LENGTH: Final = 64
 
 
 def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: threading.Event, turn: int = 0) -> int:
-    """Hand everything from `start_s` on to recorders, `rate` times as fast as it was; returns how many messages.
+    """Hand all messages from `start_s` on to recorders, in their time divided by `rate`, and return their number.
 
-    `turn` counts repetitions: the processes of each are other incarnations.
+    `turn` counts the repetitions: in each of them, the processes are other incarnations.
     """
     messages = from_start(recording, start_s)
     taps: dict[str, Tap] = {}
@@ -38,12 +38,12 @@ def publish(bus: Bus, recording: Recording, rate: float, start_s: float, stop: t
 
 
 def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
-    """Return all messages from a time after the first one on, in order of time.
+    """Return all messages from `start_s` after the first one on, in order of time.
 
-    Those of one sender stay in their order, whatever its clock did.
+    Those of one sender stay in their order, even if its clock was set back.
 
     Raises:
-        RecordingError: There are no messages, or none from that time on.
+        RecordingError: There are no such messages.
     """
     if not recording.messages:
         raise RecordingError("Expected a recording with messages, got one without")
@@ -65,7 +65,7 @@ def from_start(recording: Recording, start_s: float) -> Sequence[Recorded]:
 
 
 def _tap(bus: Bus, recording: Recording, origin: Origin, turn: int) -> Tap:
-    """A tap that stands in for a recorded process, with its files except damaged ones."""
+    """Return the tap of a recorded process, with its undamaged files."""
     name = f"{origin.incarnation}-{turn}"[-NAME_LENGTH:] if turn else origin.incarnation
     tap = bus.taps.stand_in_for(Origin(role=origin.role, name=origin.name, incarnation=name))
     for attachment in recording.attachments.values():

@@ -1,4 +1,4 @@
-"""The recorder: takes the copies that processes hand over, writes them to a file, and says what it has."""
+"""The recorder: takes the copies that processes hand over, writes them to a file, and states how complete it is."""
 
 import logging
 import threading
@@ -21,32 +21,32 @@ from legpush.recording.mcap_file.writer import Attachment, RecordingFile, topic_
 log = logging.getLogger(__name__)
 
 FLUSH_S: Final = 0.5
-"""A kill of the recorder loses at most this much, and what is on its way."""
+"""Period of writing to the file. A kill of the recorder loses at most this much, besides messages on their way."""
 LOOK_S: Final = 0.05
 GATHER_S: Final = 3.0
-"""Once asked to stop, the recorder waits at most this long for processes to end and say farewell."""
+"""After a request to stop, longest time to wait for processes to end and say farewell."""
 FAREWELL_S: Final = 2.0
 """The same, for a process that has already exited."""
 COPIED: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
-"""Roles whose messages are recorded."""
+"""The roles whose messages are recorded."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What is recorded."""
+    """What to record."""
 
     topics: tuple[str, ...] = ()
-    """Patterns such as `sim/*` of topics, all if there are none."""
+    """Patterns of topics, such as `sim/*`; without any, all topics."""
     duration_s: float | None = None
 
     def takes(self, key: str) -> bool:
-        """Whether messages under this key are recorded."""
+        """Return whether messages under this key are recorded."""
         topic = topic_of(key)
         return not self.topics or any(fnmatchcase(topic, pattern) for pattern in self.topics)
 
 
 class Recorder:
-    """Turns batches into a file; the bus is the caller's."""
+    """Writes batches to a file; the caller receives them from the bus."""
 
     def __init__(self, file: RecordingFile, wanted: Wanted) -> None:
         self._file = file
@@ -55,7 +55,7 @@ class Recorder:
         self.n_recorded = 0
 
     def write_batch(self, batch: Copies) -> None:
-        """Write what is new in a batch."""
+        """Write the messages of a batch that are new."""
         if not self.ledger.is_new(batch):
             return
         copies = tuple(copy for copy in self.ledger.fresh(batch) if self._wanted.takes(copy.key))
@@ -68,7 +68,7 @@ class Recorder:
 
 
 def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event) -> Completeness:
-    """Record until `stop`, or until the wanted time is over.
+    """Record until `stop` is set, or for the wanted duration.
 
     Raises:
         RecordingError: The file cannot be written any more.
@@ -105,8 +105,8 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
             seen_at |= dict.fromkeys(live, now)
             if stopped_at is None:
                 continue
-            # A process takes its token down before it says farewell. Those whose tokens are up are waited for after a
-            # signal alone, which a launcher sends to all at once.
+            # A process takes its token down before it says farewell. Wait for processes with a token only after a
+            # signal, since a launcher sends it to all processes at once.
             gone_at = {each: seen_at.get(each, began) for each in recorder.ledger.unfinished()}
             expected = {each for each, at in gone_at.items() if now - at < FAREWELL_S}
             if (batch is None and not (expected if stop.is_set() else expected - live)) or now - stopped_at > GATHER_S:
@@ -117,7 +117,7 @@ def record(bus: Bus, file: RecordingFile, wanted: Wanted, stop: threading.Event)
 
 
 def statement(completeness: Completeness) -> dict[str, str]:
-    """The metadata that says what a recording has."""
+    """Return the metadata about the completeness of a recording."""
     return {
         "complete": "yes" if completeness.complete else "no",
         "n_recorded": str(completeness.n_recorded),
@@ -127,7 +127,7 @@ def statement(completeness: Completeness) -> dict[str, str]:
 
 
 def taken_by(batch: Copies) -> Callable[[Header], Taken]:
-    """What tells the sender of a batch that a recorder has it."""
+    """Return a function that makes the message which tells the sender of a batch that it is recorded."""
     origin, number = batch.origin.incarnation, batch.batch
     return lambda header: Taken(header=header, origin_incarnation=origin, batch=number)
 

@@ -1,4 +1,4 @@
-"""`legpush recover`: a whole recording of what is left of one that was cut off."""
+"""`legpush recover`: makes a whole recording from the rest of one that was cut off."""
 
 from itertools import groupby
 from pathlib import Path
@@ -10,16 +10,16 @@ from legpush.recording.mcap_file.reader import RECOVERED_FROM, Recorded, Recordi
 from legpush.recording.mcap_file.writer import RecordingFile
 
 DAMAGED: Final = ".damaged"
-"""Ending that is added to the name of a damaged file."""
+"""Suffix for the name of a damaged file."""
 
 
 def recover(path: Path, out: Path) -> Recording:
-    """Write what can be read of `path`, which stays as it is, to the new file `out`.
+    """Write the readable messages and files of `path` to the new file `out`; `path` is not changed.
 
-    Digests are those that were recorded, so that damage is found as before; a damaged file gets another name.
+    Digests are copied as they were recorded, so that damage can still be found. A damaged file gets another name.
 
     Raises:
-        RecordingError: Nothing can be read, or the recording is whole already.
+        RecordingError: `path` is whole, nothing in it can be read, or `out` cannot be written.
     """
     recording = Recording()
     scan = Scan(path)
@@ -42,7 +42,7 @@ def recover(path: Path, out: Path) -> Recording:
 
 
 def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
-    """How complete the rest is: what comes after the cut is not known."""
+    """Return the statement about the completeness of the rest; the messages after the cut are not known."""
     n_missing, losses = gaps(recording.messages)
     notes = [
         f"the recording was cut off at byte {scan.position} of {scan.size}: what came after it is missing",
@@ -51,7 +51,7 @@ def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
     if recording.n_damaged:
         notes.append(f"{recording.n_damaged} messages were damaged before it was recovered")
     if recording.n_damaged_chunks:
-        notes.append(f"{recording.n_damaged_chunks} pieces of it had a bit that flipped before it was recovered")
+        notes.append(f"{recording.n_damaged_chunks} pieces of it had a flipped bit before it was recovered")
     notes += [
         f"{name} was damaged before it was recovered, and is {name}{DAMAGED} now"
         for name in sorted(recording.damaged_attachments)
@@ -65,9 +65,9 @@ def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
 
 
 def gaps(messages: list[Recorded]) -> tuple[int, list[str]]:
-    """How many messages are missing between the first and the last of each sender, and which; what was before is noted.
+    """Return the number of messages missing between the first and the last of each sender, and notes about them.
 
-    It is in another part, or from before the recording began, or lost: what is left of a file does not tell.
+    Earlier messages are only noted: they may be in another part, from before the recording began, or lost.
     """
     sequences: dict[tuple[str, Origin], list[int]] = {}
     for message in messages:

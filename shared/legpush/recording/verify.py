@@ -1,4 +1,4 @@
-"""`legpush replay --verify`: a fresh simulator is asked what was recorded, and has to answer what was recorded."""
+"""`legpush replay --verify`: sends the recorded motions to a fresh simulator, which must give the recorded answers."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Perform(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Divergence:
-    """Where recording and simulator part."""
+    """The first difference between a recording and a simulator."""
 
     episode: int
     step: int
@@ -31,18 +31,18 @@ class Divergence:
     got: str
 
     def __str__(self) -> str:
-        """For people."""
+        """Return a sentence for people."""
         where = f"episode {self.episode}, step {self.step}, field {self.field}"
         return f"first divergence at {where}: expected {self.expected}, got {self.got}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verified:
-    """How far the two agree."""
+    """How far recording and simulator agree."""
 
     n_steps: int
     n_ticks: int
-    """Simulated, in all these steps."""
+    """Number of simulated ticks in all these steps."""
     divergence: Divergence | None
 
 
@@ -52,7 +52,7 @@ def verify(
     """Do every step of every episode again, up to the first divergence.
 
     Raises:
-        RecordingError: Steps are missing in the recording.
+        RecordingError: Steps are missing.
     """
     n_steps = n_ticks = 0
     for episode in episodes:
@@ -72,10 +72,10 @@ def verify(
 
 
 def require_steps(episode: EpisodeRecord) -> None:
-    """Check that the episode has every step from its reset on.
+    """Check that every step from the reset on is in the recording.
 
     Raises:
-        RecordingError: It has not.
+        RecordingError: One is not.
     """
     damaged = {damage.step for damage in episode.damage}
     for number in range(max(episode.steps, default=-1) + 1):

@@ -1,7 +1,7 @@
-"""Whether a scenario can be carried out at all: everything inside the room, with space where it is needed.
+"""Checks that a scenario can be carried out: everything is inside the room, with enough space around it.
 
-What the seed moves is checked where its offsets move it farthest: a scenario that passes holds for every seed. An
-obstacle that appears later may do so anywhere in the room: it waits until nothing is in its place.
+Robot and box are checked with the largest offsets that a seed may draw, so the result holds for every seed. An obstacle
+that appears later may be anywhere in the room, since it waits until nothing is in its place.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -38,13 +38,17 @@ from legpush.scene.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, P
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
-"""How far the goal may be from where the reference ends."""
+"""Largest distance and angle between the goal and the end of the reference."""
 REFERENCE_EVERY: Final = 5
-"""Points of the reference at which space is checked."""
+"""Check the space at every fifth point of the reference."""
 
 
 def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
-    """Raise a `ScenarioError` that begins with `where`, names the field and says how far it is off."""
+    """Check that a scenario can be carried out.
+
+    Raises:
+        ScenarioError: It cannot. The text begins with `where`, names the field, and says by how much it is wrong.
+    """
     try:
         _check(scenario)
     except ScenarioError as error:
@@ -52,7 +56,7 @@ def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
 
 
 def _check(scenario: Scenario) -> None:
-    """The checks, from the room to the goal."""
+    """Make all checks, from the room to the goal."""
     room, box, offsets = scenario.room, scenario.box, scenario.randomization
     _check_room(room)
     _check_planning(scenario.planning)
@@ -96,7 +100,7 @@ def _check(scenario: Scenario) -> None:
 
 
 def _check_any(faces: Sequence[Face], check: Callable[[Face], None]) -> None:
-    """One of the faces passes; else the error is that of the first one."""
+    """Check that one of the faces passes; otherwise raise the error of the first one."""
     errors: list[ScenarioError] = []
     for face in faces:
         try:
@@ -107,7 +111,7 @@ def _check_any(faces: Sequence[Face], check: Callable[[Face], None]) -> None:
 
 
 def _check_place_to_begin(scenario: Scenario, face: Face) -> None:
-    """The robot can come to stand behind a face of the box."""
+    """Check that the robot can come to stand behind a face of the box."""
     offsets = scenario.randomization
     box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.box.pose.pose(), face)
     for back_m, what in (
@@ -122,7 +126,7 @@ def _check_place_to_begin(scenario: Scenario, face: Face) -> None:
 
 
 def _check_place_to_end(scenario: Scenario, face: Face) -> None:
-    """The robot can stand behind a face of the box at its goal."""
+    """Check that the robot can stand behind a face of the box at its goal."""
     box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.goal.pose.pose(), face)
     behind = behind_box(box, pose, STATION_M)
     what = f"the robot's place behind the {face} face of the box at its goal"
@@ -130,7 +134,7 @@ def _check_place_to_end(scenario: Scenario, face: Face) -> None:
 
 
 def _check_planning(planning: PlanSettings) -> None:
-    """A better path is joined by straight lines."""
+    """Check that better paths while walking are not asked for with curved ones: straight lines join a better path."""
     curved = planning.steering != "straight" or planning.min_turning_radius_m > 0.0
     if planning.anytime is not None and curved:
         raise ScenarioError(
@@ -140,7 +144,7 @@ def _check_planning(planning: PlanSettings) -> None:
 
 
 def _check_reference(scenario: Scenario, reference: Reference) -> None:
-    """It ends at the goal, and box and robot have space all along it."""
+    """Check that the reference ends at the goal, and that box and robot have space all along it."""
     if "rear" not in scenario.pushing.faces:
         raise ScenarioError(
             f"at `pushing.faces`: expected the rear face, at which a reference is pushed, "
@@ -149,8 +153,8 @@ def _check_reference(scenario: Scenario, reference: Reference) -> None:
     needed_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
     if needed_m > (straight_m := first_straight_m(reference)):
         raise ScenarioError(
-            f"at `pushing.calibration_pushes`: expected at most {int(straight_m / CALIBRATION_PUSH_M)}, for which the "
-            f"reference begins straight ({straight_m:g} m, {CALIBRATION_PUSH_M} m each), got "
+            f"at `pushing.calibration_pushes`: expected at most {int(straight_m / CALIBRATION_PUSH_M)}, which fit on "
+            f"the straight beginning of the reference ({straight_m:g} m, {CALIBRATION_PUSH_M} m each), got "
             f"{scenario.pushing.calibration_pushes}"
         )
     curve = reference_curve(reference, scenario.box.pose.pose())
@@ -159,7 +163,7 @@ def _check_reference(scenario: Scenario, reference: Reference) -> None:
     off_m = hypot(end.x_m - goal.x_m, end.y_m - goal.y_m)
     if off_m > REFERENCE_END_M or degrees(abs(wrap_angle(end.yaw_rad - goal.yaw_rad))) > REFERENCE_END_DEG:
         raise ScenarioError(
-            f"at `goal.pose`: expected where the reference ends, x_m {end.x_m:.3f}, y_m {end.y_m:.3f}, "
+            f"at `goal.pose`: expected the end of the reference, x_m {end.x_m:.3f}, y_m {end.y_m:.3f}, "
             f"yaw_deg {degrees(end.yaw_rad):.2f}, got x_m {goal.x_m:g}, y_m {goal.y_m:g}, "
             f"yaw_deg {degrees(goal.yaw_rad):g}"
         )
@@ -174,7 +178,7 @@ def _check_reference(scenario: Scenario, reference: Reference) -> None:
 
 
 def _check_room(room: Room) -> None:
-    """A map that fits into a message, and no obstacle outside it."""
+    """Check that the map fits into a message, and that no obstacle is outside the room."""
     n_columns, n_rows = grid_shape(room)
     if n_columns * n_rows > MAX_CELLS:
         raise ScenarioError(
@@ -191,7 +195,7 @@ def _check_room(room: Room) -> None:
 
 
 def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, field: str, what: str) -> None:
-    """A circle about a pose is free wherever the seed may move it."""
+    """Check that a circle about a pose is free after any offset of the seed, up to `reach_m`."""
     because = _because(radius_m, reach_m)
     point = centre.xy()
     border = distance_to_border_m(point[np.newaxis], room)
@@ -204,7 +208,7 @@ def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, fi
 def _check_box(
     room: Room, footprint: Footprint, reach_m: float, field: str, what: str, because: str | None = None
 ) -> None:
-    """A box is free wherever the seed may move it, or with another distance for the reason that is given."""
+    """Check that a box is free at a distance of `reach_m`: after any offset of the seed, or for the given reason."""
     because = _because(0.0, reach_m) if because is None else because
     corners = footprint.corners()
     border = distance_to_border_m(corners, room)
@@ -215,8 +219,9 @@ def _check_box(
 
 
 def _near(room: Room, points: Floats, reach_m: float) -> Iterator[tuple[int, Rectangle]]:
-    """The obstacles that do not appear later, with their indices, not farther than `reach_m` along an axis from all
-    points, (n, 2).
+    """Yield the obstacles within `reach_m` along both axes of the bounding box of points, (n, 2), with their indices.
+
+    Obstacles that appear later are left out.
     """
     (x_low, y_low), (x_high, y_high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     for index, wall in enumerate(room.obstacles):
@@ -227,7 +232,7 @@ def _near(room: Room, points: Floats, reach_m: float) -> Iterator[tuple[int, Rec
 
 
 def _require(distance: float, least_m: float, field: str, between: str, because: str) -> None:
-    """At least `least_m` of distance; negative is how deep it is inside."""
+    """Check that a distance is at least `least_m`; a negative distance is the depth inside."""
     if distance < least_m:
         got = f"{distance:.3f} m" if distance > 0.0 else f"{-distance:.3f} m inside"
         raise ScenarioError(
@@ -237,7 +242,7 @@ def _require(distance: float, least_m: float, field: str, between: str, because:
 
 
 def _because(radius_m: float, reach_m: float) -> str:
-    """What a least distance is made of, where it is made of more than one thing."""
+    """Return the parts of a least distance as a text in parentheses; empty if it has none."""
     parts = [f"{radius_m:.3f} m for the robot"] * (radius_m > 0.0) + [f"{reach_m:.3f} m for `randomization`"] * (
         reach_m > 0.0
     )
@@ -245,5 +250,5 @@ def _because(radius_m: float, reach_m: float) -> str:
 
 
 def _turn_reach(arm_m: float, half_width_deg: float) -> float:
-    """How far the end of an arm moves when it turns by up to `half_width_deg`."""
+    """Return how far the end of an arm moves when the arm turns by up to `half_width_deg`."""
     return 2 * arm_m * sin(radians(min(half_width_deg, 180.0)) / 2)

@@ -1,4 +1,4 @@
-"""Scenario files: TOML to a checked `Scenario` and back."""
+"""Reads scenario files, from TOML to a checked `Scenario`, and writes them."""
 
 import tomllib
 from collections.abc import Mapping
@@ -27,16 +27,18 @@ SUFFIX: Final = ".toml"
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
-    """A built-in scenario by its name, or the one in a file: a `Path`, or a text with `/` or `.toml` in it.
+    """Return a built-in scenario by its name, or the one in a file: a `Path`, or a text with `/` or `.toml` in it.
 
-    A grid file that it names is read as well, so that the record is complete in itself. `ScenarioError` names the
-    file, the field, and what was expected there.
+    A grid file that it names is read as well, so the record needs no other file.
+
+    Raises:
+        ScenarioError: The scenario cannot be used; names the file, the field, and what was expected there.
     """
     return load_with_map(name_or_path)[0]
 
 
 def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | None]:
-    """The same, and the map that its grid file holds; None where it names no such file."""
+    """Return a scenario like `load_scenario`, and the map in its grid file; None if it names no grid file."""
     source = scenario_source(name_or_path)
     where = str(source)
     plain = _read_toml(source)
@@ -58,7 +60,7 @@ def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | No
 
 
 def dump_scenario(scenario: Scenario) -> str:
-    """The scenario as TOML with every field in it that has a value; loading it gives an equal record."""
+    """Return the scenario as TOML, with every field that has a value; loading it gives an equal record."""
     return tomli_w.dumps(_without_nothing(msgspec.to_builtins(scenario)))
 
 
@@ -73,7 +75,7 @@ def resolve_scenario(
     """Load a scenario and replace fields of it.
 
     Raises:
-        ScenarioError: The scenario, or a value that replaces one in it, cannot be used.
+        ScenarioError: The scenario, or a new value, cannot be used.
     """
     replaced = {
         "planning.planner": planner,
@@ -89,7 +91,7 @@ def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     """Return the scenario with other values at paths such as `box.mass_kg`.
 
     Raises:
-        ScenarioError: A value cannot be used.
+        ScenarioError: A path or value cannot be used.
     """
     changed = change_fields(scenario, changes)
     check_scenario(changed, "command line")
@@ -97,7 +99,11 @@ def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
 
 
 def change_fields(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
-    """The same without the check of whether it can be carried out."""
+    """Return the same as `override`, without the check that the scenario can be carried out.
+
+    Raises:
+        ScenarioError: A path or value cannot be used.
+    """
     plain = msgspec.to_builtins(scenario)
     for path, value in changes.items():
         *tables, field = path.split(".")
@@ -114,12 +120,12 @@ def change_fields(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """The built-in scenarios, sorted."""
+    """Return the names of the built-in scenarios, sorted."""
     return tuple(sorted(Path(e.name).stem for e in _builtin_folder().iterdir() if e.name.endswith(SUFFIX)))
 
 
 def scenario_source(name_or_path: str | Path) -> Traversable:
-    """Find the file of a scenario by its name or path.
+    """Return the file behind a name or path.
 
     Raises:
         ScenarioError: The name is unknown; lists the valid ones.
@@ -138,7 +144,7 @@ def scenario_source(name_or_path: str | Path) -> Traversable:
 
 
 def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
-    """Write a built-in scenario, comments and all, to `target`, and its grid file beside it; returns what it wrote.
+    """Write a built-in scenario with its comments to `target`, and its grid file beside it; return the new files.
 
     Raises:
         ScenarioError: One of the files exists or cannot be written.
@@ -154,7 +160,7 @@ def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
 
 
 def write_scenario(scenario: Scenario, target: Path) -> Path:
-    """Write every field to a new file.
+    """Write every field to a new file, and return its path.
 
     Raises:
         ScenarioError: The file exists or cannot be written.
@@ -164,7 +170,7 @@ def write_scenario(scenario: Scenario, target: Path) -> Path:
 
 
 def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
-    """A table without fields that are None, which TOML cannot say; they are the defaults."""
+    """Return a table without fields that are None, which TOML cannot express; None is their default."""
     return {
         name: _without_nothing(value) if isinstance(value, dict) else value
         for name, value in table.items()
@@ -181,7 +187,7 @@ def _write_new(path: Path, content: bytes) -> None:
 
 
 def _read_toml(source: Traversable) -> dict[str, Any]:
-    """The tables of a TOML file."""
+    """Return the tables of a TOML file."""
     try:
         return tomllib.loads(source.read_text(encoding="utf-8"))
     except OSError as error:
@@ -193,10 +199,10 @@ def _read_toml(source: Traversable) -> dict[str, Any]:
 
 
 def _folder(source: Traversable) -> Traversable:
-    """The folder that relative paths in a scenario file start from."""
+    """Return the folder from which relative paths in a scenario file start."""
     return source.parent if isinstance(source, Path) else _builtin_folder()
 
 
 def _builtin_folder() -> Traversable:
-    """The packaged scenario files."""
+    """Return the folder of the packaged scenario files."""
     return files("legpush") / "scenarios"

@@ -1,4 +1,4 @@
-"""Rooms from a map in a file beside the scenario file: its walls as few rectangles."""
+"""Makes rooms from a map in a file beside the scenario file, with walls as few rectangles."""
 
 from importlib.resources.abc import Traversable
 from typing import Annotated, Any, Final, Literal
@@ -17,7 +17,7 @@ from legpush.schema_errors import explain
 
 
 class CellSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The fields of `[room]` that stand for its size and walls, where the file has nothing but cells."""
+    """The fields of `[room]` that replace its size and walls, for a map file that has only cells."""
 
     grid_file: Annotated[str, Meta(min_length=1)]
     """CSV file beside the scenario file, with one line per row and one number per cell, 0 free, 1 wall; or NumPy file
@@ -25,16 +25,16 @@ class CellSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     cell_m: Positive
     """Side of a cell."""
     first_row: FirstRow
-    """Where the first row of the file lies: at the highest y, as MATLAB reads a map, or at y = 0."""
+    """Place of the first row of the file: at the highest y, as MATLAB reads a map, or at y = 0."""
 
 
 class MapSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The same where it is the YAML file of a ROS map, which says how large a cell is; its first row is the top one."""
+    """The same fields for the YAML file of a ROS map, which has the size of a cell; its first row is the top one."""
 
     grid_file: Annotated[str, Meta(min_length=1)]
     frame: Literal["room", "map"] = "room"
-    """What poses and obstacles in the scenario file are counted from: the lower left corner of the map, as everywhere
-    in legpush, or the origin of the map's own frame."""
+    """Frame of poses and obstacles in the scenario file. `room`: from the lower left corner of the map, as everywhere
+    in legpush. `map`: the map's own frame."""
 
 
 GridSource = CellSource | MapSource
@@ -42,7 +42,11 @@ GRID_FIELDS: Final = tuple(dict.fromkeys(field.name for kind in (CellSource, Map
 
 
 def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
-    """Take the fields of a `GridSource` out of the `room` table of a file; None where it has none of them."""
+    """Take the fields of a `GridSource` out of the `room` table of a file; None if it has none of them.
+
+    Raises:
+        ScenarioError: A field is missing, wrong, or does not belong to this type of map file.
+    """
     room = plain.get("room")
     if not isinstance(room, dict) or not room.keys() & set(GRID_FIELDS):
         return None
@@ -53,15 +57,15 @@ def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
     suffix = suffix_of(name)
     if suffix not in (*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES):
         valid = ", ".join((*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES))
-        hint = " (of an image, name its YAML file)" if suffix in IMAGE_SUFFIXES else ""
+        hint = " (for an image, name its YAML file)" if suffix in IMAGE_SUFFIXES else ""
         raise ScenarioError(f"{where}: at `room.grid_file`: expected a file that ends in {valid}, got '{name}'{hint}")
     kind: type[GridSource] = MapSource if suffix in MAP_SERVER_SUFFIXES else CellSource
-    why = "which says it itself" if kind is MapSource else "which has no frame of its own"
+    why = "which has it already" if kind is MapSource else "which has no frame of its own"
     for field in taken:
         if field not in {valid.name for valid in fields(kind)}:
             raise ScenarioError(f"{where}: at `room.{field}`: expected nothing beside `{name}`, {why}")
     if "size_m" in room:
-        raise ScenarioError(f"{where}: at `room.size_m`: expected nothing, since `room.grid_file` says the size")
+        raise ScenarioError(f"{where}: at `room.size_m`: expected nothing, since `room.grid_file` has the size")
     try:
         return convert(taken, kind)
     except MessageError as error:
@@ -69,10 +73,10 @@ def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
 
 
 def read_grid(grid: GridSource, folder: Traversable) -> OccupancyMap:
-    """Read the map in a file.
+    """Return the map in the file.
 
     Raises:
-        ScenarioError: Names the file and what is wrong in it.
+        ScenarioError: The file cannot be used; names the file and the error.
     """
     if isinstance(grid, CellSource):
         return read_cells(folder / grid.grid_file, grid.cell_m, grid.first_row)
@@ -82,7 +86,11 @@ def read_grid(grid: GridSource, folder: Traversable) -> OccupancyMap:
 
 
 def furnished(scenario: Scenario, grid: GridSource, occupancy: OccupancyMap, where: str) -> Scenario:
-    """The scenario with the map's walls after its own obstacles, and everything in the frame of the room."""
+    """Return the scenario with the map's walls after its own obstacles, and everything in the frame of the room.
+
+    Raises:
+        ScenarioError: There are too many obstacles.
+    """
     if isinstance(grid, MapSource) and grid.frame == "map":
         scenario = _moved(scenario, -occupancy.origin_m[0], -occupancy.origin_m[1])
     listed, cells = scenario.room.obstacles, merged_cells(occupancy.occupied)
@@ -97,7 +105,7 @@ def furnished(scenario: Scenario, grid: GridSource, occupancy: OccupancyMap, whe
 
 
 def frame_note(grid: GridSource | None, occupancy: OccupancyMap | None) -> str:
-    """What an error about places in the room has to add where the map has an origin of its own; else nothing."""
+    """Return what to add to an error about places in the room; empty unless the map has an origin of its own."""
     if not isinstance(grid, MapSource) or occupancy is None or occupancy.origin_m == (0.0, 0.0):
         return ""
     corner = f"the lower left corner of `{grid.grid_file}`, ({occupancy.origin_m[0]:g}, {occupancy.origin_m[1]:g})"
@@ -107,14 +115,14 @@ def frame_note(grid: GridSource | None, occupancy: OccupancyMap | None) -> str:
 
 
 def merged_rectangles(occupied: Flags, cell_m: float) -> tuple[Rectangle, ...]:
-    """Rectangles that cover exactly the occupied cells, (rows, columns), row 0 at y = 0, without overlapping."""
+    """Return rectangles that cover exactly the occupied cells, (rows, columns), row 0 at y = 0, without overlapping."""
     return _rectangles(merged_cells(occupied), cell_m)
 
 
 def merged_cells(occupied: Flags) -> Indices:
-    """The same in cells, (n, 4): first row, row after the last, first column, column after the last.
+    """Return the same rectangles in cells, (n, 4): first row, row after the last, first column, column after the last.
 
-    Cells side by side in a row make a run; equal runs of rows one above the other make a rectangle.
+    Cells side by side in a row make a run. Equal runs in adjacent rows make a rectangle.
     """
     n_rows, n_columns = occupied.shape
     padded = np.zeros((n_rows, n_columns + 2), dtype=np.int8)
@@ -139,7 +147,7 @@ def _rectangles(cells: Indices, cell_m: float) -> tuple[Rectangle, ...]:
 
 
 def _moved(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
-    """Start, box, goal and obstacles by as much along x and y."""
+    """Return the scenario with start, box, goal and obstacles moved along x and y."""
 
     def pose(old: PoseDeg) -> PoseDeg:
         return replace(old, x_m=old.x_m + x_m, y_m=old.y_m + y_m)

@@ -1,4 +1,4 @@
-"""Occupancy maps in files: CSV, NumPy, and what they have in common with those of ROS `map_server`."""
+"""Reads occupancy maps from CSV and NumPy files; also the parts that they share with maps of ROS `map_server`."""
 
 import csv
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from legpush.scenarios.map_formats import FirstRow, suffix_of
 
 MAX_MAP_SIDE: Final = 4096
 NO_ARRAY: Final = (ValueError, TypeError, OverflowError, OSError, EOFError, MemoryError, TokenError, BadZipFile)
-"""What NumPy raises for a file that is none of its own, or a damaged one."""
+"""Errors that NumPy raises for a damaged file, or a file of another kind."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,12 +24,12 @@ class OccupancyMap:
     """Square cells, (rows, columns); row 0 lies at the lowest y, column 0 at the lowest x."""
 
     occupied: Flags
-    """Walls, and what is unknown."""
+    """Occupied or unknown cells."""
     unknown: Flags
-    """Those of them that the file calls neither occupied nor free."""
+    """Cells that the file calls neither occupied nor free."""
     cell_m: float
     origin_m: tuple[float, float] = (0.0, 0.0)
-    """Lower left corner of the map in the file's own frame; in the room that it makes, the same corner is (0, 0)."""
+    """Lower left corner of the map in the file's own frame; in the room, this corner is (0, 0)."""
 
     @property
     def size_m(self) -> tuple[float, float]:
@@ -39,10 +39,10 @@ class OccupancyMap:
 
 
 def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> OccupancyMap:
-    """Read the map in a CSV or NumPy file.
+    """Return the map in a CSV or NumPy file.
 
     Raises:
-        ScenarioError: Names the file, row and column that is wrong.
+        ScenarioError: The file cannot be used; names the file, and the row and column that are wrong.
     """
     try:
         content = source.read_bytes()
@@ -56,14 +56,18 @@ def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> Occup
 
 
 def require_side(n_rows: int, n_columns: int, where: str) -> None:
-    """Raise where a map has no cells or too many."""
+    """Check that a map has cells, and not too many.
+
+    Raises:
+        ScenarioError: It has none, or too many.
+    """
     if not (1 <= n_rows <= MAX_MAP_SIDE and 1 <= n_columns <= MAX_MAP_SIDE):
         size = f"{n_rows} rows of {n_columns}" if n_rows and n_columns else "none"
         raise ScenarioError(f"{where}: expected 1 to {MAX_MAP_SIDE} rows and columns of cells, got {size}")
 
 
 def _read_csv(content: bytes, where: str) -> Flags:
-    """Cells as in the file, (rows, columns)."""
+    """Return the cells in the order of the file, (rows, columns)."""
     try:
         rows = [row for row in csv.reader(StringIO(content.decode("utf-8"))) if row]
     except (UnicodeDecodeError, csv.Error) as error:
@@ -79,7 +83,7 @@ def _read_csv(content: bytes, where: str) -> Flags:
 
 
 def _read_npy(content: bytes, where: str) -> Flags:
-    """Cells as in the file, (rows, columns)."""
+    """Return the cells in the order of the file, (rows, columns)."""
     try:
         cells = np.load(BytesIO(content), allow_pickle=False)
     except NO_ARRAY as error:

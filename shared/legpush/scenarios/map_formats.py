@@ -4,15 +4,15 @@ from pathlib import PurePath
 from typing import Final, Literal
 
 CELL_SUFFIXES: Final = (".csv", ".npy")
-"""Files of nothing but cells: how large a cell is, and where the first row lies, has to be said beside them."""
+"""Files that have only cells: the size of a cell and the place of the first row must be given besides."""
 MAP_SERVER_SUFFIXES: Final = (".yaml", ".yml")
-"""Files that say all of it."""
+"""Files that have the size of a cell, and whose first row is the top one."""
 IMAGE_SUFFIXES: Final = (".pgm", ".png")
-"""What they name as their image."""
+"""The images of these files."""
 FirstRow = Literal["top", "bottom"]
-"""Where the first row of a file lies: at the highest y, as in a picture, or at y = 0."""
+"""Place of the first row of a file: at the highest y, as in a picture, or at y = 0."""
 
 
 def suffix_of(name: str) -> str:
-    """The end of a file's name by which its kind is known, in lower case."""
+    """Return the ending of a file's name, in lower case."""
     return PurePath(name).suffix.lower()

@@ -1,7 +1,7 @@
-"""Maps of ROS `map_server`: a YAML file and the PGM or PNG image that it names. The only module with Pillow and PyYAML.
+"""Reads maps of ROS `map_server`: a YAML file and its PGM or PNG image. The only module with Pillow and PyYAML.
 
-Read as `map_server` reads them: a pixel is occupied to the degree in which it is dark, or bright where `negate` says
-so, and the first row of the image lies at the highest y.
+It reads them as `map_server` does: the darker a pixel, the more it is occupied, or the brighter with `negate`. The
+first row of the image lies at the highest y.
 """
 
 import re
@@ -27,15 +27,15 @@ from legpush.schema_errors import explain
 
 Probability = Annotated[float, Meta(ge=0.0, le=1.0)]
 YAW_TOLERANCE_RAD: Final = 1e-6
-"""A smaller difference is rounding by the program that wrote the file."""
+"""A smaller yaw comes from rounding in the program that wrote the file."""
 DEEP_MODES: Final = ("I", "I;16", "I;16B", "I;16L", "I;16N")
-"""Of Pillow, for grey values of 16 bits."""
+"""Pillow's modes of images with grey values of 16 bits."""
 DEEP_WHITE: Final = 65535
 WHITE: Final = 255
 
 
 class _Loader(yaml.SafeLoader):
-    """Takes `5e-17`, which PyYAML would have as a text, for the number that ROS reads and writes."""
+    """Reads `5e-17` as a number, as ROS does; PyYAML alone reads it as text."""
 
 
 _Loader.add_implicit_resolver(
@@ -44,7 +44,7 @@ _Loader.add_implicit_resolver(
 
 
 class MapServerFile(Struct, frozen=True, kw_only=True):
-    """The fields of the YAML file, by the names that they have there; others are left to other programs."""
+    """The fields of the YAML file, with their names in the file; other fields are ignored."""
 
     image: Annotated[str, Meta(min_length=1)]
     """PGM or PNG, relative to the YAML file."""
@@ -53,20 +53,21 @@ class MapServerFile(Struct, frozen=True, kw_only=True):
     origin: tuple[float, float, float]
     """Lower left corner of the map in the map's frame, x and y in metres, and the map's yaw in radians."""
     negate: Annotated[int, Meta(ge=0, le=1)] | bool
-    """Whether bright means occupied."""
+    """Whether bright pixels are occupied."""
     occupied_thresh: Probability
-    """More is occupied."""
+    """A pixel above this value is occupied."""
     free_thresh: Probability
-    """Less is free; what lies between, the thresholds included, is unknown."""
+    """A pixel below this value is free. Between the thresholds, and on them, it is unknown."""
     mode: Literal["trinary", "scale"] = "trinary"
-    """How transparency counts: as one more channel of the average, or as unknown wherever there is any."""
+    """Use of transparency. `trinary`: one more channel of the average. `scale`: a pixel with any transparency is
+    unknown."""
 
 
 def read_map_server(folder: Traversable, name: str) -> OccupancyMap:
-    """Read the map of a YAML file.
+    """Return the map of a YAML file.
 
     Raises:
-        ScenarioError: Names the file and the field that is wrong.
+        ScenarioError: A file cannot be used; names the file and the field that is wrong.
     """
     fields = _read_yaml(folder / name)
     image = folder / str(PurePath(name).parent / fields.image)
@@ -85,7 +86,7 @@ def read_map_server(folder: Traversable, name: str) -> OccupancyMap:
 
 
 def _read_yaml(source: Traversable) -> MapServerFile:
-    """The fields, checked."""
+    """Return the fields of the file, checked."""
     try:
         plain: Any = _Loader(source.read_text(encoding="utf-8")).get_single_data()
     except OSError as error:
@@ -110,7 +111,10 @@ def _read_yaml(source: Traversable) -> MapServerFile:
 
 
 def _read_image(source: Traversable, where: str, mode: str) -> tuple[NDArray[np.uint16], int, Flags]:
-    """Grey values as in the file, (rows, columns), the value of white, and where transparency hides them."""
+    """Return the grey values in the order of the file, (rows, columns), the value of white, and a mask of that shape.
+
+    The mask is True where transparency hides a pixel.
+    """
     try:
         content = source.read_bytes()
     except OSError as error:

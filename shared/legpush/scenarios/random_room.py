@@ -1,4 +1,4 @@
-"""What rooms are drawn from, apart from a seed."""
+"""Parameters of rooms that are drawn at random."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -11,31 +11,36 @@ MOST_SIZE_M: Final = 200.0
 
 @dataclass(frozen=True, kw_only=True)
 class RandomRoom:
-    """What is drawn."""
+    """Parameters of a random room, apart from its seed."""
 
     size_m: tuple[float, float] = (8.0, 8.0)
-    """Extent of the room."""
+    """Extent of the room along x and y."""
     obstacles: int = 10
-    """Rectangles that stand in it."""
+    """Number of rectangles in the room."""
     obstacle_m: tuple[float, float] = (0.2, 1.0)
-    """Shortest and longest side of one."""
+    """Shortest and longest side of a rectangle."""
     corridor_m: float = 1.5
-    """Everywhere on the way from start to box to goal there is a passage of this width."""
+    """Least width of the passage from start to box to goal."""
     push_m: float = 1.0
-    """From the box to its goal, at least."""
+    """Least distance from the box to its goal."""
     mass_kg: float = 0.1
+    """Mass of the box."""
     friction: float = 0.5
+    """Friction of the box."""
     box_xy_m: float = 0.05
+    """Largest offset of the box from its place in the scenario, along x and along y."""
     box_yaw_deg: float = 5.0
-    """How far the box may be from where the map has it."""
+    """Largest turn of the box from its heading in the scenario."""
     position_tolerance_m: float = 0.03
+    """Position tolerance of the goal."""
     angle_tolerance_deg: float = 3.0
+    """Angle tolerance of the goal."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be drawn.
+        """Check that such a room can be drawn.
 
         Raises:
-            ConfigError: Names the flag.
+            ConfigError: A parameter is out of range.
         """
         for name, most in (("size_m", MOST_SIZE_M), ("obstacle_m", MOST_SIZE_M), ("corridor_m", MOST_SIZE_M)):
             values = getattr(self, name)

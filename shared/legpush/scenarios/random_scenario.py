@@ -1,7 +1,7 @@
-"""Rooms that nobody has seen before: obstacles, start, box and goal drawn from a seed, until the room is solvable.
+"""Draws rooms with obstacles, start, box and goal from a seed, until one is solvable.
 
 A disc as wide as the corridor can move from the robot's start to the box and on to its goal without touching anything,
-and robot and box have the space that every scenario has to give them.
+and robot and box have the space that every scenario must give them.
 """
 
 from collections.abc import Callable
@@ -18,24 +18,24 @@ from legpush.scenarios.random_room import RandomRoom
 from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
 
 N_ROOMS: Final = 200
-"""Sets of obstacles that are tried."""
+"""Most sets of obstacles to try."""
 N_PLACES: Final = 100
-"""Starts, boxes and goals that are tried in each."""
+"""Most places of start, box and goal to try for each set of obstacles."""
 N_UNSOLVABLE: Final = 20
-"""Most rooms that are drawn before giving up because none could be solved."""
+"""Give up after this many unsolvable rooms."""
 CELL_M: Final = 0.1
-"""Of the grid that the disc moves on."""
+"""Cell size of the grid that the disc moves on."""
 MAX_PUSH_CYCLES: Final = 600
 """Enough for a path of 20 m."""
 LEAST_WALK_M: Final = 1.5
-"""From the start to the box, at least."""
+"""Least distance from the start to the box."""
 
 
 def random_scenario(options: RandomRoom, seed: int, is_solvable: Callable[[Scenario], bool]) -> Scenario:
     """Return the first room of the seed that `is_solvable`; equal seeds give equal rooms.
 
     Raises:
-        ConfigError: None of them is.
+        ConfigError: No solvable room was found.
     """
     random = np.random.default_rng(seed)
     n_asked = 0
@@ -79,7 +79,10 @@ def _obstacles(options: RandomRoom, random: np.random.Generator) -> tuple[Rectan
 
 
 def _passages(room: Room, corridor_m: float) -> tuple[tuple[Floats, Floats], Integers]:
-    """Coordinates of cells, and which region of the room each is in that such a disc can move in; 0 for none."""
+    """Return the x and y coordinates of cells, and the number of the region of each cell, (rows, columns).
+
+    The centre of a disc as wide as the corridor can reach all cells of a region, but no other region. Region 0: none.
+    """
     xs, ys = (np.arange(CELL_M / 2, side, CELL_M) for side in room.size_m)
     x, y = np.meshgrid(xs, ys)
     clear = np.minimum.reduce([x, y, room.size_m[0] - x, room.size_m[1] - y])
@@ -137,7 +140,7 @@ def _scenario(options: RandomRoom, seed: int, room: Room, start: PoseDeg, box: P
 
 
 def _is_worth_it(scenario: Scenario, options: RandomRoom) -> bool:
-    """Whether there is a way to walk and to push, and everything has its space."""
+    """Return whether the distances to walk and to push are long enough, and everything has its space."""
     start, box, goal = scenario.start.pose(), scenario.box.pose.pose(), scenario.goal.pose.pose()
     if _apart_m(start, box) < LEAST_WALK_M or _apart_m(box, goal) < options.push_m:
         return False

@@ -1,4 +1,4 @@
-"""Exact distances to the occupied squares of a grid, as the protocol defines clearance; no planner has a part in it."""
+"""Exact distances to the occupied squares of a grid, as the protocol defines clearance, independent of any planner."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,14 +13,14 @@ from legpush.scene.paths import distances_m
 
 @dataclass(frozen=True, kw_only=True)
 class Nearest:
-    """The place of a path that is nearest to something occupied."""
+    """The place on a path that is nearest to an occupied square."""
 
     distance_m: float
     at_m: tuple[float, float]
 
 
 class Occupied:
-    """The occupied squares of a grid, for many questions."""
+    """The occupied squares of a grid, prepared for many queries."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
         self._cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns) != 0
@@ -31,10 +31,10 @@ class Occupied:
         self._resolution_m = grid.resolution_m
         self._high = self._low + np.array([grid.n_columns, grid.n_rows]) * grid.resolution_m
         self._centres = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution_m + self._low
-        """Of those that border on a free one, (n, 2)."""
+        """Centres of the occupied squares beside a free one, (n, 2)."""
 
     def nearest(self, points_m: Floats) -> Nearest:
-        """Exact least distance of a polyline, (n, 2), to occupied squares, the outside included."""
+        """Return the exact least distance of a polyline, (n, 2), to occupied squares; the outside is occupied."""
         half_m = self._resolution_m / 2
         borders = np.minimum(points_m - self._low, self._high - points_m).min(axis=1)
         worst = int(borders.argmin())
@@ -58,14 +58,14 @@ class Occupied:
 
 
 def clearance(grid: OccupancyGrid, points_m: Floats) -> Nearest:
-    """Exact least distance of a polyline, (n, 2), to occupied squares, the outside included."""
+    """Return the exact least distance of a polyline, (n, 2), to occupied squares; the outside is occupied."""
     return Occupied(grid).nearest(points_m)
 
 
 def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) -> Floats:
-    """From a segment to squares, (n, 2) centres; 0 where they meet, (n,).
+    """Return the distances from a segment to squares with these centres, (n, 2); 0 if they meet, (n,).
 
-    Of two convex shapes apart, the nearest points include a corner of one of them.
+    The nearest points of two convex shapes that do not meet include a corner of one of them.
     """
     corners = centres[:, None] + half_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     apart: Floats = distances_m(corners.reshape(-1, 2), np.array([a, b])).reshape(-1, 4).min(axis=1)
@@ -76,7 +76,7 @@ def segment_distances_m(a: Floats, b: Floats, centres: Floats, half_m: float) ->
 
 
 def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> Flags:
-    """Whether a segment and squares overlap: no axis of the squares, and not the segment's normal, parts them."""
+    """Return whether a segment and each square overlap, (n,): no axis of either separates them."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     boxes = ((centres + half_m >= low) & (centres - half_m <= high)).all(axis=1)
     normal = np.array([a[1] - b[1], b[0] - a[0]])
@@ -86,7 +86,7 @@ def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> Flags:
 
 
 def clearance_at(grid: OccupancyGrid, pose: Pose2) -> float:
-    """Exact distance of a position to occupied squares, the outside included."""
+    """Return the exact distance of a position to occupied squares; the outside is occupied."""
     return clearance(grid, pose.xy()[np.newaxis]).distance_m
 
 

@@ -1,4 +1,4 @@
-"""Distances between rectangles on the floor: signed, negative where they overlap."""
+"""Signed distances between rectangles on the floor, negative if they overlap."""
 
 import msgspec
 import numpy as np
@@ -16,22 +16,22 @@ class Footprint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     width_m: Positive
 
     def corners(self) -> Floats:
-        """Counter-clockwise from front left, world frame, (4, 2)."""
+        """Return the corners, counter-clockwise from front left, world frame, (4, 2)."""
         return self.pose.apply(rectangle_corners(self.length_m, self.width_m))
 
 
 def box_footprint(box: Box, pose: Pose2) -> Footprint:
-    """The floor that the box covers when its centre is at `pose`."""
+    """Return the floor that the box covers when its centre is at `pose`."""
     return Footprint(pose=pose, length_m=box.size_m[0], width_m=box.size_m[1])
 
 
 def behind_box(box: Box, pose: Pose2, distance_m: float) -> Pose2:
-    """The place `distance_m` behind the rear face of the box at `pose`, heading like it."""
+    """Return the pose `distance_m` behind the rear face of the box at `pose`, with the heading of the box."""
     return pose @ Pose2(x_m=-box.size_m[0] / 2 - distance_m, y_m=0.0, yaw_rad=0.0)
 
 
 def obstacle_footprint(obstacle: Rectangle) -> Footprint:
-    """The same rectangle, as a footprint."""
+    """Return the rectangle of an obstacle as a footprint."""
     return Footprint(
         pose=Pose2(
             x_m=(obstacle.x_min_m + obstacle.x_max_m) / 2,
@@ -44,18 +44,18 @@ def obstacle_footprint(obstacle: Rectangle) -> Footprint:
 
 
 def distance_to_border_m(points: Floats, room: Room) -> float:
-    """Least distance of `points`, (n, 2), to the border of the room, negative outside."""
+    """Return the least distance of `points`, (n, 2), to the border of the room; negative outside."""
     return float(np.minimum(points, np.asarray(room.size_m) - points).min())
 
 
 def distance_to_point_m(footprint: Footprint, point: Floats) -> float:
-    """From the border of the footprint to a point, (2,); negative inside."""
+    """Return the distance from the border of the footprint to a point, (2,); negative inside."""
     beyond = np.abs(footprint.pose.inverse().apply(point)) - np.array([footprint.length_m, footprint.width_m]) / 2
     return float(np.hypot(*np.maximum(beyond, 0.0)) + min(beyond.max(), 0.0))
 
 
 def distance_m(a: Footprint, b: Footprint) -> float:
-    """Between two footprints; where they overlap, minus the shortest way that parts them."""
+    """Return the distance between two footprints; if they overlap, minus the shortest shift that separates them."""
     corners_a, corners_b = a.corners(), b.corners()
     separation = max(_separation(a, corners_b), _separation(b, corners_a))
     if separation <= 0.0:
@@ -67,7 +67,7 @@ def distance_m(a: Footprint, b: Footprint) -> float:
 
 
 def _separation(footprint: Footprint, corners: Floats) -> float:
-    """Largest gap along the footprint's own two axes between it and a convex polygon, (n, 2)."""
+    """Return the largest gap along the footprint's own two axes between it and a convex polygon, (n, 2)."""
     seen = footprint.pose.inverse().apply(corners)
     half = np.array([footprint.length_m, footprint.width_m]) / 2
     return float(np.maximum(seen.min(axis=0) - half, -half - seen.max(axis=0)).max())

@@ -1,4 +1,4 @@
-"""Paths as waypoints or polylines: how long they are, and how far from them a point is."""
+"""Lengths of paths as waypoints or polylines, and distances of points from them."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 
 
 def travelled_m(waypoints: Sequence[Pose2]) -> Floats:
-    """Length of a path up to each of its waypoints, (n,) with n > 0, from 0.
+    """Return the length of a path up to each of its waypoints, (n,) with n > 0, from 0.
 
     Straight lines and uniform turns, the short way round, join the waypoints. A turn counts as the arc that the corners
     of the foot rectangle describe.
@@ -22,18 +22,18 @@ def travelled_m(waypoints: Sequence[Pose2]) -> Floats:
 
 
 def path_length_m(waypoints: Sequence[Pose2]) -> float:
-    """Length of a whole path, turns included; 0 without waypoints."""
+    """Return the length of a whole path, turns included; 0 without waypoints."""
     return float(travelled_m(waypoints)[-1]) if waypoints else 0.0
 
 
 def arc_lengths_m(polyline_m: Floats) -> Floats:
-    """Length of a polyline, (n, 2) with n > 0, up to each of its vertices, (n,), from 0."""
+    """Return the length of a polyline, (n, 2) with n > 0, up to each of its vertices, (n,), from 0."""
     steps = np.diff(polyline_m, axis=0)
     return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
 
 
 def distances_m(points_m: Floats, polyline_m: Floats) -> Floats:
-    """Distance of each point, (k, 2), from a polyline, (n, 2) with n > 0; (k,)."""
+    """Return the distance of each point, (k, 2), from a polyline, (n, 2) with n > 0; (k,)."""
     line_m = polyline_m if len(polyline_m) > 1 else np.repeat(polyline_m, 2, axis=0)
     squared_lengths = (np.diff(line_m, axis=0) ** 2).sum(axis=1)
     _, distances = nearest_on_segments(points_m, line_m, squared_lengths)
@@ -42,10 +42,10 @@ def distances_m(points_m: Floats, polyline_m: Floats) -> Floats:
 
 
 def nearest_on_segments(points_m: Floats, polyline_m: Floats, squared_lengths: Floats) -> tuple[Floats, Floats]:
-    """Nearest place to each point, (k, 2), on each segment of a polyline, (n, 2) with n > 1.
+    """Return the nearest place to each point, (k, 2), on each segment of a polyline, (n, 2) with n > 1.
 
-    Returns the share of the segment that lies before the place, from 0 to 1, and the distance of the place; both
-    (k, n - 1). `squared_lengths` are those of the segments, (n - 1,).
+    A place is the share of the segment that lies before it, from 0 to 1, and its distance; both are (k, n - 1).
+    `squared_lengths` are those of the segments, (n - 1,).
     """
     edges_m = np.diff(polyline_m, axis=0)
     offsets_m = points_m[:, None] - polyline_m[:-1]

@@ -1,4 +1,4 @@
-"""The robot's names and dimensions, kept once: planner, simulator and agent read them here.
+"""The robot's names and dimensions, defined once for planner, simulator and agent.
 
 Legs are ordered FL, FR, RL, RR and joints hip-x, hip-y, knee everywhere. Dimensions are Spot's public ones; the foot
 rectangle and the joint limits (Table 1) are the paper's.
@@ -19,7 +19,7 @@ FRONT_LEGS: Final[tuple[FrontLeg, ...]] = ("FL", "FR")
 JOINTS: Final = ("hip_x", "hip_y", "knee")
 
 CONTROL_PERIOD_S: Final = 0.02
-"""One tick: the simulator commands the joints, and records, this often."""
+"""One tick: the period at which the simulator commands the joints and records the state."""
 
 FOOT_RECTANGLE_LENGTH_M: Final = 0.5963
 FOOT_RECTANGLE_WIDTH_M: Final = 0.3346
@@ -29,16 +29,16 @@ BODY_LENGTH_M: Final = 0.76
 BODY_WIDTH_M: Final = 0.44
 """The floor that trunk and stance cover, about the trunk's ground projection."""
 PUSH_GAP_M: Final = 0.12
-"""From the front feet to the rear face of the box when the robot stands ready to push."""
+"""Distance from the front feet to the rear face of the box when the robot stands ready to push."""
 
 HIP_X_M: Final = 0.298
 HIP_Y_M: Final = 0.055
 L1_M: Final = 0.111
-"""Hip offset: from the hip-x axis to the leg plane."""
+"""Hip offset: distance from the hip-x axis to the leg plane."""
 L2_M: Final = 0.3205
-"""Upper leg."""
+"""Length of the upper leg."""
 L3_M: Final = 0.37
-"""Lower leg, to the centre of the foot sphere."""
+"""Length of the lower leg, to the centre of the foot sphere."""
 FOOT_RADIUS_M: Final = 0.02
 
 JOINT_LIMITS_RAD: Final[dict[str, tuple[float, float]]] = {
@@ -46,11 +46,11 @@ JOINT_LIMITS_RAD: Final[dict[str, tuple[float, float]]] = {
     "hip_y": (radians(-80.0), radians(100.0)),
     "knee": (radians(15.0), radians(130.0)),
 }
-"""Table 1; the knee is flexion, 0 is the straight leg."""
+"""Table 1; the knee angle is flexion, and 0 is the straight leg."""
 
 
 def foot_rectangle_b() -> Floats:
-    """Corners of the foot rectangle in the ground-projected body frame, (4, 2), in the order of `LEGS`."""
+    """Return the corners of the foot rectangle in the ground-projected body frame, (4, 2), in the order of `LEGS`."""
     half_length, half_width = FOOT_RECTANGLE_LENGTH_M / 2, FOOT_RECTANGLE_WIDTH_M / 2
     return np.array(
         [

@@ -1,4 +1,4 @@
-"""Where the robot stands relative to the box: the station it pushes from, and the stand-off where planned paths end."""
+"""Places of the robot at the box: the station to push from, and the stand-off, where planned paths end."""
 
 from math import ceil, hypot, radians, sin
 from typing import Final
@@ -19,31 +19,31 @@ from legpush.scene.scenario import STAND_OFF_M, STATION_M, Box, Randomization, S
 
 AT_STATION_M: Final = 0.15
 AT_STATION_RAD: Final = radians(15.0)
-"""How far from the station the robot may stand to push from there; each push cycle ends at the station again."""
+"""Largest distance and angle from the station at which the robot may push; each push cycle ends at the station."""
 LAST_STRETCH_STEP_M: Final = 0.05
 BACK_STEP_M: Final = 0.05
 LEAST_BACK_M: Final = 0.2
 MOST_BACK_M: Final = 1.2
-"""How far the robot steps back from a face before it walks to another one."""
+"""Least and largest distance that the robot steps back from a face before it walks to another one."""
 CELLS: Final = 1.5
-"""An occupied cell may reach so many cells beyond what occupies it."""
+"""An occupied cell may extend this many cells beyond the object in it."""
 
 
 def station(box: Box, box_pose: Pose2) -> Pose2:
-    """The trunk's pose from which a box at `box_pose` is pushed along its x axis."""
+    """Return the trunk's pose from which a box at `box_pose` is pushed along its x axis."""
     return behind_box(box, box_pose, STATION_M)
 
 
 def at_station(trunk: Pose2, box: Box, box_pose: Pose2) -> bool:
-    """Whether a robot whose trunk is at `trunk` can push as it stands."""
+    """Return whether a robot with its trunk at `trunk` can push from there."""
     place = station(box, box_pose)
     return distance_m(trunk, place) <= AT_STATION_M and abs(wrap_angle(trunk.yaw_rad - place.yaw_rad)) <= AT_STATION_RAD
 
 
 def stand_off(scenario: Scenario, box: Box, box_pose: Pose2) -> Pose2:
-    """The trunk's pose behind the box where a planned path ends.
+    """Return the trunk's pose behind the box where a planned path ends.
 
-    `STAND_OFF_M` behind it, or more where that is needed to keep the planner's clearance from every cell that
+    It is `STAND_OFF_M` behind the box, or farther if needed to keep the planner's clearance from every cell that
     `nominal_obstacle` touches.
     """
     cells_m = 2 * scenario.room.resolution_m
@@ -52,7 +52,7 @@ def stand_off(scenario: Scenario, box: Box, box_pose: Pose2) -> Pose2:
 
 
 def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, ...]:
-    """Waypoints straight ahead from the stand-off, not included, to the station, heading like the box."""
+    """Return waypoints straight ahead from the stand-off, not included, to the station, with the heading of the box."""
     begin, end = stand_off(scenario, box, box_pose), station(box, box_pose)
     n_steps = ceil(distance_m(begin, end) / LAST_STRETCH_STEP_M)
     return tuple(
@@ -66,7 +66,7 @@ def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, 
 
 
 def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, ...]:
-    """Waypoints straight back from the box, to where the robot has space to turn around, or as far as it can."""
+    """Return waypoints straight back from the box, up to the first with space to turn around, or as far as possible."""
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     way = [trunk]
     while len(way) * BACK_STEP_M <= MOST_BACK_M:
@@ -83,7 +83,7 @@ def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, 
 
 
 def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
-    """Whether the feet may be turned to anywhere around a place, and a path planned from there."""
+    """Return whether the feet can turn to any heading at a place, and a path can be planned from there."""
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     space_m = min(
         distance_to_border_m(trunk.xy()[None], scenario.room),
@@ -93,14 +93,14 @@ def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
 
 
 def box_reach_m(box: Box, offsets: Randomization) -> float:
-    """How far the seed may move any point of the box from its nominal place."""
+    """Return the largest distance by which the seed may move any point of the box from its nominal place."""
     half_diagonal_m = hypot(*box.size_m[:2]) / 2
     turn_m = 2 * half_diagonal_m * sin(radians(min(offsets.box_yaw_deg, 180.0)) / 2)
     return hypot(offsets.box_xy_m, offsets.box_xy_m) + turn_m
 
 
 def nominal_obstacle(scenario: Scenario) -> Footprint:
-    """Floor that covers the box wherever the seed has put it: what is known before the box is in sight."""
+    """Return a rectangle that covers the box for every seed; more is not known before the box is in sight."""
     reach_m = box_reach_m(scenario.box, scenario.randomization)
     nominal = box_footprint(scenario.box, scenario.box.pose.pose())
     return Footprint(pose=nominal.pose, length_m=nominal.length_m + 2 * reach_m, width_m=nominal.width_m + 2 * reach_m)

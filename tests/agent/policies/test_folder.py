@@ -69,6 +69,22 @@ def test_a_card_names_the_field_that_is_wrong(folder: Path) -> None:
         read_card(folder)
 
 
+def test_a_card_with_a_wrong_profile_or_task_is_refused_too(folder: Path) -> None:
+    plain = json.loads((folder / CARD_FILE).read_bytes())
+    for part, change, message in (
+        (
+            "profile",
+            {"algorithm": "dqn"},
+            r"card\.json: profile: at `algorithm`: expected one of ppo, sac, td3, got 'dqn'",
+        ),
+        ("task", {"max_steps": 0}, r"card\.json: Expected at least 1 for max_steps, got 0"),
+    ):
+        changed = {**plain, part: {**plain[part], **change}}
+        (folder / CARD_FILE).write_text(json.dumps(changed), encoding="utf-8")
+        with pytest.raises(PolicyError, match=message):
+            read_card(folder)
+
+
 def test_a_policy_without_normalization_needs_no_normalizer(tmp_path: Path) -> None:
     profile = msgspec.structs.replace(CARD.profile, normalize_observation=False)
     bare = PolicyFolder(

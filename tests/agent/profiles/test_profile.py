@@ -40,6 +40,7 @@ def test_the_profile_paper_is_the_published_one() -> None:
     [
         ('algorithm = "dqn"', r"at `algorithm`: expected one of ppo, sac, td3, got 'dqn'"),
         ("", r"at `algorithm`: expected one of ppo, sac, td3, got None"),
+        ('algorithm = ["ppo"]', r"at `algorithm`: expected one of ppo, sac, td3, got \['ppo'\]"),
         ("[settings]\ngama = 1", r"unknown field \(did you mean `gamma`\?\)"),
         ("[settings]\ngamma = 2.0", r"at `settings.gamma`"),
         ("[network]\nhidden = []", r"at `network.hidden`"),
@@ -57,6 +58,11 @@ def test_a_wrong_profile_is_refused_with_the_field(tmp_path: Path, text: str, me
     with pytest.raises(ConfigError, match=message) as caught:
         load_profile(str(path))
     assert "mine.toml" in str(caught.value)
+
+
+def test_a_profile_that_is_no_table_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"config\.json: profile: expected the table of a training profile, got 3"):
+        read_profile(3, "config.json: profile")
 
 
 def test_an_unknown_profile_is_refused_with_the_names() -> None:

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from legpush.launch.summary import ROWS, print_summary
-from legpush.runs.report import ReportError, read_report
+from legpush.runs.report import read_report
 
 REPORT = {
     "success": True,
@@ -73,13 +73,3 @@ def test_the_summary_tells_what_appeared_if_anything_did(
 
 def test_the_table_shows_every_field_of_a_report_but_the_versions() -> None:
     assert {*ROWS, "versions"} == REPORT.keys()
-
-
-@pytest.mark.parametrize(
-    ("content", "words"), [(None, "No such file"), ("{", "Expecting"), ("[]", "JSON object, got list")]
-)
-def test_a_report_that_cannot_be_read_is_named(content: str | None, words: str, tmp_path: Path) -> None:
-    if content is not None:
-        (tmp_path / "report.json").write_text(content)
-    with pytest.raises(ReportError, match=rf"report\.json: expected .*{words}"):
-        read_report(tmp_path)

@@ -42,5 +42,5 @@ def test_a_new_file_is_one_that_is_not_there_in_a_folder_that_is(tmp_path: Path)
 def test_a_program_is_found_by_path_or_name() -> None:
     assert program_path(sys.executable) == sys.executable
     assert Path(program_path("sh")).is_absolute()
-    with pytest.raises(ConfigError, match="begins with a program, got 'no-such-program', which is none"):
+    with pytest.raises(ConfigError, match="begins with a program, got 'no-such-program', which is not one"):
         program_path("no-such-program")

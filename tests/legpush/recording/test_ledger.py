@@ -11,7 +11,7 @@ PLANNER = Origin(role="planner", name="main", incarnation="planner-1")
 
 
 def test_a_recording_of_nobody_is_not_complete() -> None:
-    assert Ledger().completeness().notes == ("nobody was there to be recorded",)
+    assert Ledger().completeness().notes == ("no process was there to be recorded",)
 
 
 def test_the_ledger_knows_what_is_missing_and_what_may_be() -> None:

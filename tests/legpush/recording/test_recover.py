@@ -70,7 +70,7 @@ def test_what_was_damaged_before_it_was_recovered_is_still_told(tmp_path: Path) 
     for words in (
         "1 messages were damaged before it was recovered",
         "1 messages are damaged: their bytes are not those that were recorded",
-        "1 pieces of it had a bit that flipped before it was recovered",
+        "1 pieces of it had a flipped bit before it was recovered",
         "agent/main/mission.json was damaged before it was recovered, and is agent/main/mission.json.damaged now",
     ):
         assert words in told

@@ -97,3 +97,9 @@ def as_pgm_in_binary(folder: Path) -> dict[str, Any]:
     write_pgm_binary(folder / "map.pgm", grey_of(CELLS))
     write_yaml(folder / "map.yml", negate=False, mode="trinary", author="ignored")
     return {"grid_file": "map.yml"}
+
+
+def as_negative(folder: Path) -> dict[str, Any]:
+    write_png(folder / "map.png", 255 - grey_of(CELLS))
+    write_yaml(folder / "map.yaml", image="map.png", negate=1)
+    return {"grid_file": "map.yaml"}

@@ -16,6 +16,7 @@ from tests.legpush.scenarios.map_examples import (
     CELL_M,
     CELLS,
     WALLS,
+    as_negative,
     as_pgm_in_ascii,
     as_pgm_in_binary,
     grey_of,
@@ -78,12 +79,6 @@ def as_png_in_color(folder: Path) -> dict[str, Any]:
 def as_png_of_16_bits(folder: Path) -> dict[str, Any]:
     write_png(folder / "map.png", np.where(CELLS == 1, 300, 65535).astype(np.uint16))
     write_yaml(folder / "map.yaml", image="map.png")
-    return {"grid_file": "map.yaml"}
-
-
-def as_negative(folder: Path) -> dict[str, Any]:
-    write_png(folder / "map.png", 255 - grey_of(CELLS))
-    write_yaml(folder / "map.yaml", image="map.png", negate=1)
     return {"grid_file": "map.yaml"}
 
 
@@ -204,14 +199,14 @@ def test_an_error_about_a_place_says_what_it_is_counted_from(room: dict[str, Any
     [
         (
             {"cell_m": 0.5},
-            r"mapped\.toml: at `room\.cell_m`: expected nothing beside `map\.yaml`, which says it itself",
+            r"mapped\.toml: at `room\.cell_m`: expected nothing beside `map\.yaml`, which has it already",
         ),
-        ({"first_row": "top"}, r"at `room\.first_row`: expected nothing beside `map\.yaml`, which says it itself"),
-        ({"size_m": [8.0, 5.0]}, r"at `room\.size_m`: expected nothing, since `room\.grid_file` says the size"),
+        ({"first_row": "top"}, r"at `room\.first_row`: expected nothing beside `map\.yaml`, which has it already"),
+        ({"size_m": [8.0, 5.0]}, r"at `room\.size_m`: expected nothing, since `room\.grid_file` has the size"),
         ({"frame": "odom"}, r"mapped\.toml: at `room\.frame`: expected one of map, room, got 'odom'"),
         (
             {"grid_file": "map.pgm"},
-            r"expected a file that ends in \.csv, \.npy, .*got 'map\.pgm' \(of an image, name its",
+            r"expected a file that ends in \.csv, \.npy, .*got 'map\.pgm' \(for an image, name its",
         ),
         ({"grid_file": "no.yaml"}, r"no\.yaml: expected a readable map file \(No such"),
     ],

@@ -82,14 +82,14 @@ def test_a_scenario_with_a_reference_is_written_and_read_again(name: str, tmp_pa
         (
             "n_periods = 1.5",
             "n_periods = 1.0",
-            r"at `goal.pose`: expected where the reference ends, x_m 6.000, y_m 2.5",
+            r"at `goal.pose`: expected the end of the reference, x_m 6.000, y_m 2.5",
         ),
         ('kind = "sine"\n', "", r"at `reference.kind`: expected sine or arcs, got nothing"),
         ("wavelength_m = 4.0", "wavelength_m = 1e9", r"at `reference.wavelength_m`: expected a number <= 1000.0"),
         (
             "[room]",
             "[pushing]\ncalibration_pushes = 4\n\n[room]",
-            r"at `pushing.calibration_pushes`: expected at most 0, for which the reference begins straight",
+            r"at `pushing.calibration_pushes`: expected at most 0, which fit on the straight beginning",
         ),
         ("[room]", '[pushing]\nfaces = ["left"]\n\n[room]', r"at `pushing.faces`: expected the rear face"),
         (

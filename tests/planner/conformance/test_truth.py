@@ -58,7 +58,7 @@ def test_an_honest_path_of_the_box_has_no_faults() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda plan: replace(plan, sides=()), "waypoints and 0 sides, expected as many"),
+        (lambda plan: replace(plan, sides=()), "waypoints and 0 sides, expected equally many"),
         (lambda plan: replace(plan, sides=(3,) * len(plan.sides)), "it pushes side 3, expected one below 1"),
         (lambda plan: replace(plan, waypoints=plan.waypoints[:9], sides=plan.sides[:9]), "the box ends at"),
         (each(lambda _, at: replace(at, x_m=100 * at.x_m)), "the box begins at (300, 3)"),
@@ -66,7 +66,7 @@ def test_an_honest_path_of_the_box_has_no_faults() -> None:
         (each(lambda k, at: replace(at, y_m=at.y_m + 0.01 * (k % 2))), "the box slips sideways"),
         (
             each(lambda k, at: replace(at, yaw_rad=at.yaw_rad + 0.1 * (k % 2))),
-            "it turns on less than the 0.7 m of side 0",
+            "it turns on a radius below the 0.7 m of side 0",
         ),
         (
             lambda plan: replace(plan, waypoints=plan.waypoints[::30], sides=plan.sides[::30]),

@@ -1,7 +1,5 @@
 """Paths with a turning radius: forward only, and backward too."""
 
-import gc
-import weakref
 from itertools import pairwise
 from math import cos, hypot, pi, sin
 from typing import get_args
@@ -12,16 +10,13 @@ import pytest
 from legpush.geometry import wrap_angle
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.names import PlannerName, Steering
-from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Anytime
-from planner_proc import planning
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.planning import make_plan
 from planner_proc.search.registry import NOT_STEERED
 from planner_proc.search.steering import Curved
 from tests.planner import maps
 
-MAZE = maps.room((0.0, 5.5, 1.9, 2.1), (2.5, 8.0, 3.9, 4.1))
 RADIUS_M = 0.5
 STEERED: list[tuple[PlannerName, Steering]] = [
     (planner, steering)
@@ -39,7 +34,7 @@ def steered(planner: PlannerName, steering: Steering, **changes: object) -> Trun
         "max_iterations": 4000,
         "anytime": Anytime(n_improvements=1, improvement_iterations=1),
     }
-    return maps.query(MAZE, (1.0, 1.0, 0.0), (7.0, 5.0, 0.2), **(fields | changes))
+    return maps.query(maps.MAZE, (1.0, 1.0, 0.0), (7.0, 5.0, 0.2), **(fields | changes))
 
 
 def directions(plan: Plan) -> set[int]:
@@ -64,7 +59,7 @@ def test_a_steered_path_keeps_clearance_radius_and_both_headings(planner: Planne
     assert plan.status == "exact", plan.reason
     assert (plan.waypoints[0], plan.waypoints[-1]) == (query.start, query.goal)
     path = maps.positions(plan)
-    assert maps.true_clearance(MAZE, maps.samples(path, 0.01)).min() >= maps.CLEARANCE_M - 1e-7
+    assert maps.true_clearance(maps.MAZE, maps.samples(path, 0.01)).min() >= maps.CLEARANCE_M - 1e-7
     assert directions(plan) <= ({1} if steering == "dubins" else {1, -1})
     assert plan.length_m == pytest.approx(np.hypot(*np.diff(path, axis=0).T).sum())
 
@@ -97,22 +92,6 @@ def test_a_turn_at_the_start_takes_a_way_where_the_robot_cannot_turn_on_the_spot
     assert plan.length_m > 3.0
 
 
-@pytest.mark.parametrize(
-    ("planner", "steering", "changes", "words"),
-    [
-        ("rrt_connect", "dubins", {}, "rrt, rrt_star"),
-        ("prm_star", "reeds_shepp", {}, "got prm_star"),
-        ("rrt", "dubins", {"min_turning_radius_m": 0.0}, "min_turning_radius_m above 0"),
-    ],
-)
-def test_what_cannot_be_steered_is_refused_with_what_can(
-    planner: PlannerName, steering: Steering, changes: dict[str, float], words: str
-) -> None:
-    plan = make_plan(steered(planner, steering, **changes))
-    assert plan.status == "invalid"
-    assert words in plan.reason
-
-
 def test_the_poses_of_a_curve_lead_all_the_way_to_each_cusp_and_back() -> None:
     query = maps.query(
         maps.room(), (4.0, 3.0), (5.0, 3.0), steering="reeds_shepp", min_turning_radius_m=0.9, planner="rrt_star"
@@ -125,7 +104,8 @@ def test_the_poses_of_a_curve_lead_all_the_way_to_each_cusp_and_back() -> None:
             steer.state(maps.pose(x_m, y_m, rng.uniform(-np.pi, np.pi)))
             for x_m, y_m in rng.uniform(3.0, 4.0, (2, 2)).tolist()
         )
-        poses = steer._poses(a, b, 0.05)
+        poses = steer.curve([a, b])
+        assert poses is not None
         steps = np.diff(poses[:, :2], axis=0)
         n_cusps += int(((steps[:-1] * steps[1:]).sum(axis=1) < 0.0).sum())
         assert np.hypot(*steps.T).sum() == pytest.approx(steer.space.distance(a, b), abs=4e-3)
@@ -149,20 +129,3 @@ def test_a_tiny_turning_radius_asks_for_no_more_space_than_a_large_one(radius_m:
     gate = maps.room((3.9, 4.1, 0.0, 2.5), (3.9, 4.1, 3.5, 6.0))
     changes = {"planner": "rrt", "steering": "dubins", "min_turning_radius_m": radius_m, "max_iterations": 3000}
     assert make_plan(maps.query(gate, (2.0, 3.0), (6.0, 3.0), **changes)).status == "exact"
-
-
-@pytest.mark.parametrize("planner", ["bit_star", "rrt_star", "rrt_connect"])
-def test_a_planner_that_serves_for_days_keeps_no_maps(planner: PlannerName, monkeypatch: pytest.MonkeyPatch) -> None:
-    fields: list[weakref.ref[ClearanceField]] = []
-
-    def remembered(grid: OccupancyGrid, near_m: float) -> ClearanceField:
-        field = ClearanceField(grid, near_m)
-        fields.append(weakref.ref(field))
-        return field
-
-    monkeypatch.setattr(planning, "ClearanceField", remembered)
-    for seed in range(3):
-        make_plan(maps.query(MAZE, (1.0, 1.0), (7.0, 5.0), planner=planner, seed=seed, max_iterations=500))
-    gc.collect()
-    assert len(fields) == 3
-    assert [field() for field in fields] == [None] * 3

@@ -1,19 +1,25 @@
-"""Pushing faces of the box other than the rear one."""
+"""The push cycle, on a plant without physics and at every face of the box with it."""
 
 from math import degrees
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from legpush.errors import MotionError
-from legpush.geometry import wrap_angle
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
+from legpush.scene.robot import FOOT_RADIUS_M, FRONT_LEGS, LEGS, FrontLeg, foot_rectangle_b
 from legpush.scene.scenario import STATION_M, PoseDeg, Scenario
+from sim_proc.control.posture import Posture
+from sim_proc.control.push_cycle import Pusher, contact_point
+from sim_proc.control.steps import Steps
 from sim_proc.simulator import Simulator
+from tests.sim.control.kinematic_plant import KinematicPlant
 
 
 def behind(scenario: Scenario, face: Face) -> Scenario:
@@ -22,6 +28,43 @@ def behind(scenario: Scenario, face: Face) -> Scenario:
     place = behind_box(pushed_box(scenario.box, face), pose, STATION_M)
     start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=degrees(place.yaw_rad))
     return replace(scenario, start=start)
+
+
+@pytest.mark.parametrize("leg", FRONT_LEGS)
+def test_a_plant_without_physics_pushes_the_box_by_the_depth_and_follows_it(
+    at_the_box: Scenario, leg: FrontLeg
+) -> None:
+    plant = KinematicPlant(at_the_box.start.pose(), at_the_box.box)
+    steps = Steps(Posture(plant))
+
+    push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05))
+
+    assert plant.box_pose().x_m - at_the_box.box.pose.x_m == pytest.approx(0.05, abs=1e-3)
+    assert push.peak_force_n == 1.0
+    touched = np.concatenate([log.box_forces_n for log in push.logs]).any(axis=(0, 2))
+    assert [LEGS[index] for index in np.flatnonzero(touched)] == [leg]
+    station = behind_box(at_the_box.box, plant.box_pose(), STATION_M)
+    np.testing.assert_allclose(plant.tips_m()[:, :2], station.apply(foot_rectangle_b()), atol=0.005)
+    assert steps.n_footsteps == 4
+
+
+def test_a_push_stops_early_when_the_robot_falls(at_the_box: Scenario) -> None:
+    plant = KinematicPlant(at_the_box.start.pose(), at_the_box.box, falls_at_tick=80)
+    steps = Steps(Posture(plant))
+
+    push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05))
+
+    assert sum(len(log.ctrl) for log in push.logs) == 80
+    assert len(push.logs) == 3
+
+
+@pytest.mark.parametrize("leg", FRONT_LEGS)
+def test_the_contact_point_of_a_round_box_lies_on_its_circle(at_the_box: Scenario, leg: FrontLeg) -> None:
+    box = replace(at_the_box.box, shape="cylinder", size_m=(0.4, 0.4, 0.3))
+    x, y, z = contact_point(Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), box, leg, 0.0)
+    assert np.hypot(x + FOOT_RADIUS_M, y) == pytest.approx(0.2)
+    assert np.sign(y) == (1 if leg == "FL" else -1)
+    assert z == pytest.approx(0.15)
 
 
 @pytest.mark.parametrize("face", FACES)

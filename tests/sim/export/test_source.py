@@ -37,7 +37,7 @@ def test_an_episode_that_is_not_there_is_refused_with_those_that_are(recorded: P
 def test_a_missing_step_is_named_and_partial_takes_those_before(said: Messages, tmp_path: Path) -> None:
     actions, answers = said
     write(tmp_path / "gap.mcap", actions, without(answers, 1), n_per_batch=50)
-    with pytest.raises(RecordingError, match=r"of episode 0, 0 to 3, got none that was carried out as step 1;"):
+    with pytest.raises(RecordingError, match=r"of episode 0, 0 to 3, got them without step 1;"):
         read_source([tmp_path / "gap.mcap"], None, partial=False)
     assert read_source([tmp_path / "gap.mcap"], 1, partial=False).episodes[0].index == 1
     source = read_source([tmp_path / "gap.mcap"], 0, partial=True)
@@ -52,7 +52,7 @@ def test_a_flipped_bit_is_found_where_it_is(recorded: Path, said: Messages, tmp_
     data[at + len(payload) // 2] ^= 1
     damaged = tmp_path / "damaged.mcap"
     damaged.write_bytes(data)
-    with pytest.raises(RecordingError, match=r"as observation of episode 0, step 1, got .*--partial takes"):
+    with pytest.raises(RecordingError, match=r"as observation of episode 0, step 1, got .*--partial exports"):
         read_source([damaged], 0, partial=False)
     source = read_source([damaged], 0, partial=True)
     assert [step.number for step in source.episodes[0].timeline.steps] == [0]

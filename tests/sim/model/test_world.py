@@ -7,15 +7,15 @@ from msgspec.structs import replace
 
 from legpush.scene.robot import BOX_QPOS, JOINT_LIMITS_RAD, JOINT_QPOS, JOINTS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from sim_proc.kinematics.body import leg_joint_names
+from sim_proc.kinematics.body import LEG_JOINTS
 from sim_proc.model.world import build_model
 from sim_proc.physics.physics import Physics
 
 
 def test_joints_and_actuators_come_in_the_order_of_the_legs(at_the_box: Scenario) -> None:
     model = build_model(at_the_box)
-    assert [model.joint(i).name for i in range(model.njnt)] == ["trunk", *leg_joint_names(), "box"]
-    assert [model.actuator(i).name for i in range(model.nu)] == leg_joint_names()
+    assert [model.joint(i).name for i in range(model.njnt)] == ["trunk", *LEG_JOINTS, "box"]
+    assert [model.actuator(i).name for i in range(model.nu)] == list(LEG_JOINTS)
     assert model.joint("trunk").qposadr[0] == TRUNK_QPOS.start
     assert model.joint("FL_hip_x").qposadr[0] == JOINT_QPOS.start
     assert model.joint("box").qposadr[0] == BOX_QPOS.start
@@ -66,8 +66,8 @@ def test_every_obstacle_of_the_room_is_a_wall_that_feet_trunk_and_box_touch(at_t
 def test_the_foot_sensors_of_a_standing_robot_read_its_weight(at_the_box: Scenario) -> None:
     physics = Physics(at_the_box, at_the_box.start.pose(), at_the_box.box.pose.pose())
     targets = np.repeat(physics.data.qpos[JOINT_QPOS][None], 100, axis=0)
-    recording = physics.run(targets, np.zeros_like(targets))
-    vertical = recording.floor_forces_n[-1, :, 2]
+    log = physics.run(targets, np.zeros_like(targets))
+    vertical = log.floor_forces_n[-1, :, 2]
     assert (vertical > 0).all()
     assert vertical.sum() == pytest.approx(physics.mass_kg * 9.81, rel=0.01)
     np.testing.assert_allclose(physics.sensor("imu_acceleration"), [0.0, 0.0, 9.81], atol=0.2)

@@ -55,7 +55,7 @@ def test_an_obstacle_is_due_at_the_first_tick_at_or_after_its_time(
     room = with_obstacles(at_the_box, replace(BLOCK, appears_at_s=appears_at_s)).room
     waiting = Waiting(room, at_the_box.box)
 
-    first = next(t for t in range(1, 100) if waiting.take(t, AWAY, AWAY))
+    first = next(t for t in range(1, 100) if waiting.take_due(t, AWAY, AWAY))
 
     assert first == tick
     assert waiting.next_tick == NEVER
@@ -69,13 +69,13 @@ def test_an_obstacle_waits_while_robot_or_box_is_near_its_place(at_the_box: Scen
         return Pose2(x_m=x_m, y_m=5.0, yaw_rad=0.0)
 
     half_length_m = at_the_box.box.size_m[0] / 2
-    assert waiting.take(60, at_x(4.2), AWAY) == []
-    assert waiting.take(61, at_x(4.0 - ROBOT_CLEARANCE_M + 0.001), AWAY) == []
-    assert waiting.take(62, AWAY, at_x(4.2)) == []
-    assert waiting.take(63, AWAY, at_x(4.0 - half_length_m - BOX_CLEARANCE_M + 0.001)) == []
+    assert waiting.take_due(60, at_x(4.2), AWAY) == []
+    assert waiting.take_due(61, at_x(4.0 - ROBOT_CLEARANCE_M + 0.001), AWAY) == []
+    assert waiting.take_due(62, AWAY, at_x(4.2)) == []
+    assert waiting.take_due(63, AWAY, at_x(4.0 - half_length_m - BOX_CLEARANCE_M + 0.001)) == []
     near = at_x(4.0 - half_length_m - BOX_CLEARANCE_M - 0.001)
-    assert waiting.take(64, at_x(4.0 - ROBOT_CLEARANCE_M - 0.001), near) == [0]
-    assert waiting.take(65, AWAY, AWAY) == []
+    assert waiting.take_due(64, at_x(4.0 - ROBOT_CLEARANCE_M - 0.001), near) == [0]
+    assert waiting.take_due(65, AWAY, AWAY) == []
 
 
 def test_each_obstacle_appears_by_itself_and_those_from_the_start_never_do(at_the_box: Scenario) -> None:
@@ -85,7 +85,7 @@ def test_each_obstacle_appears_by_itself_and_those_from_the_start_never_do(at_th
 
     assert waiting.indices == (0, 2)
     assert waiting.next_tick == 50
-    assert [waiting.take(tick, AWAY, AWAY) for tick in (49, 50, 149, 150)] == [[], [2], [], [0]]
+    assert [waiting.take_due(tick, AWAY, AWAY) for tick in (49, 50, 149, 150)] == [[], [2], [], [0]]
 
 
 # -- before and after ------------------------------------------------------------------------------------------------

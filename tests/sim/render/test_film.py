@@ -99,7 +99,7 @@ def test_ticks_without_a_trace_stand_still_and_an_episode_of_them_cannot_be_film
     np.testing.assert_array_equal(half.qpos[:n_traced], whole.qpos[:n_traced])
     np.testing.assert_array_equal(half.qpos[-1], whole.qpos[-1])
     assert (half.qpos[-2] == half.qpos[-40]).all()
-    with pytest.raises(RecordingError, match="here: expected an episode recorded with traces, got none that moves"):
+    with pytest.raises(RecordingError, match="here: expected an episode recorded with traces, got one without traces"):
         film(False, False)
 
 

@@ -24,8 +24,8 @@ def messages() -> tuple[list[Copy], list[Copy]]:
 
 
 @pytest.fixture(scope="session")
-def timelines(messages: tuple[list[Copy], list[Copy]]) -> RunHistory:
-    """The same as timelines."""
+def history(messages: tuple[list[Copy], list[Copy]]) -> RunHistory:
+    """The same as the history of a run."""
     made = RunHistory()
     for origin, copies in ((AGENT, messages[0]), (SIM, messages[1])):
         for copy in copies:
@@ -35,7 +35,7 @@ def timelines(messages: tuple[list[Copy], list[Copy]]) -> RunHistory:
 
 
 @pytest.fixture(scope="session")
-def timeline(timelines: RunHistory) -> Timeline:
+def timeline(history: RunHistory) -> Timeline:
     """The episode."""
-    (only,) = timelines.episodes.values()
+    (only,) = history.episodes.values()
     return only

@@ -17,7 +17,7 @@ def test_whom_a_replay_stands_for_is_there_as_long_as_the_replay_is() -> None:
     peers = [REPLAY]
     bus: Any = SimpleNamespace(liveliness=SimpleNamespace(live=lambda: peers))
     listener, handed_over = Listener(bus), batch(SIM, 0, [])
-    listener.take(
+    listener.take_batch(
         replace(handed_over, header=replace(handed_over.header, role="launcher", incarnation="replay-1")), RunHistory()
     )
     assert listener.live() == [REPLAY, SIM]
@@ -28,5 +28,5 @@ def test_whom_a_replay_stands_for_is_there_as_long_as_the_replay_is() -> None:
 def test_whose_own_copies_came_is_there_only_as_long_as_it_is_seen() -> None:
     bus: Any = SimpleNamespace(liveliness=SimpleNamespace(live=list))
     listener = Listener(bus)
-    listener.take(batch(SIM, 0, []), RunHistory())
+    listener.take_batch(batch(SIM, 0, []), RunHistory())
     assert listener.live() == []

@@ -72,8 +72,8 @@ def test_foot_traces_end_at_the_feet_and_have_the_same_size_from_the_first_row_o
         np.testing.assert_array_equal(traces[:, -1, 1], timeline.tips_m[row])
 
 
-def test_without_a_plan_no_path_and_no_tree_is_drawn(timelines: RunHistory, timeline: Timeline) -> None:
-    assert overlays.plan_at(timelines, timeline, timeline.n_rows - 1, "box") is None
+def test_without_a_plan_no_path_and_no_tree_is_drawn(history: RunHistory, timeline: Timeline) -> None:
+    assert overlays.plan_at(history, timeline, timeline.n_rows - 1, "box") is None
     assert overlays.followed_path(timeline, timeline.n_rows - 1).shape == (0, 3)
 
 

@@ -30,7 +30,7 @@ class Training:
         self._left += range(self._n, self._n + n_episodes)
         self._n += n_episodes
 
-    def pump(self, timelines: RunHistory, budget_s: float) -> None:
+    def pump(self, history: RunHistory, budget_s: float) -> None:
         assert budget_s > 0.0
         for number in self._left:
             for topic, origin, copies, kind in (
@@ -40,9 +40,9 @@ class Training:
                 for each in copies:
                     message = replace(codec.decode(each.payload, kind), episode=EPISODE + number)
                     payload, at_ns = codec.encode(message), each.time_ns + number * 10**12
-                    timelines.take_message(topic, origin, replace(each, payload=payload, time_ns=at_ns))
+                    history.take_message(topic, origin, replace(each, payload=payload, time_ns=at_ns))
         self._left.clear()
-        timelines.keep_newest(2)
+        history.keep_newest(2)
 
     def live(self) -> list[Origin]:
         return []
@@ -68,7 +68,7 @@ def test_an_old_episode_can_be_looked_at_for_as_long_as_one_likes(page: Page, tr
         training.add(3)
         page.update(0.04)
     assert page.shown is first
-    assert page.shown in page.timelines.episodes.values()
+    assert page.shown in page.history.episodes.values()
 
 
 def test_whoever_chose_an_episode_of_a_live_run_can_follow_it_again(page: Page, training: Training) -> None:
@@ -79,7 +79,7 @@ def test_whoever_chose_an_episode_of_a_live_run_can_follow_it_again(page: Page, 
     assert not page.player.follows
     page.obey(PanelCommand("live"))
     page.update(0.04)
-    assert page.shown is list(page.timelines.episodes.values())[-1]
+    assert page.shown is list(page.history.episodes.values())[-1]
 
 
 def test_an_episode_that_was_forgotten_meanwhile_is_not_shown(page: Page, training: Training) -> None:

@@ -13,11 +13,11 @@ from tests.sim.view.conftest import MOTIONS
 
 
 def read(path: Path) -> RunHistory:
-    timelines = RunHistory()
+    history = RunHistory()
     with RecordedSource([path]) as run:
         while run.is_reading:
-            run.pump(timelines, 0.02)
-    return timelines
+            run.pump(history, 0.02)
+    return history
 
 
 def test_a_recording_that_began_late_has_the_scenario_of_its_files(

@@ -1,4 +1,4 @@
-"""Reading recordings: whole ones, parts of one, and what is left of one that was cut off."""
+"""Reads recordings: whole ones, parts of one, and the rest of one that was cut off."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -20,7 +20,7 @@ from legpush.recording.mcap_file.records import MAGIC, frames, is_attachment_who
 from legpush.recording.mcap_file.writer import COMPLETENESS, METADATA, Attachment, topic_of
 
 RECOVERED_FROM: Final = "recovered_from"
-"""In the metadata of what was made of a file that was cut off: its name."""
+"""Key in the metadata of a recovered recording, for the name of the file that was cut off."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,7 +33,7 @@ class Recorded:
 
     @property
     def place(self) -> str:
-        """For messages to people."""
+        """Name of the message in texts for people."""
         return f"{self.topic} of {self.origin.role} {self.origin.name}, sequence {self.copy.sequence}"
 
 
@@ -42,44 +42,44 @@ class Recording:
     """Everything in a recording."""
 
     about: dict[str, str] = field(default_factory=dict)
-    """The metadata that it began with."""
+    """The metadata from its beginning."""
     completeness: dict[str, str] = field(default_factory=dict)
-    """What its recorder said at its end; empty where it did not come to that."""
+    """The statement of its recorder at the end; empty if the recorder did not finish."""
     messages: list[Recorded] = field(default_factory=list)
-    """In the order in which they came to the recorder: in that of the sender, for each sender."""
+    """In the order in which they came to the recorder, which keeps the order of each sender."""
     attachments: dict[str, Attachment] = field(default_factory=dict)
     damaged_attachments: set[str] = field(default_factory=set)
-    """Names of those whose bytes are not those that were recorded."""
+    """Names of attachments whose bytes are not those that were recorded."""
     marks: dict[Key, Mark] = field(default_factory=dict)
-    """What messages were when they were recorded."""
+    """The digests of messages when they were recorded."""
     files: list[Path] = field(default_factory=list)
-    """In the order of their parts, whatever order they were given in."""
+    """In the order of the parts, even if they were given in another order."""
     part: int = 0
     """Number of the first file among the parts of its recording."""
     n_damaged_chunks: int = 0
-    """Pieces of the files with a bit that flipped, in a message or beside it."""
+    """Number of chunks with a flipped bit, in a message or beside it."""
 
     @property
     def is_complete(self) -> bool:
-        """Whether it says so, and has as many messages as it says."""
+        """Whether the recorder stated so, and the recording has as many messages as it stated."""
         return self.completeness.get("complete") == "yes" and self.n_lost == 0
 
     @property
     def n_lost(self) -> int:
-        """Messages that were recorded, but cannot be read: the file is damaged, or parts of it are not there."""
+        """Number of recorded messages that cannot be read: the file is damaged, or parts of it are missing."""
         said = self.completeness.get("n_recorded", "")
         return max(0, int(said) - len(self.messages)) if said.isdecimal() else 0
 
     @property
     def n_damaged(self) -> int:
-        """Messages whose bytes are not those that were recorded."""
+        """Number of messages whose bytes are not those that were recorded."""
         return sum(not self.is_as_recorded(message) for message in self.messages)
 
     def attachment(self, name: str) -> Attachment | None:
-        """Return the first file of this name, no matter of which process.
+        """Return the first file of this name, from any process.
 
         Raises:
-            RecordingError: It is damaged.
+            RecordingError: The file is damaged.
         """
         found = next((a for a in self.attachments.values() if a.name.rpartition("/")[2] == name), None)
         if found is not None and found.name in self.damaged_attachments:
@@ -89,17 +89,17 @@ class Recording:
         return found
 
     def mark(self, message: Recorded) -> Mark | None:
-        """What a message was when it was recorded; None where no digest tells."""
+        """Return the digest of a message when it was recorded; None if there is no digest."""
         return self.marks.get((message.topic, message.origin.incarnation, message.copy.sequence))
 
     def is_as_recorded(self, message: Recorded) -> bool:
-        """Whether its bytes are those that were recorded; True where no digest tells."""
+        """Return whether the bytes of a message are those that were recorded; True if there is no digest."""
         mark = self.mark(message)
         return mark is None or mark.crc == codec.checksum(message.copy.payload)
 
 
 def read_recording(paths: Sequence[Path]) -> Recording:
-    """Read all of a recording; parts may be given in any order.
+    """Return everything in a recording; its parts may be given in any order.
 
     Raises:
         RecordingError: A file is empty, foreign, of another version, cut off or damaged.
@@ -112,13 +112,13 @@ def read_recording(paths: Sequence[Path]) -> Recording:
         if not scan.ended:
             raise RecordingError(
                 f"{scan.path}: expected a whole recording, got one that is cut off or damaged at byte {scan.position} "
-                f"of {scan.size}; `legpush recover {scan.path}` makes a whole one of what is there"
+                f"of {scan.size}; `legpush recover {scan.path}` makes a whole one from the rest"
             )
     return recording
 
 
 class _Sender(NamedTuple):
-    """What all messages of a channel have in common."""
+    """Topic, key and origin of all messages of a channel."""
 
     topic: str
     key: str
@@ -126,24 +126,24 @@ class _Sender(NamedTuple):
 
 
 class Scan:
-    """Reads one file as far as that is possible."""
+    """Reads one file as far as possible."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.ended = False
-        """Whether the file has its end."""
+        """Whether the file could be read to its end."""
         self.position = 0
-        """Bytes that could be read."""
+        """Number of bytes that could be read."""
         self.size = 0
         self._is_ours = False
         self._channels: dict[int, Channel] = {}
         self._senders: dict[int, _Sender] = {}
 
     def part(self) -> int:
-        """Return its number among the parts of its recording, as it says; 0 if it does not.
+        """Return the number of the file among the parts of its recording; 0 if the file does not have it.
 
         Raises:
-            RecordingError: It is no MCAP file.
+            RecordingError: The file cannot be opened, or is not an MCAP file.
         """
         with self._opened() as file:
             for opcode, data in self._frames(file):
@@ -156,16 +156,16 @@ class Scan:
         return 0
 
     def read_into(self, recording: Recording) -> None:
-        """Add what the file has.
+        """Add the contents of the file to a recording.
 
         Raises:
-            RecordingError: It is no recording of this protocol.
+            RecordingError: The file is not a recording of this protocol, or not the next part of `recording`.
         """
         with self._opened() as file:
             for opcode, data in self._frames(file):
                 self._take(opcode, data, recording)
         if not self._is_ours:
-            what = "an MCAP file of something else" if self.ended else "one that is cut off before it says what it is"
+            what = "an MCAP file of another kind" if self.ended else "one that is cut off before its metadata"
             raise RecordingError(f"{self.path}: expected a recording of legpush, got {what}")
         recording.files.append(self.path)
 
@@ -224,7 +224,7 @@ class Scan:
         if not recording.about:
             recording.about, recording.part = about, part
         elif recording.about != about:
-            raise RecordingError(f"{self.path}: expected another part of the same recording, got one of another")
+            raise RecordingError(f"{self.path}: expected another part of the same recording, got a part of another one")
         elif part == expected - 1:
             raise RecordingError(f"{self.path}: expected each part once, got part {part} again, {recording.files[-1]}")
         elif part != expected:
@@ -238,7 +238,7 @@ class Scan:
             recording.damaged_attachments.add(record.name)
 
     def _take_chunk(self, chunk: Chunk, recording: Recording) -> None:
-        """Where its CRC is wrong it is read all the same, since digests tell which message is damaged."""
+        """Read a chunk even if its CRC is wrong, since digests show which message is damaged."""
         if chunk.compression:
             raise RecordingError(f"{self.path}: expected chunks that are not compressed, got {chunk.compression}")
         recording.n_damaged_chunks += codec.checksum(chunk.data) != chunk.uncompressed_crc
@@ -252,7 +252,7 @@ class Scan:
     def _take_message(self, message: Message, recording: Recording) -> None:
         channel = self._channels.get(message.channel_id)
         if channel is None:
-            return  # Its channel is damaged, or its number: one of those that cannot be read.
+            return  # The channel or its number is damaged, so the message cannot be read.
         if channel.topic == DIGEST_TOPIC:
             _take_digests(message.data, recording)
             return

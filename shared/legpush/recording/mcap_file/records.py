@@ -1,4 +1,4 @@
-"""The records of an MCAP file, each read by itself: one that is damaged does not keep others from being read.
+"""Reads each record of an MCAP file by itself, so that a damaged one does not keep others from being read.
 
 https://mcap.dev/spec
 """
@@ -17,7 +17,7 @@ from legpush.messages import codec
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 _FRAME: Final = struct.Struct("<BQ")
-"""What every record begins with: opcode, number of bytes that follow."""
+"""The head of every record: opcode, number of bytes that follow."""
 _CRC: Final = struct.Struct("<I")
 _KINDS: Final[dict[int, type[Header | Metadata | Attachment | Channel | Chunk]]] = {
     Opcode.HEADER: Header,
@@ -28,11 +28,11 @@ _KINDS: Final[dict[int, type[Header | Metadata | Attachment | Channel | Chunk]]]
 }
 """Records that are read besides messages."""
 _DAMAGE: Final = (McapError, struct.error, ValueError, KeyError, MemoryError)
-"""What the MCAP library raises where a record is not what it should be."""
+"""Errors that the MCAP library raises for a damaged record."""
 
 
 def frames(file: BinaryIO, n_bytes: int) -> Iterator[tuple[int, bytes]]:
-    """Opcode and bytes of each record of a file or chunk of this size, up to the first that is not whole."""
+    """Yield opcode and bytes of each record of a file or chunk of this size, up to the first that is cut off."""
     while len(head := file.read(_FRAME.size)) == _FRAME.size:
         opcode, length = _FRAME.unpack(head)
         if length > n_bytes - file.tell():
@@ -41,7 +41,7 @@ def frames(file: BinaryIO, n_bytes: int) -> Iterator[tuple[int, bytes]]:
 
 
 def parsed(opcode: int, data: bytes) -> McapRecord | None:
-    """A record of the kinds that are read here; None for others, and for one that is damaged."""
+    """Return a record of the kinds that are read here; None for other kinds, and for a damaged record."""
     stream = ReadDataStream(BytesIO(data))
     kind = _KINDS.get(opcode)
     try:
@@ -55,10 +55,10 @@ def parsed(opcode: int, data: bytes) -> McapRecord | None:
 
 
 def is_read(opcode: int) -> bool:
-    """Whether records of this kind are read here, so that None for one means damage."""
+    """Return whether records of this kind are read here; then None from `parsed` means damage."""
     return opcode in _KINDS
 
 
 def is_attachment_whole(data: bytes) -> bool:
-    """Whether the CRC at the end of an attachment is that of the rest of it."""
+    """Return whether the CRC at the end of an attachment matches its contents."""
     return bool(_CRC.unpack(data[-_CRC.size :])[0] == codec.checksum(data[: -_CRC.size]))

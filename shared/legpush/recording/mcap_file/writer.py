@@ -1,6 +1,6 @@
-"""Recordings as MCAP files: small chunks, flushed often, so that a kill loses little, and parts by size or time.
+"""Writes recordings as MCAP files: in small chunks that are flushed often, and in parts by size or time.
 
-Chunks are not compressed, so that a bit that flips damages one message, and its digest tells which.
+So a kill loses little. Chunks are not compressed, so that a flipped bit damages one message, which its digest shows.
 """
 
 import json
@@ -23,21 +23,21 @@ from legpush.recording.digests import DIGEST_TOPIC, Digest, Digests, Key, Mark, 
 
 CHUNK_BYTES: Final = 64 * 1024
 METADATA: Final = "legpush"
-"""Name of the metadata record that tells a recording from other MCAP files."""
+"""Name of the metadata record that only recordings have, unlike other MCAP files."""
 COMPLETENESS: Final = "completeness"
-"""Name of the one that says what it has."""
+"""Name of the metadata record that states how complete the recording is."""
 ENCODING: Final = "msgpack"
 
 
 class Split(NamedTuple):
-    """When a recording goes on in another file."""
+    """The size and the duration after which a recording continues in another file."""
 
     n_bytes: int | None = None
     seconds: float | None = None
 
 
 WHOLE: Final = Split()
-"""Never."""
+"""Keep a recording in one file."""
 
 
 class Attachment(NamedTuple):
@@ -49,21 +49,22 @@ class Attachment(NamedTuple):
 
 
 def topic_of(key: str) -> str:
-    """What a key is called in a recording: without the prefix that all keys of a run have."""
+    """Return the name of a key in a recording: without the prefix that all keys of a run have."""
     return key.split("/", 3)[3] if key.count("/") >= 3 else key
 
 
 class RecordingFile:
-    """A recording that is being written. Errors of the file system are `RecordingError`, and what was flushed is kept.
+    """A recording that is being written.
 
-    With a `split` it consists of parts `<name>-000.mcap`, `<name>-001.mcap` and so on, each a whole MCAP file.
+    With a `split` it consists of parts `<name>-000.mcap`, `<name>-001.mcap` and so on, each a whole MCAP file. Its
+    methods raise `RecordingError` for errors of the file system; everything that was flushed before is kept.
     """
 
     def __init__(self, path: Path, about: Mapping[str, str], split: Split = WHOLE, part: int = 0) -> None:
-        """`about` becomes the metadata of every part, the first of which has the number `part`.
+        """Begin a recording; `about` becomes the metadata of every part, the first of which has the number `part`.
 
         Raises:
-            RecordingError: A file of this name, or of a later part, is there already.
+            RecordingError: A file of this name, or of the name of a part, exists.
         """
         self._first_part = part
         self._path = path
@@ -71,18 +72,18 @@ class RecordingFile:
         self._split = split
         self._attachments: dict[str, Attachment] = {}
         self.parts: list[Path] = []
-        """The files, in order."""
+        """The files of the parts, in order."""
         if split != WHOLE:
             self._require_no_parts()
         self._open()
 
     @property
     def n_bytes(self) -> int:
-        """Size of the part that is being written, without what has not been flushed."""
+        """Size of the present part, without messages that have not been flushed."""
         return self._stream.position
 
     def write(self, origin: Origin, copies: tuple[Copy, ...], marks: Mapping[Key, Mark] | None = None) -> None:
-        """Add messages of one sender, with their digests: those in `marks`, where they were recorded before."""
+        """Add messages of one sender, with their digests; messages that were recorded before keep those in `marks`."""
         digests: dict[str, list[tuple[int, Mark]]] = {}
         for copy in copies:
             topic = topic_of(copy.key)
@@ -107,34 +108,38 @@ class RecordingFile:
             self._writer.add_message(self._digest_channel(), at, codec.encode(record), at)
 
     def attach(self, attachment: Attachment) -> None:
-        """Add a file, to this part and those that follow."""
+        """Add a file to this part and the parts that follow."""
         before = self._attachments.get(attachment.name)
         if before != attachment:
             self._attachments[attachment.name] = attachment
             self._add(attachment)
 
     def flush(self) -> None:
-        """What was written up to now survives a kill; where the part is long enough, begin another."""
+        """Make sure that everything written before survives a kill; begin another part if this one is long enough."""
         self._writer.flush()  # type: ignore[no-untyped-call]
         self._stream.mark_whole()
         limit_bytes, limit_s = self._split
         too_large = limit_bytes is not None and self._stream.position >= limit_bytes
         if too_large or (limit_s is not None and monotonic() - self._began >= limit_s):
-            self._writer.add_metadata(COMPLETENESS, {"complete": "unknown", "notes": "the last part says it for all"})
+            self._writer.add_metadata(COMPLETENESS, {"complete": "unknown", "notes": "the last part states it for all"})
             self._end()
             self._open()
 
     def finish(self, completeness: Mapping[str, str]) -> None:
-        """Write what readers find things by, and close."""
+        """Write the completeness and the index, and close the file."""
         self._writer.add_metadata(COMPLETENESS, dict(completeness))
         self._end()
 
     def abandon(self) -> None:
-        """Close the file as it was when it was flushed last."""
+        """Close the file as it was at the last flush."""
         self._stream.close_at_kept()
 
     def _require_no_parts(self) -> None:
-        """Raise a `RecordingError` if a file has the name of a part that may come."""
+        """Check that no file has the name of a part.
+
+        Raises:
+            RecordingError: There is such a file.
+        """
         name = re.compile(rf"{re.escape(self._path.stem)}-\d{{3,}}{re.escape(self._path.suffix)}")
         there = sorted(path for path in self._path.parent.glob("*") if name.fullmatch(path.name))
         if there:
@@ -184,7 +189,7 @@ class RecordingFile:
         return channel
 
     def _schema(self, topic: str) -> int:
-        """The schema of what travels under a topic; 0 where that is not known."""
+        """Return the id of the schema for a topic; 0 if the topic is not known."""
         kinds = _KINDS.get(topic.rpartition("/")[2], ())
         name = "Or".join(kind.__name__ for kind in kinds)
         if kinds and name not in self._schemas:
@@ -203,11 +208,11 @@ _KINDS: Final[dict[str, tuple[type[Struct], ...]]] = {
     "status": (telemetry.Status,),
     "digests": (Digests,),
 }
-"""Last segment of a topic to what it carries."""
+"""The types of messages, by the last segment of their topic."""
 
 
 class _Stream:
-    """A new file, without a buffer of its own: what the writer has written is with the operating system."""
+    """A new file without a buffer of its own: everything written has been handed to the operating system."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -221,7 +226,11 @@ class _Stream:
         self._kept = 0
 
     def write(self, data: bytes) -> int:
-        """All of it."""
+        """Write all bytes.
+
+        Raises:
+            RecordingError: The file cannot be written any more.
+        """
         left = memoryview(data)
         try:
             while left:
@@ -235,18 +244,18 @@ class _Stream:
         return len(data)
 
     def tell(self) -> int:
-        """Bytes up to now."""
+        """Return the number of bytes written."""
         return self.position
 
     def flush(self) -> None:
-        """Nothing is held back."""
+        """Do nothing, since no bytes are held back."""
 
     def mark_whole(self) -> None:
         """Note that the file can be read up to here."""
         self._kept = self.position
 
     def close_at_kept(self) -> None:
-        """Close it; what came after the last `mark_whole` is cut off."""
+        """Cut off everything after the last `mark_whole`, and close the file."""
         if self._file >= 0:
             os.ftruncate(self._file, self._kept)
             os.close(self._file)

@@ -29,7 +29,7 @@ MISSION = mission(4)
     [
         (b"", "expected a recording, an MCAP file, got an empty file"),
         (b"not a recording", "got one that begins with b'not a re'"),
-        (b"\x89MCAP0\r\n", "one that is cut off before it says what it is"),
+        (b"\x89MCAP0\r\n", "one that is cut off before its metadata"),
     ],
 )
 def test_what_is_no_recording_is_refused(tmp_path: Path, data: bytes, words: str) -> None:
@@ -89,7 +89,10 @@ def test_parts_that_are_missing_foreign_or_there_twice_are_refused(tmp_path: Pat
     assert len(parts) > 3
     for paths, words in (
         ([parts[3], parts[1], parts[0]], r"a-003.mcap: expected part 2 of the recording, got part 3"),
-        ([parts[0], *other.parts], r"other.mcap: expected another part of the same recording, got one of another"),
+        (
+            [parts[0], *other.parts],
+            r"other.mcap: expected another part of the same recording, got a part of another one",
+        ),
         ([parts[1], parts[0], twice], r"twice.mcap: expected each part once, got part 1 again, .*a-001.mcap"),
     ):
         with pytest.raises(RecordingError, match=words):

@@ -1,0 +1,74 @@
+"""`legpush evaluate`: the files that it writes, and what it says."""
+
+import csv
+import io
+import json
+import threading
+from pathlib import Path
+
+import pytest
+from pyarrow import parquet
+from rich.console import Console
+
+from agent_proc.programs.evaluate import run
+from legpush.errors import ConfigError, StopRequestedError
+from legpush.options.learning import EvaluateOptions
+
+
+@pytest.fixture
+def options(tmp_path: Path) -> EvaluateOptions:
+    return EvaluateOptions(
+        policy="scripted", simulators=2, episodes=2, first_seed=40, sweep=("box.mass_kg=0.1,0.5",), out=tmp_path / "out"
+    )
+
+
+@pytest.mark.usefixtures("stop")
+def test_it_writes_rows_summary_and_plot(options: EvaluateOptions) -> None:
+    console, folder = Console(file=io.StringIO(), width=200), options.out
+    assert folder is not None
+
+    assert run(options, console) == 0
+    rows = list(csv.DictReader(io.StringIO((folder / "episodes.csv").read_text())))
+    assert [(row["case"], row["seed"]) for row in rows] == [
+        (f"box.mass_kg={mass}", seed) for mass in ("0.1", "0.5") for seed in ("40", "41")
+    ]
+    assert parquet.read_table(folder / "episodes.parquet").num_rows == 4
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["policy"], summary["first_seed"], summary["episodes"]) == ("scripted", 40, 2)
+    assert [case["n"] for case in summary["cases"].values()] == [2, 2]
+    assert (folder / "evaluation.png").read_bytes().startswith(b"\x89PNG")
+    said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert said[0].startswith("box.mass_kg=0.1: ")
+    assert said[-1] == f"written to {folder}"
+
+
+@pytest.mark.usefixtures("stop")
+def test_without_a_folder_it_makes_one_that_is_named_after_the_policy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    assert run(EvaluateOptions(policy="scripted", simulators=1, episodes=1), Console(file=io.StringIO())) == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert folder.name.endswith("-evaluate-scripted")
+    assert (folder / "episodes.csv").is_file()
+
+
+@pytest.mark.usefixtures("stop")
+def test_a_folder_with_something_in_it_is_refused(options: EvaluateOptions) -> None:
+    assert options.out is not None
+    options.out.mkdir()
+    (options.out / "notes.txt").touch()
+
+    with pytest.raises(ConfigError, match="a new or empty folder for --out"):
+        run(options, Console(file=io.StringIO()))
+    assert [path.name for path in options.out.iterdir()] == ["notes.txt"]
+
+
+def test_an_interrupted_evaluation_writes_nothing(options: EvaluateOptions, stop: threading.Event) -> None:
+    assert options.out is not None
+    stop.set()
+
+    with pytest.raises(StopRequestedError, match="interrupted: nothing was written"):
+        run(options, Console(file=io.StringIO()))
+    assert not list(options.out.glob("*.*"))

@@ -1,0 +1,104 @@
+"""`legpush train`: a training in its folder, interrupted and resumed."""
+
+import io
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from agent_proc.policies.folder import read_policy
+from agent_proc.profiles.profile import dump_profile
+from agent_proc.programs.train import read_plan, train
+from legpush.errors import INTERRUPTED, ConfigError
+from legpush.options.learning import TrainOptions
+from tests.agent.learning.small_training import small_profile
+
+
+@pytest.fixture
+def options(tmp_path: Path) -> TrainOptions:
+    """A training of 96 steps."""
+    profile = tmp_path / "small.toml"
+    profile.write_text(dump_profile(small_profile(evaluate_every=96)), encoding="utf-8")
+    return TrainOptions(
+        profile=str(profile),
+        steps=96,
+        entry="fixed",
+        seed=4,
+        mass_kg=(0.1, 0.9),
+        simulators=2,
+        out=tmp_path / "training",
+    )
+
+
+def said(options: TrainOptions) -> tuple[int, list[str]]:
+    """The exit code of a training, and its lines."""
+    console = Console(file=io.StringIO(), width=200)
+    return train(options, console), console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+
+
+@pytest.mark.usefixtures("stop")
+def test_a_training_leaves_its_plan_and_its_policies(options: TrainOptions) -> None:
+    code, lines = said(options)
+    folder = options.out
+    assert folder is not None
+
+    plan = read_plan(folder)
+    assert (plan.seed, plan.n_simulators, plan.task.entry, plan.task.domain.mass_kg) == (4, 2, "fixed", (0.1, 0.9))
+    assert plan.profile == small_profile(evaluate_every=96, steps=96)
+    assert code == 0
+    assert lines[0].startswith("learning ")
+    assert lines[-1].startswith("best policy, success ")
+    assert lines[-1].endswith(f": {folder / 'best'}")
+    assert read_policy(folder / "last").card.task == plan.task
+
+
+def test_an_interrupted_training_says_how_to_go_on_and_then_ends_as_another_one(
+    options: TrainOptions, stop: threading.Event, tmp_path: Path
+) -> None:
+    folder = options.out
+    assert folder is not None
+    stop.set()
+    code, lines = said(options)
+    assert code == INTERRUPTED
+    assert lines[-1] == f"interrupted after 0 steps; to go on: legpush train --resume {folder}"
+    stop.clear()
+
+    assert said(TrainOptions(resume=folder))[0] == 0
+    assert said(replace(options, out=tmp_path / "other"))[0] == 0
+    resumed, other = (read_policy(path / "last") for path in (folder, tmp_path / "other"))
+    assert resumed.card.curve == other.card.curve
+    assert resumed.normalizer == other.normalizer
+
+
+@pytest.mark.usefixtures("stop")
+def test_without_a_folder_it_makes_one_that_is_named_after_profile_entry_and_seed(
+    options: TrainOptions, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    assert said(replace(options, out=None, steps=32))[0] == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert folder.name.endswith("-train-small-fixed-seed4")
+
+
+@pytest.mark.usefixtures("stop")
+def test_a_folder_with_something_in_it_is_refused(options: TrainOptions, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"a new or empty folder for --out, got .*; --resume .* goes on in it"):
+        train(replace(options, out=tmp_path), Console(file=io.StringIO()))
+
+
+@pytest.mark.usefixtures("stop")
+def test_only_the_folder_of_a_training_can_be_resumed(tmp_path: Path) -> None:
+    file = tmp_path / "config.json"
+    for text, message in (
+        (None, r"the folder of a training for --resume: .*config\.json"),
+        ("{", r"the folder of a training for --resume: .*config\.json"),
+        ("{}", r"the folder of a training for --resume: .*config\.json"),
+        ('{"profile": 3}', r"config\.json: profile: expected the table of a training profile, got 3"),
+    ):
+        if text is not None:
+            file.write_text(text)
+        with pytest.raises(ConfigError, match=message):
+            train(TrainOptions(resume=tmp_path), Console(file=io.StringIO()))

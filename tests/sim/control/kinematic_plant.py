@@ -1,0 +1,113 @@
+"""A plant without physics: joints follow their commands exactly, and feet on the floor stay where they are."""
+
+from math import atan2
+
+import numpy as np
+
+from legpush.arrays import Flags, Floats
+from legpush.geometry import Pose2
+from legpush.scene.robot import FOOT_RADIUS_M, N_QPOS
+from legpush.scene.scenario import Box
+from sim_proc.control.plant import TickLog
+from sim_proc.gravity import GRAVITY_M_S2
+from sim_proc.kinematics.body import STANDING_HEIGHT_M, standing_joints_rad
+from sim_proc.kinematics.leg import HIPS_B, SIDE, forward
+
+COM_BELOW_TRUNK_M = 0.05
+TOUCHING_M = 1e-4
+"""A foot stands if its sphere is at most this far above the floor."""
+
+
+class KinematicPlant:
+    """A robot whose level trunk moves as its standing feet make it, and a box that its front feet push ahead."""
+
+    def __init__(self, trunk: Pose2, box: Box, *, falls_at_tick: int | None = None) -> None:
+        """Stand at `trunk`, beside the box at its nominal pose."""
+        self.fallen = False
+        self.mass_kg = 32.0
+        self.downhill = np.zeros(2)
+        self.n_ticks = 0
+        self._trunk, self._box, self._box_pose = trunk, box, box.pose.pose()
+        self._joints = standing_joints_rad()
+        self._falls_at_tick = falls_at_tick
+
+    def trunk_pose(self) -> Pose2:
+        return self._trunk
+
+    def box_pose(self) -> Pose2:
+        return self._box_pose
+
+    def joints_rad(self) -> Floats:
+        return self._joints.ravel().copy()
+
+    def tips_m(self) -> Floats:
+        tips = self._tips_b()
+        tips[:, :2] = self._trunk.apply(tips[:, :2])
+        tips[:, 2] += STANDING_HEIGHT_M
+        return tips
+
+    def com_m(self) -> Floats:
+        return np.array([*self._trunk.xy(), STANDING_HEIGHT_M - COM_BELOW_TRUNK_M])
+
+    def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
+        assert joint_torques_n_m.shape == joint_commands_rad.shape
+        rows: list[tuple[Floats, ...]] = []
+        for command in joint_commands_rad:
+            self._move(command.reshape(4, 3))
+            rows.append((self._qpos(), self.tips_m(), self._floor_forces(), self._push_box(), self.com_m(), command))
+            self.n_ticks += 1
+            if self.n_ticks == self._falls_at_tick:
+                self.fallen = True
+                break
+        qpos, tips, floor, box, com, ctrl = (np.array(column) for column in zip(*rows, strict=True))
+        return TickLog(qpos=qpos, tips_m=tips, floor_forces_n=floor, box_forces_n=box, com_m=com, ctrl=ctrl)
+
+    def _move(self, joints_rad: Floats) -> None:
+        """Place the trunk so that the feet that stand before and after the move stay where they are."""
+        standing, places = self._standing(), self.tips_m()[:, :2]
+        self._joints = joints_rad
+        both = standing & self._standing()
+        assert both.sum() >= 2
+        tips_b, places = self._tips_b()[both, :2], places[both]
+        centre_b, centre = tips_b.mean(axis=0), places.mean(axis=0)
+        (x_b, y_b), (x, y) = (tips_b - centre_b).T, (places - centre).T
+        yaw = atan2((x_b * y - y_b * x).sum(), (x_b * x + y_b * y).sum())
+        away = centre - Pose2(x_m=0.0, y_m=0.0, yaw_rad=yaw).apply(centre_b[None])[0]
+        self._trunk = Pose2(x_m=float(away[0]), y_m=float(away[1]), yaw_rad=yaw)
+
+    def _tips_b(self) -> Floats:
+        return HIPS_B + forward(self._joints, SIDE)
+
+    def _standing(self) -> Flags:
+        standing: Flags = self._tips_b()[:, 2] + STANDING_HEIGHT_M <= FOOT_RADIUS_M + TOUCHING_M
+        return standing
+
+    def _floor_forces(self) -> Floats:
+        """Standing feet share the weight evenly."""
+        forces = np.zeros((4, 3))
+        standing = self._standing()
+        forces[standing, 2] = self.mass_kg * GRAVITY_M_S2 / standing.sum()
+        return forces
+
+    def _push_box(self) -> Floats:
+        """Move the box out of the front feet, with 1 N on a foot that moves it."""
+        forces = np.zeros((4, 3))
+        length, width, height = self._box.size_m
+        for leg, tip in enumerate(self.tips_m()[:2]):
+            x, y = self._box_pose.inverse().apply(tip[None, :2])[0]
+            inside_m = x + FOOT_RADIUS_M + length / 2
+            if 0.0 < inside_m < length / 2 and abs(y) < width / 2 and tip[2] < height:
+                self._box_pose = self._box_pose @ Pose2(x_m=float(inside_m), y_m=0.0, yaw_rad=0.0)
+                forces[leg, 0] = -1.0
+        return forces
+
+    def _qpos(self) -> Floats:
+        def pose(place: Pose2, height_m: float) -> list[float]:
+            return [place.x_m, place.y_m, height_m, np.cos(place.yaw_rad / 2), 0.0, 0.0, np.sin(place.yaw_rad / 2)]
+
+        box_height_m = self._box.size_m[2] / 2
+        qpos = np.array(
+            [*pose(self._trunk, STANDING_HEIGHT_M), *self._joints.ravel(), *pose(self._box_pose, box_height_m)]
+        )
+        assert qpos.shape == (N_QPOS,)
+        return qpos
