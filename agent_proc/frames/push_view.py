@@ -36,7 +36,7 @@ class PushView:
     scenario: Scenario
     """Settings and room. Read `box` and `goal` instead of its box and goal."""
     box: Box
-    """With the size that it has in the pushed frame."""
+    """The box, with its size in the pushed frame."""
     box_state: BoxState
     """Pose of the pushed frame, world frame: measured, or predicted if the box is pushed in an open loop."""
     goal: Goal

@@ -12,10 +12,6 @@ from tests.docs.help_texts import help_texts
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("shared/legpush", "sim_proc", "planner_proc", "agent_proc")
-NOT_YET = ["shared/legpush", "agent_proc"]
-"""Packages whose sentences are still to be rewritten; the help of `legpush` waits for `shared/legpush`.
-
-This list shrinks to nothing: a package without riddles must be taken off it."""
 FOLDERS = ("docs", "examples", "benchmarks", "experiments")
 FILES = ("README.md", "CHANGELOG.md", "Dockerfile", "Makefile", "compose.yaml", "pyproject.toml")
 SIGNS = [
@@ -144,10 +140,7 @@ def test_a_folder_of_the_project_has_no_riddles(folder: str) -> None:
 @pytest.mark.parametrize("package", PACKAGES)
 def test_a_package_has_no_riddles(package: str) -> None:
     found = riddles(texts_in(ROOT / package))
-    if package in NOT_YET:
-        assert found, f"take {package} off NOT_YET"
-    else:
-        assert found == []
+    assert found == []
 
 
 def test_no_help_text_has_riddles() -> None:

@@ -26,13 +26,13 @@ def query_to_nominal_box(scenario: Scenario, seed: int, start: Pose2, face: Face
 
 
 def query_to_measured_box(scenario: Scenario, seed: int, start: Pose2, box_pose: Pose2, face: Face) -> TrunkPathQuery:
-    """After the hand-over: to the stand-off behind a face of the box at the pose that it has."""
+    """After the hand-over: to the stand-off behind a face of the box where it is now."""
     goal = stand_off(scenario, pushed_box(scenario.box, face), pushed_pose(box_pose, face))
     return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
 
 
 def query_to_pose(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box_pose: Pose2) -> TrunkPathQuery:
-    """Ask for a path of the trunk to a pose, around the box at the pose that it has."""
+    """Ask for a path of the trunk to a pose, around the box where it is now."""
     return _query(scenario, seed, start, goal, box_footprint(scenario.box, box_pose))
 
 
