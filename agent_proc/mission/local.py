@@ -33,8 +33,9 @@ def run_local(
         PolicyError: There is no such policy, or it has no method `decide`.
         ConfigError: The push map cannot be used with the scenario's box.
     """
-    began_s = perf_counter()
     decides = make_policy(policy) if isinstance(policy, str) else user_policy(policy)
     measured = None if push_map is None else load_push_map(push_map, scenario.box)
+    began_s = perf_counter()
     result = run_mission(world, scenario, seed, decides, measured, tell=tell)
-    return make_report(read_record(records), result, perf_counter() - began_s, installed_versions())
+    wall_time_s = perf_counter() - began_s
+    return make_report(read_record(records), result, wall_time_s, installed_versions())

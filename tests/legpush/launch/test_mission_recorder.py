@@ -59,7 +59,7 @@ def test_a_recorder_that_fails_is_told_with_its_error_and_how_to_save_what_there
 ) -> None:
     notices, noted = recorded(FAILED)
     words = (
-        "the recorder exited with 2: m.mcap: the recording cannot go on; the mission goes on without; "
+        "the recorder exited with 2: m.mcap: the recording cannot go on; the mission goes on without it; "
         f"`legpush recover {tmp_path}/m.mcap` saves what was recorded"
     )
     assert notices == [words]
@@ -78,7 +78,7 @@ def test_a_recorder_that_ends_during_the_mission_is_told_once(tmp_path: Path, mo
         recorder.note_end(process)  # type: ignore[arg-type]
     recorder.complete_report(tmp_path)
     (notice,) = display.notices
-    assert notice.startswith("the recorder was killed by SIGKILL; the mission goes on without; ")
+    assert notice.startswith("the recorder was killed by SIGKILL; the mission goes on without it; ")
     assert not (tmp_path / "report.json").exists()
 
 
