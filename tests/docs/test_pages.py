@@ -9,6 +9,7 @@ from typing import NoReturn
 
 import pytest
 
+import legpush
 from docs import generate
 from legpush import cli
 from tests.docs.help_texts import commands, help_texts
@@ -19,8 +20,8 @@ PAGES = sorted(generate.DOCS.glob("*.md"))
 ALL = [README, *PAGES, ROOT / "CHANGELOG.md"]
 CODE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"`([^`\n]+)`")
-GROUPS = entry_points().groups
-"""Groups of plug-ins, whose names look like those of modules."""
+NO_MODULES = {*entry_points().groups, *(f"legpush.{name}" for name in legpush.__all__)}
+"""Groups of plug-ins and public names, which look like modules."""
 
 
 def prose(page: Path) -> str:
@@ -53,8 +54,8 @@ def test_some_page_has_python() -> None:
     assert WITH_PYTHON
 
 
-GROUPS = entry_points().groups
-"""Groups of plug-ins, whose names look like those of modules."""
+NO_MODULES = {*entry_points().groups, *(f"legpush.{name}" for name in legpush.__all__)}
+"""Groups of plug-ins and public names, which look like modules."""
 
 
 @pytest.mark.parametrize("page", ALL, ids=lambda page: page.stem)
@@ -100,7 +101,7 @@ def test_the_files_and_modules_that_a_page_names_exist(page: Path) -> None:
     for name in INLINE.findall(prose(page)):
         if re.fullmatch(r"[\w./*-]+", name) and "/" in name and name.split("/")[0] in folders:
             assert list(ROOT.glob(name)), name
-        elif re.fullmatch(r"(legpush|agent_proc|planner_proc|sim_proc)(\.\w+)+", name) and name not in GROUPS:
+        elif re.fullmatch(r"(legpush|agent_proc|planner_proc|sim_proc)(\.\w+)+", name) and name not in NO_MODULES:
             assert importlib.util.find_spec(name) is not None, name
 
 
