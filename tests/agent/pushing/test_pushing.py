@@ -8,11 +8,12 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
+from agent_proc.walking.walker import STILL_CYCLES
 from legpush.messages.stepping import Push
 from legpush.scene.reference import Arcs, Left, Reference, Sine, Straight
-from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Room, Scenario
+from legpush.scene.scenario import Goal, MissionSettings, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
-from tests.agent.fake_world import FakeWorld, make_scenario
+from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
 from tests.agent.pushing.paths import EIGHT, along
 
 
@@ -112,3 +113,38 @@ def test_a_box_that_leaves_its_reference_ends_the_mission() -> None:
 
     assert result.reason == "left_reference"
     assert "the box left its reference after" in result.detail
+
+
+def test_the_push_cycles_are_limited() -> None:
+    scenario = replace(scenario_at_station(), mission=MissionSettings(max_push_cycles=4))
+    world = FakeWorld()
+
+    result = run_mission(world, scenario, 7, ScriptedPolicy())
+
+    assert (result.success, result.reason, result.n_push_cycles) == (False, "max_push_cycles", 4)
+    assert len(world.motions(Push)) == 4
+
+
+def test_a_box_that_is_at_its_goal_needs_no_push() -> None:
+    scenario = replace(scenario_at_station(), goal=Goal(pose=PoseDeg(x_m=6.0, y_m=3.0, yaw_deg=0.0)))
+    world = FakeWorld()
+
+    result = run_mission(world, scenario, 7, ScriptedPolicy())
+
+    assert (result.success, result.n_push_cycles) == (True, 0)
+
+
+def test_a_policy_that_stops_short_of_the_goal_misses_the_tolerance() -> None:
+    behind = replace(scenario_at_station(), goal=Goal(pose=PoseDeg(x_m=5.0, y_m=3.0, yaw_deg=0.0)))
+
+    result = run_mission(FakeWorld(), behind, 7, ScriptedPolicy())
+
+    assert (result.success, result.reason) == (False, "tolerance_missed")
+
+
+def test_a_box_that_does_not_move_ends_the_mission() -> None:
+    world = FakeWorld(push_scale=0.0)
+
+    result = run_mission(world, scenario_at_station(), 7, ScriptedPolicy())
+
+    assert (result.reason, result.n_push_cycles) == ("stuck", STILL_CYCLES)
