@@ -91,6 +91,16 @@ def test_each_push_earns_what_it_would_in_training() -> None:
     assert parts.world.rewards[0] != parts.world.rewards[1]
 
 
+def test_a_push_in_which_the_robot_falls_counts_and_earns_nothing() -> None:
+    parts = parts_in(FakeWorld(falls_in=lambda motion, _: isinstance(motion, Push)), scenario_at_station())
+
+    with pytest.raises(MissionEndedError, match="the robot fell during push"):
+        parts.pushes.push(push(), learn=True)
+    assert parts.pushes.n_cycles == 1
+    assert parts.world.rewards == []
+    assert parts.pushes.estimates["rear"].travel_scale == 1.0
+
+
 @pytest.mark.parametrize("learn", [True, False])
 def test_the_estimate_of_the_pushed_face_learns_if_asked_to(learn: bool) -> None:
     parts = parts_in(FakeWorld(push_scale=0.6), scenario_at_station())
