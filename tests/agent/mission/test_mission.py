@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from math import cos, hypot, pi, radians, sin
-from typing import Any
 
 import pytest
 from msgspec.structs import replace
@@ -12,17 +11,15 @@ from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
-from agent_proc.walking.walker import STILL_CYCLES
-from legpush.errors import PeerError
 from legpush.geometry import Pose2
-from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
+from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.scene.clearance import clearance_at
 from legpush.scene.occupancy import clearance_m
 from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
 from legpush.scene.station import stand_off, station
-from tests.agent.fake_world import FakeWorld, KinematicSimulator, make_scenario, scenario_at_station, straight_plan
+from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
 
 
 def run(world: FakeWorld, scenario: Scenario) -> MissionResult:
@@ -195,76 +192,6 @@ def test_a_box_that_tips_over_ends_the_mission_even_at_its_goal() -> None:
     assert "leans by 45°" in result.detail
 
 
-def test_the_push_cycles_are_limited() -> None:
-    scenario = replace(scenario_at_station(), mission=MissionSettings(max_push_cycles=4))
-    world = FakeWorld()
-
-    result = run(world, scenario)
-
-    assert (result.success, result.reason, result.n_push_cycles) == (False, "max_push_cycles", 4)
-    assert len(world.motions(Push)) == 4
-
-
-def test_a_box_that_is_at_its_goal_needs_no_push() -> None:
-    scenario = replace(scenario_at_station(), goal=Goal(pose=PoseDeg(x_m=6.0, y_m=3.0, yaw_deg=0.0)))
-    world = FakeWorld()
-
-    result = run(world, scenario)
-
-    assert (result.success, result.n_push_cycles) == (True, 0)
-
-
-def test_a_policy_that_stops_short_of_the_goal_misses_the_tolerance() -> None:
-    behind = replace(scenario_at_station(), goal=Goal(pose=PoseDeg(x_m=5.0, y_m=3.0, yaw_deg=0.0)))
-
-    result = run(FakeWorld(), behind)
-
-    assert (result.success, result.reason) == (False, "tolerance_missed")
-
-
-def test_a_box_that_does_not_move_ends_the_mission() -> None:
-    world = FakeWorld(push_scale=0.0)
-
-    result = run(world, scenario_at_station())
-
-    assert (result.reason, result.n_push_cycles) == ("stuck", STILL_CYCLES)
-
-
-def test_a_robot_that_does_not_get_on_ends_the_mission() -> None:
-    world = FakeWorld(walk_stride_m=0.001)
-
-    result = run(world, make_scenario())
-
-    assert result.reason == "stuck"
-    assert len(world.motions(Walk)) == STILL_CYCLES
-
-
-def test_an_approach_that_ends_elsewhere_is_not_pushed_from() -> None:
-    class Drifting(KinematicSimulator):
-        def _move(self, motion: Motion) -> int:
-            n_ticks = super()._move(motion)
-            if isinstance(motion, Walk):
-                self._trunk = Pose2(x_m=self._trunk.x_m, y_m=self._trunk.y_m - 0.4, yaw_rad=self._trunk.yaw_rad)
-            return n_ticks
-
-    world = FakeWorld(simulator=Drifting())
-
-    result = run(world, make_scenario())
-
-    assert result.reason == "missed_station"
-    assert world.motions(Push) == []
-
-
-def test_a_simulator_that_reports_no_path_after_a_follow_is_an_error() -> None:
-    class Forgetful(FakeWorld):
-        def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
-            outcome = super().step(motion, with_trace=with_trace)
-            return replace(outcome, world=replace(outcome.world, path=None))
-
-    with pytest.raises(PeerError, match="Expected `path` in the state of the world at tick 0"):
-        run(Forgetful(), make_scenario())
-
-
 def test_a_mission_that_is_answered_from_its_record_asks_the_same_again() -> None:
     scenario = make_scenario(box=Box(pose=PoseDeg(x_m=6.0, y_m=3.0, yaw_deg=10.0)))
     first = FakeWorld(box_offset=(0.03, 0.02, -0.05))
@@ -311,21 +238,3 @@ def test_the_robot_ends_at_the_station_of_the_box() -> None:
     state = last_state(world)
     place, trunk = station(scenario.box, planar_pose(state.box)), planar_pose(state.trunk)
     assert hypot(place.x_m - trunk.x_m, place.y_m - trunk.y_m) < 1e-9
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"waypoints": (), "sides": ()}, "it has no waypoints"),
-        ({"sides": ()}, "50 waypoints and 0 sides"),
-        ({"sides": (9,) * 50}, "it names side 9 of 4"),
-        ({"sides": (*(0,) * 49, 1)}, "the box does not move in the stage at"),
-    ],
-)
-def test_a_plan_that_cannot_be_followed_though_it_says_so_is_refused(change: dict[str, Any], message: str) -> None:
-    def planner(query: PlanQuery) -> Plan:
-        plan = straight_plan(query)
-        return replace(plan, **change) if isinstance(query, BoxPathQuery) else plan
-
-    with pytest.raises(PeerError, match=message):
-        run_mission(FakeWorld(planner=planner), make_scenario(), 3, ScriptedPolicy())

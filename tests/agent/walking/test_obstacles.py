@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.pushing.obstacles import is_in_push
-from agent_proc.pushing.stage import Stage
 from agent_proc.walking.obstacles import in_words, is_in_walk, known_scenario
 from legpush.errors import PeerError
 from legpush.geometry import Pose2
@@ -76,20 +74,3 @@ def test_only_what_is_left_of_a_walk_counts_with_turns_as_long_as_their_arc() ->
     assert is_in_walk(CRATE, SCENARIO, way, turn_m)
     assert is_in_walk(CRATE, SCENARIO, way, turn_m + 0.1)
     assert not is_in_walk(CRATE, SCENARIO, way, turn_m + 0.45)
-
-
-@pytest.mark.parametrize(
-    ("y_m", "from_m", "expected"),
-    [
-        (2.31, 0.0, False),
-        (2.29, 0.0, True),
-        (2.26, 3.8, True),  # the box is past the crate, the robot behind it is not
-        (2.26, 4.5, False),
-    ],
-)
-def test_a_push_is_blocked_by_what_is_nearer_than_the_margin_to_box_or_robot(
-    y_m: float, from_m: float, expected: bool
-) -> None:
-    path = Stage("rear", tuple(Pose2(x_m=1.5 + k / 10, y_m=y_m, yaw_rad=0.0) for k in range(51)), 0.1)
-
-    assert is_in_push(CRATE, SCENARIO, path, from_m) == expected
