@@ -66,7 +66,7 @@ while True:
 
 
 def is_gone(pid: int) -> bool:
-    """Whether a process ends within 20 s; one that only waits to be reaped by whoever adopted it has ended."""
+    """Whether a process ends within 20 s; one that only waits for its adopting process to reap it has ended."""
     until = monotonic() + 20.0
     while monotonic() < until:
         try:
