@@ -120,6 +120,17 @@ def test_without_a_face_that_the_robot_can_reach_the_mission_ends() -> None:
     assert len(parts.world.box_queries()) == 4
 
 
+def test_a_robot_at_another_face_backs_off_before_it_asks_for_the_way() -> None:
+    parts = parts_in(FakeWorld(planner=at_faces(1)), scenario_at_station())
+
+    parts.route.come_to_push()
+
+    assert parts.actor.standing_at() == "right"
+    phases = [phase for phase, _, _ in parts.world.told]
+    assert phases.index("backing off") < phases.index("approaching")
+    assert parts.world.queries()[0].start.x_m < scenario_at_station().start.x_m - 0.1
+
+
 def test_without_a_path_of_the_box_the_mission_ends() -> None:
     parts = parts_in(FakeWorld(planner=refusing(BoxPathQuery)), make_scenario())
 
@@ -234,6 +245,14 @@ def test_a_reference_begins_at_the_nominal_pose_of_the_box_behind_which_the_robo
     assert stage.pose(0.0).xy() == pytest.approx((6.0, 3.0))
     assert parts.actor.standing_at() == "rear"
     assert len(parts.world.motions(Follow)) == 1
+
+
+def test_a_reference_is_pushed_at_the_rear_face_or_not_at_all() -> None:
+    parts = parts_in(FakeWorld(planner=refusing(TrunkPathQuery)), make_scenario(reference=AHEAD))
+
+    with pytest.raises(MissionEndedError, match="the way behind the box"):
+        parts.route.begin_reference()
+    assert len(parts.world.queries()) == 1
 
 
 def test_a_reference_that_is_no_longer_free_is_not_begun() -> None:
