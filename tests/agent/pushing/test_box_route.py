@@ -231,7 +231,8 @@ def test_a_reference_is_pushed_along_first_and_paths_are_planned_after_it() -> N
     (stage,) = parts.route.begin_reference()
 
     assert parts.world.box_queries() == []
-    assert (stage.face, stage.length_m) == ("rear", pytest.approx(1.0))
+    assert stage.face == "rear"
+    assert stage.length_m == pytest.approx(1.0)
     assert parts.route.reference is None
     parts.route.come_to_push()
     assert len(parts.world.box_queries()) == 1
