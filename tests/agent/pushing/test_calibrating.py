@@ -5,11 +5,14 @@ from msgspec.structs import replace
 
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
-from legpush.messages.planning import BoxPathQuery
+from legpush.geometry import distance_m
+from legpush.messages.common import USUAL_DEPTH_M
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
 from legpush.messages.stepping import Push
-from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Room
+from legpush.scene.scenario import Goal, MissionSettings, PoseDeg, PushSettings, Rectangle, Room
 from planner_proc.planning import make_plan
-from tests.agent.fake_world import FakeWorld, make_scenario
+from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
+from tests.agent.parts import Parts, parts_in
 
 
 def calibrating(n_pushes: int, room: Room) -> list[BoxPathQuery | Push]:
@@ -42,3 +45,65 @@ def test_without_the_space_for_it_nothing_is_calibrated() -> None:
     plain, own = ([step for step in calibrating(n, narrow) if isinstance(step, Push)] for n in (0, 40))
 
     assert own == plain
+
+
+def at_the_box(n_pushes: int, world: FakeWorld, **changes: object) -> Parts:
+    """A robot at the rear face of a box that is calibrated with so many pushes."""
+    asked = replace(scenario_at_station(), pushing=PushSettings(calibration_pushes=n_pushes))
+    return parts_in(world, replace(asked, **changes))
+
+
+def test_pushes_are_those_of_the_push_model_with_both_legs_in_turn() -> None:
+    parts = at_the_box(6, FakeWorld())
+
+    parts.calibration.run("rear")
+
+    w1, w2 = parts.pushes.estimates["rear"].curve
+    assert parts.world.motions(Push) == [
+        Push(w1=w1, w2=w2, leg=leg, depth_m=USUAL_DEPTH_M, face="rear") for leg in ("FL", "FR", "FR", "FL", "FL", "FR")
+    ]
+    told = [(share, detail) for phase, share, detail in parts.world.told if phase == "calibrating"]
+    assert told[0] == (0.0, "push 1 of 6, rear face")
+    assert told[3] == (0.5, "push 4 of 6, rear face")
+
+
+def test_the_estimate_learns_from_each_push() -> None:
+    parts = at_the_box(6, FakeWorld(push_scale=0.6))
+
+    parts.calibration.run("rear")
+
+    assert parts.pushes.estimates["rear"].travel_scale < 0.8
+    assert parts.pushes.estimates["left"].travel_scale == 1.0
+
+
+@pytest.mark.parametrize(
+    ("status", "too_long_m", "n_pushes"), [("exact", 0.004, 6), ("exact", 0.006, 0), ("failed", 0.0, 0)]
+)
+def test_nothing_is_pushed_unless_the_way_ahead_is_straight(status: str, too_long_m: float, n_pushes: int) -> None:
+    def planner(query: PlanQuery) -> Plan:
+        length_m = distance_m(query.start, query.goal) + too_long_m
+        return replace(straight_plan(query), status=status, length_m=length_m)
+
+    parts = at_the_box(6, FakeWorld(planner=planner))
+
+    parts.calibration.run("rear")
+
+    assert len(parts.world.motions(Push)) == n_pushes
+    assert len(parts.world.box_queries()) == 1
+
+
+def test_a_calibration_ends_with_the_push_cycles_of_the_mission() -> None:
+    parts = at_the_box(6, FakeWorld(), mission=MissionSettings(max_push_cycles=4))
+
+    parts.calibration.run("rear")
+
+    assert len(parts.world.motions(Push)) == 4
+
+
+def test_a_calibration_ends_when_something_appears_anywhere() -> None:
+    aside = Rectangle(x_min_m=1.0, x_max_m=1.2, y_min_m=5.0, y_max_m=5.6, appears_at_s=5.0)
+    parts = at_the_box(6, FakeWorld(), room=Room(size_m=(12.0, 6.0), obstacles=(aside,)))
+
+    parts.calibration.run("rear")
+
+    assert len(parts.world.motions(Push)) == 2

@@ -4,16 +4,19 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.frames.poses import box_error
+from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
+from agent_proc.pushing.pushing import AIM_M, MAX_BETTER, MAX_PATHS
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
 from agent_proc.walking.walker import STILL_CYCLES
+from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Push
 from legpush.scene.reference import Arcs, Left, Reference, Sine, Straight
 from legpush.scene.scenario import Goal, MissionSettings, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
-from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
+from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
 from tests.agent.pushing.paths import EIGHT, along
 
 
@@ -148,3 +151,85 @@ def test_a_box_that_does_not_move_ends_the_mission() -> None:
     result = run_mission(world, scenario_at_station(), 7, ScriptedPolicy())
 
     assert (result.reason, result.n_push_cycles) == ("stuck", STILL_CYCLES)
+
+
+class Never:
+    """A policy that holds that no push improves anything."""
+
+    def decide(self, _view: PushView) -> Push | None:
+        return None
+
+
+def goal_ahead(distance_m: float, tolerance_m: float = 0.05) -> Scenario:
+    """A robot at a box whose goal is straight ahead."""
+    goal = Goal(pose=PoseDeg(x_m=6.0 + distance_m, y_m=3.0, yaw_deg=0.0), position_tolerance_m=tolerance_m)
+    return replace(scenario_at_station(), goal=goal)
+
+
+@pytest.mark.parametrize(
+    ("distance_m", "reason", "n_paths"),
+    [(AIM_M - 0.005, "success", 0), (AIM_M + 0.005, "success", MAX_BETTER), (0.06, "tolerance_missed", 1)],
+)
+def test_a_box_within_the_tolerances_but_not_the_aim_is_pushed_on_a_few_times(
+    distance_m: float, reason: str, n_paths: int
+) -> None:
+    world = FakeWorld()
+
+    result = run_mission(world, goal_ahead(distance_m), 7, Never())
+
+    assert result.reason == reason
+    assert len(world.box_queries()) == n_paths
+
+
+def test_tolerances_that_are_tighter_than_the_aim_are_met() -> None:
+    world = FakeWorld()
+
+    result = run_mission(world, goal_ahead(0.015, tolerance_m=0.01), 7, Never())
+
+    assert result.reason == "tolerance_missed"
+    assert len(world.box_queries()) == 1
+
+
+def test_a_mission_succeeds_if_the_box_is_within_its_tolerances_when_the_push_cycles_are_used_up() -> None:
+    scenario = replace(goal_ahead(0.55, tolerance_m=0.5), mission=MissionSettings(max_push_cycles=4))
+
+    result = run_mission(FakeWorld(), scenario, 7, ScriptedPolicy())
+
+    assert (result.reason, result.n_push_cycles) == ("success", 4)
+
+
+def test_a_reference_has_to_be_followed_to_its_end_even_with_the_box_at_its_goal() -> None:
+    loop = Arcs(radius_m=0.8, segments=(Left(angle_deg=350.0), Straight(length_m=0.1), Left(angle_deg=10.0)))
+    scenario = replace(along(loop), mission=MissionSettings(max_push_cycles=2))
+    scenario = replace(scenario, goal=replace(scenario.goal, position_tolerance_m=0.5, angle_tolerance_deg=90.0))
+
+    result = run_mission(FakeWorld(), scenario, 7, ScriptedPolicy())
+
+    assert (result.reason, result.n_push_cycles) == ("max_push_cycles", 2)
+
+
+def test_a_box_that_leaves_one_path_after_the_other_ends_the_mission() -> None:
+    world = FakeWorld(sideways_m=0.06)
+
+    result = run_mission(world, goal_ahead(2.0), 7, ScriptedPolicy())
+
+    assert result.reason == "tolerance_missed"
+    assert result.detail.endswith(f"after {MAX_PATHS} paths")
+    assert len(world.box_queries()) == MAX_PATHS
+
+
+def test_a_path_is_planned_again_if_the_robot_cannot_walk_to_the_next_face() -> None:
+    def planner(query: PlanQuery) -> Plan:
+        if isinstance(query, TrunkPathQuery) and not world.queries():
+            return Plan(status="failed", reason="no way around the box")
+        plan, n_paths = straight_plan(query), len(world.box_queries())
+        return plan if n_paths else replace(plan, sides=(*(0,) * 25, *(1,) * 25))
+
+    world = FakeWorld(planner=planner)
+
+    result = run_mission(world, goal_ahead(1.0), 7, ScriptedPolicy())
+
+    assert result.reason == "success"
+    assert len(world.queries()) == 2
+    assert len(world.box_queries()) == 2
+    assert {push.face for push in world.motions(Push) if isinstance(push, Push)} == {"rear"}

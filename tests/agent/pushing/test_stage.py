@@ -89,7 +89,8 @@ def test_deviations_of_many_poses_are_those_of_each() -> None:
 def test_poses_at_one_place_count_once() -> None:
     poses, _ = line("rear", 0.8)
 
-    path = Stage("rear", (poses[0], *poses, poses[-1]), AXLE_M)
+    turned = poses[15] @ BEHIND @ Pose2(x_m=0.0, y_m=0.0, yaw_rad=1e-6) @ BEHIND.inverse()
+    path = Stage("rear", (poses[0], *poses[:16], turned, *poses[16:], poses[-1]), AXLE_M)
 
     assert path.length_m == pytest.approx(0.8)
     assert path.deviation(poses[0], 0.0, 0.1).distance_m == pytest.approx(0.0)
