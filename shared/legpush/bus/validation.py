@@ -39,6 +39,9 @@ class Validation(Generic[M]):
         if header.run != self._run:
             self._tally.add("foreign_run", f"{key}: expected run {self._run}, got {header.run} from {header.name}")
             return False
+        if "*" in key:
+            self._tally.add("sender", f"{key}: expected one key, got one with a wildcard from {header.name}")
+            return False
         role, key_of = self._channel.sender, self._channel.key_of
         if role is not None and header.role != role:
             self._tally.add("sender", f"{key}: expected a message of a {role}, got one of {header.role} {header.name}")

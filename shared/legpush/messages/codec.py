@@ -49,10 +49,20 @@ def unpack(payload: bytes) -> Any:
     """
     _require_size(payload)
     try:
-        return msgpack.unpackb(payload, timestamp=0, strict_map_key=True)
+        return msgpack.unpackb(payload, timestamp=0, strict_map_key=True, object_pairs_hook=_map)
     except (ValueError, msgpack.exceptions.UnpackException, RecursionError) as error:
         why = str(error) or type(error).__name__
         raise MessageError(f"Expected one MessagePack map, got {len(payload)} other bytes ({why})") from error
+
+
+def _map(pairs: list[tuple[Any, Any]]) -> dict[Any, Any]:
+    """Return a map; one with a repeated key is refused, since decoders differ in which value they take."""
+    fields = dict(pairs)
+    if len(fields) != len(pairs):
+        seen: set[Any] = set()
+        repeated = next(key for key, _ in pairs if key in seen or seen.add(key))  # type: ignore[func-returns-value]
+        raise ValueError(f"a map with the key {repeated!r} twice")
+    return fields
 
 
 def convert(plain: Any, kind: type[T]) -> T:

@@ -32,3 +32,12 @@ def test_a_message_that_is_too_large_is_not_even_looked_at(monkeypatch: pytest.M
     gate = Validation(channels.statuses(RUN), RUN, tally)
     assert gate.validate_payload("k", b"\xc1" * 9) is None
     assert tally.as_dict() == {"oversize": 1}
+
+
+def test_a_message_under_a_key_with_a_wildcard_is_refused() -> None:
+    tally = Tally()
+    gate = Validation(channels.actions(RUN, "main"), RUN, tally)
+    action = codec.encode(MESSAGES["action_walk"])
+    assert gate.validate_payload(keys.action(RUN, "*"), action) is None
+    assert tally.as_dict() == {"sender": 1}
+    assert gate.validate_payload(keys.action(RUN, "main"), action) == MESSAGES["action_walk"]

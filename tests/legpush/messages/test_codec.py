@@ -109,6 +109,7 @@ def test_an_oversize_message_is_refused_on_both_ways(monkeypatch: pytest.MonkeyP
         pytest.param(codec.encode(MESSAGES["status"])[:-1], id="a byte too few"),
         pytest.param(msgpack.packb({1: 2}), id="integer keys"),
         pytest.param(msgpack.packb({b"header": 2}), id="binary keys"),
+        pytest.param(b"\x82\xa1a\x01\xa1a\x02", id="a key twice"),
         pytest.param(msgpack.packb([1, 2]), id="an array"),
         pytest.param(msgpack.packb("\ud800", unicode_errors="surrogatepass"), id="a lone surrogate"),
     ],
@@ -116,3 +117,13 @@ def test_an_oversize_message_is_refused_on_both_ways(monkeypatch: pytest.MonkeyP
 def test_garbage_is_refused(payload: bytes) -> None:
     with pytest.raises(MessageError):
         codec.decode(payload, Status)
+
+
+def test_a_repeated_key_is_refused_by_its_name_at_any_depth() -> None:
+    whole = codec.encode(MESSAGES["status"])
+    field = msgpack.packb("sequence") + msgpack.packb(MESSAGES["status"].header.sequence)
+    n_fields = len(msgpack.unpackb(whole)["header"])
+    twice = whole.replace(bytes([0x80 + n_fields]), bytes([0x80 + n_fields + 1]), 1) if n_fields < 15 else whole
+    at = whole.index(field)
+    with pytest.raises(MessageError, match="a map with the key 'sequence' twice"):
+        codec.decode(twice[:at] + field + twice[at:], Status)
