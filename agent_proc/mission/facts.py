@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from agent_proc.policies.folder import policy_sha256
+from agent_proc.policies.digest import policy_sha256
 from legpush.bus.bus import Bus
 from legpush.recording.facts import MISSION_FILE, PUSH_MAP_FILE, VERSIONS_FILE, MissionFacts
 from legpush.runs.folder import SCENARIO_FILE

@@ -1,8 +1,5 @@
 """A trained policy as a folder: its networks, its normalizer, and a card that describes it."""
 
-import hashlib
-import io
-import zipfile
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -13,20 +10,18 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from agent_proc.policies.folder_files import read_file, require_small_zip
 from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError, PolicyError
 from legpush.files import replace_folder
-from legpush.plugins import plugin_names, plugin_values
-from legpush.policy_names import GROUP, SCRIPTED, policy_kind, source_sha256
+from legpush.plugins import plugin_names
 
 FORMAT: Final = 1
 NETWORKS_FILE: Final = "policy.zip"
 NORMALIZER_FILE: Final = "normalizer.json"
 CARD_FILE: Final = "card.json"
 README_FILE: Final = "README.md"
-MAX_BYTES: Final = 64 * 2**20
-"""Largest file of a policy folder, and largest content of its zip."""
 
 
 class Normalizer(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -129,31 +124,6 @@ def policy_path(name_or_path: str) -> Path:
     return folder
 
 
-def policy_sha256(name: str) -> str:
-    """SHA-256 of the files of a policy by name, or of the source of one that is code; empty if it has neither.
-
-    Nothing is imported to find it.
-
-    Raises:
-        PolicyError: There is no such policy, or one of its files cannot be read.
-    """
-    kind = policy_kind(name)
-    if kind == "module:function":
-        return source_sha256(name)
-    if kind == "plug-in":
-        return "".join(map(source_sha256, plugin_values(GROUP, name)))
-    if name == SCRIPTED:
-        return ""
-    if kind == "model file":
-        return hashlib.sha256(_whole(Path(name))).hexdigest()
-    folder = policy_path(name)
-    digest = hashlib.sha256()
-    for file in (CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE):
-        if (folder / file).exists():
-            digest.update(_read(folder / file))
-    return digest.hexdigest()
-
-
 def write_policy(folder: Path, policy: PolicyFolder) -> None:
     """Write the folder in place of the previous one.
 
@@ -178,9 +148,8 @@ def read_policy(folder: Path) -> PolicyFolder:
         PolicyError: A file is missing or cannot be used; the message names it.
     """
     card = read_card(folder)
-    networks = _read(folder / NETWORKS_FILE)
-    if not zipfile.is_zipfile(io.BytesIO(networks)):
-        raise PolicyError(f"{folder / NETWORKS_FILE}: expected a policy of Stable-Baselines3 (a zip), got other bytes")
+    networks = read_file(folder / NETWORKS_FILE)
+    require_small_zip(networks, str(folder / NETWORKS_FILE))
     normalizer = None
     if card.profile.normalize_observation:
         normalizer = _decode(folder / NORMALIZER_FILE, Normalizer)
@@ -226,36 +195,10 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
 """Types of all fields but the profile, whose type depends on its algorithm."""
 
 
-def _read(path: Path) -> bytes:
-    """The bytes of a file in a policy folder, which is no link out of it and not too large.
-
-    Raises:
-        PolicyError: It is one of these, or cannot be read.
-    """
-    if not path.resolve().is_relative_to(path.parent.resolve()):
-        raise PolicyError(f"{path}: expected a file of the policy folder, got a link that leaves it")
-    try:
-        size = path.stat().st_size
-    except OSError as error:
-        raise PolicyError(f"{path}: expected this file of a policy ({error.strerror})") from error
-    if size > MAX_BYTES:
-        raise PolicyError(f"{path}: expected at most {MAX_BYTES} bytes, got {size}")
-    return _whole(path)
-
-
-def _whole(path: Path) -> bytes:
-    if path.exists() and not path.is_file():
-        raise PolicyError(f"{path}: expected this file of a policy, got something that is no file")
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise PolicyError(f"{path}: expected this file of a policy ({error.strerror})") from error
-
-
 def _decode(path: Path, kind: Any) -> Any:
     try:
-        return msgspec.json.decode(_read(path), type=kind)
-    except msgspec.MsgspecError as error:
+        return msgspec.json.decode(read_file(path), type=kind)
+    except (msgspec.MsgspecError, RecursionError) as error:
         raise PolicyError(f"{path}: {error}") from error
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import cast
 
-from agent_proc.policies.folder import policy_sha256
+from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
 from legpush.errors import LegpushError, PolicyError
