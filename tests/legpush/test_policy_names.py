@@ -2,7 +2,6 @@
 
 import hashlib
 import sys
-from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -77,9 +76,3 @@ def test_the_source_of_a_function_is_hashed_and_not_run(tmp_path: Path, monkeypa
 @pytest.mark.parametrize("address", ["no_such_module:go", ":go", ".:go", "math.inner:go", "sys:go"])
 def test_what_has_no_source_has_no_hash(address: str) -> None:
     assert source_sha256(address) == ""
-
-
-def test_entry_points_of_this_package_are_own() -> None:
-    assert EntryPoint("x", policy_names.plugin_values("legpush.policies", "scripted")[0], "g").module.startswith(
-        policy_names.OWN_PACKAGE
-    )

@@ -56,7 +56,8 @@ def recorded_policy_flags(facts: MissionFacts, policy: str | None, repeated: str
     `policy` is the one that the user wants, None for the recorded one, and `repeated` the recorded one as the user
     repeated it.
     """
-    flags = () if policy is not None else ("--recorded-policy-sha256", facts.policy_sha256)
+    is_recorded = policy in (None, facts.policy)
+    flags = ("--recorded-policy-sha256", facts.policy_sha256) if is_recorded else ()
     return flags if repeated is None else (*flags, "--repeated-policy", repeated)
 
 
