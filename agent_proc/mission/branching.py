@@ -7,10 +7,8 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from agent_proc.frames.push_view import PushView
-from agent_proc.mission.facts import policy_sha256
 from agent_proc.policies.policy import Policy
-from agent_proc.policies.registry import make_policy
-from legpush.errors import RecordingError
+from agent_proc.policies.registry import policy_from_data
 from legpush.messages.stepping import Alter, Push
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.facts import read_facts
@@ -53,20 +51,24 @@ class BranchPolicy:
 
 
 def read_branch(
-    files: tuple[Path, ...], at: BranchPoint, *, planner: PlannerName | None, alter: Alter | None
+    files: tuple[Path, ...],
+    at: BranchPoint,
+    *,
+    repeated_policy: str | None = None,
+    trust_file: bool = False,
+    planner: PlannerName | None,
+    alter: Alter | None,
 ) -> Branch:
     """Read the recording to continue from `at` on, with another planner or an altered box.
 
+    A recorded policy that runs code is used only if `repeated_policy` is its name.
+
     Raises:
         RecordingError: The recording cannot be continued there.
+        PolicyError: The recorded policy runs code and was not repeated, is another one, or cannot be used.
     """
     recording = read_recording(files)
     facts = read_facts(recording)
-    sha256 = policy_sha256(facts.policy)
-    if sha256 != facts.policy_sha256:
-        raise RecordingError(
-            f"Expected the policy {facts.policy} of the recording, SHA-256 {facts.policy_sha256[:16]}..., got one with "
-            f"{sha256[:16]}...: what was decided before the branch point cannot be decided again"
-        )
     past = RecordedPast(recording, at, alter)
-    return Branch(past=past, past_policy=make_policy(facts.policy), planner=planner)
+    policy = policy_from_data(facts.policy, facts.policy_sha256, repeated=repeated_policy, trust_file=trust_file)
+    return Branch(past=past, past_policy=policy, planner=planner)

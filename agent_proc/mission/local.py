@@ -23,6 +23,7 @@ def run_local(
     *,
     seed: int,
     policy: object,
+    trust_policy_file: bool,
     push_map: Path | None,
     records: Sequence[StepRecord | PlanRecord],
     tell: Tell,
@@ -33,7 +34,7 @@ def run_local(
         PolicyError: There is no such policy, or it has no method `decide`.
         ConfigError: The push map cannot be used with the scenario's box.
     """
-    decides = make_policy(policy) if isinstance(policy, str) else user_policy(policy)
+    decides = make_policy(policy, trust_file=trust_policy_file) if isinstance(policy, str) else user_policy(policy)
     measured = None if push_map is None else load_push_map(push_map, scenario.box)
     began_s = perf_counter()
     result = run_mission(world, scenario, seed, decides, measured, tell=tell)

@@ -15,7 +15,8 @@ from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
 from agent_proc.mission.facts import JSON, attach_facts
 from agent_proc.mission.mission import run_mission
 from agent_proc.mission.progress import MissionProgress
-from agent_proc.policies.registry import make_policy
+from agent_proc.policies.policy import Policy
+from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.map import load_push_map
 from agent_proc.reporting.report_files import write_report
 from agent_proc.walking.actor import as_it_is
@@ -61,6 +62,13 @@ class AgentConfig(ServiceConfig):
     policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
     """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
+    trust_policy_file: bool = False
+    """Load model files (.zip): they are pickles, and loading one runs any code in it."""
+    recorded_policy_sha256: Annotated[str | None, tyro.conf.arg(metavar="HEX")] = None
+    """The policy is named by a recording and must have this SHA-256; it runs no code unless --repeated-policy names
+    it."""
+    repeated_policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    """The policy of a recording that runs code, repeated by the user, who trusts it."""
     push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
     branch_of: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE ...")] = ()
@@ -99,13 +107,32 @@ class AgentConfig(ServiceConfig):
             return None
         box = (self.branch_box_mass_kg, self.branch_box_friction)
         alter = None if box == (None, None) else Alter(box_mass_kg=box[0], box_friction=box[1])
-        return read_branch(self.branch_of, parse_point(self.branch_at), planner=self.branch_planner, alter=alter)
+        return read_branch(
+            self.branch_of,
+            parse_point(self.branch_at),
+            repeated_policy=self.repeated_policy,
+            trust_file=self.trust_policy_file,
+            planner=self.branch_planner,
+            alter=alter,
+        )
+
+    def make_policy(self) -> Policy:
+        """The policy of the mission.
+
+        Raises:
+            PolicyError: There is no such policy, it cannot be used, or a recording must not choose it.
+        """
+        trust_file = self.trust_policy_file
+        if self.recorded_policy_sha256 is None:
+            return make_policy(self.policy, trust_file=trust_file)
+        sha256, repeated = self.recorded_policy_sha256, self.repeated_policy
+        return policy_from_data(self.policy, sha256, repeated=repeated, trust_file=trust_file)
 
 
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
     """Run the mission of `config`; return 0 if the box is at its goal, else 1."""
     scenario = load_scenario(config.scenario)
-    policy = make_policy(config.policy)
+    policy = config.make_policy()
     push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
     branch = config.branch()
     folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")

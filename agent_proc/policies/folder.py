@@ -1,7 +1,5 @@
 """A trained policy as a folder: its networks, its normalizer, and a card that describes it."""
 
-import io
-import zipfile
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -12,6 +10,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from agent_proc.policies.folder_files import read_file, require_small_zip
 from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError, PolicyError
@@ -149,9 +148,8 @@ def read_policy(folder: Path) -> PolicyFolder:
         PolicyError: A file is missing or cannot be used; the message names it.
     """
     card = read_card(folder)
-    networks = _read(folder / NETWORKS_FILE)
-    if not zipfile.is_zipfile(io.BytesIO(networks)):
-        raise PolicyError(f"{folder / NETWORKS_FILE}: expected a policy of Stable-Baselines3 (a zip), got other bytes")
+    networks = read_file(folder / NETWORKS_FILE)
+    require_small_zip(networks, str(folder / NETWORKS_FILE))
     normalizer = None
     if card.profile.normalize_observation:
         normalizer = _decode(folder / NORMALIZER_FILE, Normalizer)
@@ -197,17 +195,10 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
 """Types of all fields but the profile, whose type depends on its algorithm."""
 
 
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise PolicyError(f"{path}: expected this file of a policy ({error.strerror})") from error
-
-
 def _decode(path: Path, kind: Any) -> Any:
     try:
-        return msgspec.json.decode(_read(path), type=kind)
-    except msgspec.MsgspecError as error:
+        return msgspec.json.decode(read_file(path), type=kind)
+    except (msgspec.MsgspecError, RecursionError) as error:
         raise PolicyError(f"{path}: {error}") from error
 
 

@@ -18,6 +18,7 @@ from stable_baselines3.td3 import MlpPolicy as Td3Policy
 
 from agent_proc.frames.push_view import PushView
 from agent_proc.policies.folder import (
+    CARD_FILE,
     NETWORKS_FILE,
     NORMALIZER_FILE,
     Normalizer,
@@ -25,7 +26,7 @@ from agent_proc.policies.folder import (
     policy_path,
     read_policy,
 )
-from agent_proc.policies.networks import policy_arguments
+from agent_proc.policies.networks import policy_arguments, require_small_networks
 from agent_proc.task.action import action_space, to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import is_done
@@ -96,6 +97,7 @@ def load_learned(name_or_path: str) -> LearnedPolicy:
 
 def _networks(folder: PolicyFolder, seen: spaces.Box, name: str) -> BasePolicy:
     profile = folder.card.profile
+    require_small_networks(profile.network, int(np.prod(seen.shape)), f"{name}/{CARD_FILE}")
     arguments: dict[str, Any] = policy_arguments(profile)
     networks = NETWORKS[profile.algorithm](seen, action_space(folder.card.task), ConstantSchedule(0.0), **arguments)
     path = f"{name}/{NETWORKS_FILE}"

@@ -5,35 +5,56 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final, cast
+from typing import cast
 
+from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
 from legpush.errors import LegpushError, PolicyError
-from legpush.plugins import load_plugin, plugin_names
-
-SCRIPTED: Final = "scripted"
-GROUP: Final = "legpush.policies"
-"""Entry points of plug-ins."""
-SB3_SUFFIX: Final = ".zip"
-"""Suffix of a model that Stable-Baselines3 saved."""
+from legpush.plugins import load_plugin
+from legpush.policy_names import GROUP, SB3_SUFFIX, policy_kind, require_repeated, require_trust
 
 
-def make_policy(name: str, normalizer: Path | None = None) -> Policy:
+def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, trust_file: bool = False) -> Policy:
+    """Make the policy that a recording names: a policy of this package, or a policy folder with this SHA-256.
+
+    A policy that runs code is made only if `repeated`, the name on this command line, is the same.
+
+    Raises:
+        PolicyError: The policy runs code and was not repeated, its files are others, or it cannot be used.
+        PluginError: A plug-in cannot be imported.
+    """
+    require_repeated(name, repeated)
+    require_trust(name, trust_file)
+    got = policy_sha256(name)
+    # Earlier versions recorded no SHA-256 of code.
+    if got != sha256 and not (sha256 == "" and policy_kind(name) in ("module:function", "plug-in")):
+        raise PolicyError(
+            f"Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with {got[:16]}...: what "
+            "it decided cannot be decided again"
+        )
+    return make_policy(name, trust_file=trust_file)
+
+
+def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool = False) -> Policy:
     """Make a policy: a plug-in (`scripted`, `fixed`, `variable`), a policy folder, a model file, or `module:factory`.
 
-    `normalizer` belongs to a model file (`.zip`) only. The learning libraries are imported only for a trained policy.
+    The name must come from the user, since some of these run code; `policy_from_data` is for names from elsewhere.
+    `normalizer` belongs to a model file (`.zip`) only, which needs `trust_file`. The learning libraries are imported
+    only for a trained policy.
 
     Raises:
         PolicyError: There is no such policy, or it cannot be used.
         PluginError: A plug-in cannot be imported.
     """
-    is_file = name.endswith(SB3_SUFFIX)
+    kind = policy_kind(name)
+    is_file = kind == "model file"
     if normalizer is not None and not is_file:
         raise PolicyError(f"Expected a model file ({SB3_SUFFIX}) with --normalizer, got {name!r}, which has its own")
-    if ":" in name:
+    require_trust(name, trust_file)
+    if kind == "module:function":
         return _from_address(name)
-    if name in plugin_names(GROUP):
+    if kind in ("own", "plug-in"):
         return _made_by(load_plugin(GROUP, name), name)
     try:
         if is_file:

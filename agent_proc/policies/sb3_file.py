@@ -1,6 +1,8 @@
 """Loads a policy from the files of Stable-Baselines3: `model.save`, and `VecNormalize.save` for its normalizer.
 
 Loading either file runs the pickled code in it: load only files that you trust. A policy folder has no such risk.
+Algorithm and spaces are first checked by the plain text in the model file, so that most other files are refused before
+anything is unpickled. That text says only what the file claims, so this check is no protection.
 """
 
 import json
@@ -57,9 +59,11 @@ def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
 def _networks(path: Path) -> BasePolicy:
     try:
         with zipfile.ZipFile(path) as archive:
-            module = json.loads(archive.read("data"))["policy_class"]["__module__"]
+            plain = json.loads(archive.read("data"))
+        module = plain["policy_class"]["__module__"]
         if module not in ALGORITHMS:
             raise PolicyError(f"{path}: expected a model of PPO, A2C, SAC, TD3 or DDPG, got a policy of {module}")
+        _check_text(plain, path)
         networks = ALGORITHMS[module].load(path, device="cpu").policy
     except (
         OSError,
@@ -77,18 +81,34 @@ def _networks(path: Path) -> BasePolicy:
     return networks
 
 
+def _check_text(plain: dict[str, Any], path: Path) -> None:
+    """Check the shapes of the spaces, as the text beside their pickles states them.
+
+    Raises:
+        PolicyError: No task has these spaces.
+    """
+    seen, done = (tuple(plain[name]["_shape"]) for name in ("observation_space", "action_space"))
+    kind = str(plain["action_space"][":type:"])
+    for task in TASKS:
+        action = action_space(task)
+        if (observation_space(task).shape, action.shape, str(type(action))) == (seen, done, kind):
+            return
+    raise _other_spaces(path, f"{seen} and {done} of {kind}")
+
+
 def _task(networks: BasePolicy, path: Path) -> TaskConfig:
     """The first task with these spaces."""
     for task in TASKS:
         seen, done = observation_space(task).shape, action_space(task)
         if networks.observation_space.shape == seen and networks.action_space == done:
             return task
+    raise _other_spaces(path, f"{networks.observation_space.shape} and {networks.action_space}")
+
+
+def _other_spaces(path: Path, got: str) -> PolicyError:
     sizes = " or ".join(f"{observation_space(task).shape} ({task.observation})" for task in (RELATIVE, PAPER))
     actions = ", ".join(dict.fromkeys(str(action_space(task)) for task in TASKS))
-    raise PolicyError(
-        f"{path}: expected observations of shape {sizes} and one of the actions {actions}, got "
-        f"{networks.observation_space.shape} and {networks.action_space}"
-    )
+    return PolicyError(f"{path}: expected observations of shape {sizes} and one of the actions {actions}, got {got}")
 
 
 def _normalizer(path: Path) -> Normalizer:

@@ -49,7 +49,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
 
     scenario = load_scenario(options.scenario)
     sweep = make_sweep(scenario, options.sweep, grid=options.grid)
-    policy = make_policy(options.policy, options.normalizer)
+    policy = make_policy(options.policy, options.normalizer, trust_file=options.trust_policy_file)
     folder = options.out or _default_folder(options.policy)
     if folder.exists() and any(folder.iterdir()):
         raise ConfigError(f"Expected a new or empty folder for --out, got {folder}")

@@ -17,6 +17,7 @@ from legpush.lockstep.mission import Mission, Tell
 from legpush.lockstep.simulator import Stepper
 from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin
+from legpush.policy_names import require_trust
 from legpush.runs.report import Report
 from legpush.scenarios.file import resolve_scenario
 from legpush.scene.names import PlannerName, Steering
@@ -55,6 +56,7 @@ def run(
     *,
     seed: int = 0,
     policy: object = DEFAULT_POLICY,
+    trust_policy_file: bool = False,
     push_map: str | Path | None = None,
     planner: PlannerName | None = None,
     steering: Steering | None = None,
@@ -73,6 +75,7 @@ def run(
             the same `state_crc` as `legpush run`.
         policy: The policy that chooses the pushes: the name of a plug-in (`scripted`, `fixed`, `variable`), the path of
             a policy folder or model file, `module:function`, or an object with a method `decide`.
+        trust_policy_file: Load a model file. It is a pickle: loading it runs any code in it.
         push_map: The push map of this box, measured by `legpush calibrate`.
         planner: Replaces the scenario's search, such as `rrt_star`.
         steering: Replaces the scenario's steering of paths; `dubins` and `reeds_shepp` need a turning radius.
@@ -93,6 +96,8 @@ def run(
         KeyboardInterrupt: The user interrupted the mission.
     """
     require(Seed, seed, "seed")
+    if isinstance(policy, str):
+        require_trust(policy, trust_policy_file)
     resolved = resolve_scenario(
         scenario, planner=planner, steering=steering, turning_radius_m=turning_radius_m, changes=changes
     )
@@ -106,6 +111,7 @@ def run(
             resolved,
             seed=seed,
             policy=policy,
+            trust_policy_file=trust_policy_file,
             push_map=None if push_map is None else Path(push_map),
             records=records,
             tell=tell,

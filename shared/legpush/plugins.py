@@ -20,6 +20,11 @@ def plugin_names(group: Group) -> tuple[str, ...]:
     return tuple(sorted({entry.name for entry in entry_points(group=group)}))
 
 
+def plugin_values(group: Group, name: str) -> tuple[str, ...]:
+    """Return what the entry points with this name refer to, as `module:attribute`, sorted; nothing is imported."""
+    return tuple(sorted({entry.value for entry in entry_points(group=group, name=name)}))
+
+
 def load_plugin(group: Group, name: str) -> Any:
     """Import the plug-in with this name in a group.
 

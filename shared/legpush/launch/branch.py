@@ -9,13 +9,14 @@ from rich.console import Console
 
 from legpush.files import sha256_of
 from legpush.launch.mission_recorder import next_file
-from legpush.launch.process_commands import Place, Programs, process_arguments
+from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
 from legpush.launch.run import launch_mission
 from legpush.messages.common import Role
 from legpush.options.recordings import BranchOptions
 from legpush.options.run import RunOptions
+from legpush.policy_names import TRUST_FILE, require_repeated
 from legpush.recording.branch import RecordedPast, parse_point
-from legpush.recording.facts import unpack_mission
+from legpush.recording.facts import read_facts, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 
 
@@ -28,6 +29,12 @@ def branch(options: BranchOptions) -> int:
     for name in ("planner", "box_mass_kg", "box_friction"):
         if (value := getattr(options, name)) is not None:
             flags += [f"--branch-{name.replace('_', '-')}", str(value)]
+
+    facts = read_facts(recording)
+    past = options.policy if options.past_policy is None else options.past_policy
+    require_repeated(facts.policy, past, "--policy" if options.policy is None else "--past-policy")
+    repeated = past if past == facts.policy else None
+    flags += recorded_policy_flags(facts, options.policy, repeated)
 
     def process(role: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
         return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
@@ -44,7 +51,8 @@ def branch(options: BranchOptions) -> int:
         run = RunOptions(
             scenario=str(mission.scenario),
             seed=mission.facts.seed,
-            policy=options.policy or mission.facts.policy,
+            policy=mission.facts.policy if options.policy is None else options.policy,
+            trust_policy_file=options.trust_policy_file,
             push_map=mission.push_map,
             planner_command=options.planner_command,
             out=options.out,
@@ -65,7 +73,8 @@ def default_file(options: BranchOptions) -> Path:
 def again(options: BranchOptions, folder: Path) -> str:
     """Return the command that continues an interrupted branch; it records into a new file."""
     words = ["legpush", "branch", *map(str, options.files), "--at", options.at, "--out", str(folder)]
-    for name in ("policy", "planner", "planner_command", "box_mass_kg", "box_friction"):
+    for name in ("policy", "past_policy", "planner", "planner_command", "box_mass_kg", "box_friction"):
         if (value := getattr(options, name)) is not None:
             words += [f"--{name.replace('_', '-')}", str(value)]
+    words += [TRUST_FILE] if options.trust_policy_file else []
     return shlex.join([*words, "--video"] if options.video else words)

@@ -9,7 +9,9 @@ from legpush.bus.endpoints import in_directory
 from legpush.launch.film import film_arguments
 from legpush.messages.common import Role
 from legpush.options.run import RunOptions, split_command
+from legpush.policy_names import TRUST_FILE
 from legpush.processes.environment import RECORDED
+from legpush.recording.facts import MissionFacts
 from legpush.runs.folder import SCENARIO_FILE, run_name
 
 
@@ -37,6 +39,8 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
     if role == "agent":
         arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
         arguments += ["--out", str(place.folder), "--policy", options.policy]
+        if options.trust_policy_file:
+            arguments += [TRUST_FILE]
         if options.push_map is not None:
             arguments += ["--push-map", str(options.push_map.absolute())]
         if not options.picture:
@@ -44,6 +48,17 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
         if options.record is not None and options.planner_command is not None:
             arguments += ["--witness-planner"]
     return tuple(arguments)
+
+
+def recorded_policy_flags(facts: MissionFacts, policy: str | None, repeated: str | None) -> tuple[str, ...]:
+    """Return the flags for the agent about the policy of a recording.
+
+    `policy` is the one that the user wants, None for the recorded one, and `repeated` the recorded one as the user
+    repeated it.
+    """
+    is_recorded = policy in (None, facts.policy)
+    flags = ("--recorded-policy-sha256", facts.policy_sha256) if is_recorded else ()
+    return flags if repeated is None else (*flags, "--repeated-policy", repeated)
 
 
 @dataclass(frozen=True, kw_only=True)

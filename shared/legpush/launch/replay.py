@@ -12,9 +12,9 @@ from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import INTERRUPTED, RecordingError, StopRequestedError
+from legpush.errors import INTERRUPTED, ConfigError, RecordingError, StopRequestedError
 from legpush.launch.display import make_display
-from legpush.launch.process_commands import Place, Programs, process_arguments
+from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
 from legpush.launch.run import launch_mission
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
@@ -22,6 +22,7 @@ from legpush.messages.common import Role
 from legpush.options.recordings import ReplayOptions
 from legpush.options.run import RunOptions
 from legpush.plans.client import PlanLink
+from legpush.policy_names import require_repeated
 from legpush.processes.pool import SimPool
 from legpush.recording.episodes import difference, read_episodes, same
 from legpush.recording.facts import unpack_mission
@@ -66,20 +67,30 @@ def publish_again(options: ReplayOptions) -> int:
 
 
 def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Console) -> int:
-    """Run the recorded mission with the recording in the place of one process, and return its exit code."""
+    """Run the recorded mission with the recording in the place of one process, and return its exit code.
+
+    Raises:
+        PolicyError: The recorded policy runs code and was not repeated.
+        ConfigError: `--policy` is another policy than that of the recording.
+    """
     with TemporaryDirectory(prefix="legpush-replay-") as folder:
         mission = unpack_mission(read_recording(options.files), Path(folder))
+        require_repeated(mission.facts.policy, options.policy)
+        if options.policy not in (None, mission.facts.policy):
+            raise ConfigError(f"Expected the recorded policy {mission.facts.policy} for --policy, got {options.policy}")
+        flags = recorded_policy_flags(mission.facts, None, options.policy)
         files = tuple(str(path.absolute()) for path in options.files)
 
         def process(of: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
             if of == role:
                 return (sys.executable, "-P", "-m", "legpush.recording.play", role, *files)
-            return process_arguments(of, run, place)
+            return process_arguments(of, run, place) + (flags if of == "agent" else ())
 
         run = RunOptions(
             scenario=str(mission.scenario),
             seed=mission.facts.seed,
             policy=mission.facts.policy,
+            trust_policy_file=options.trust_policy_file,
             push_map=mission.push_map,
             out=options.out,
             video=False,

@@ -25,6 +25,7 @@ from legpush.launch.summary import print_summary
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
 from legpush.messages.common import ROLES, Role
 from legpush.options.run import RunOptions
+from legpush.policy_names import TRUST_FILE
 from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
@@ -137,6 +138,8 @@ def _again(options: RunOptions, folder: Path) -> str:
     """Return the command that continues an interrupted run."""
     words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
     words += ["--out", str(folder), "--policy", options.policy]
+    if options.trust_policy_file:
+        words += [TRUST_FILE]
     if options.planner_command is not None:
         words += ["--planner-command", options.planner_command]
     if options.push_map is not None:

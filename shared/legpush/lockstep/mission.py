@@ -23,11 +23,13 @@ class Mission(Protocol):
         *,
         seed: int,
         policy: object,
+        trust_policy_file: bool,
         push_map: Path | None,
         records: Sequence[StepRecord | PlanRecord],
         tell: Tell,
     ) -> Report:
         """Return the report; `records` grows by every step and every plan of `world`.
 
-        `policy` is the name of a policy or an object with a method `decide`.
+        `policy` is the name of a policy or an object with a method `decide`; it may be a model file, which runs code,
+        only with `trust_policy_file`.
         """

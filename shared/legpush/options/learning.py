@@ -104,6 +104,8 @@ class EvaluateOptions(SimulatorOptions):
     saved, or module:factory for a policy of your own."""
     normalizer: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """With a model file: the file of `VecNormalize.save`, if the training normalized observations."""
+    trust_policy_file: bool = False
+    """Load the model file and its normalizer. They are pickles: loading one runs any code in it."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 20
     """Number of episodes for each swept value."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 9000

@@ -100,6 +100,10 @@ class ReplayOptions:
     """Let the recording take the part of this process; the other processes are live."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """With --as: folder of the run; `runs/<time>-...` if not given."""
+    policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    """With --as planner|sim: the policy of the recording, repeated because it runs code and you trust it."""
+    trust_policy_file: bool = False
+    """Load it if it is a model file (.zip) of Stable-Baselines3, which is a pickle: loading it runs any code in it."""
     rate: Annotated[float, tyro.conf.arg(metavar="X")] = 1.0
     """Publish this many times as fast as it was recorded."""
     loop: bool = False
@@ -116,6 +120,8 @@ class ReplayOptions:
             raise ConfigError("Expected the file of a recording, got none")
         if self.verify and self.as_role is not None:
             raise ConfigError("Expected either --verify or --as, got both")
+        if self.policy is not None and self.as_role not in ("planner", "sim"):
+            raise ConfigError("Expected --as planner or --as sim with --policy, since nothing else asks the policy")
         require_positive(self.rate, "--rate")
         require_not_negative(self.start_s, "--start")
         require(Name, self.run, "--run")
@@ -134,7 +140,12 @@ class BranchOptions:
     at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
     """The first step that differs from the recording, such as 0:12; `legpush info` lists episodes and steps."""
     policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
-    """Policy that chooses the pushes from that step on."""
+    """Policy that chooses the pushes from that step on; if not given, that of the recording. Repeat that one if it runs
+    code and you trust it."""
+    past_policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    """The policy of the recording, repeated because it runs code and you trust it, where --policy is another one."""
+    trust_policy_file: bool = False
+    """Load a model file (.zip) of Stable-Baselines3. It is a pickle: loading it runs any code in it."""
     planner: PlannerName | None = None
     """Search that the planner uses from that step on."""
     planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None

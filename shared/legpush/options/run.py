@@ -10,6 +10,7 @@ import tyro
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 from legpush.options.checks import program_path, require_new_file, require_positive
+from legpush.policy_names import require_trust
 from legpush.scene.names import PlannerName, Steering
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ class RunOptions:
     policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
     """Policy that chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
+    trust_policy_file: bool = False
+    """Load a model file (.zip) of Stable-Baselines3. It is a pickle: loading it runs any code in it."""
     push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Push map of this box, measured by `legpush calibrate`. If not given, that of the default box is scaled."""
     planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
@@ -62,6 +65,7 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         require(Seed, self.seed, "--seed")
+        require_trust(self.policy, self.trust_policy_file)
         if not 0.0 <= self.inject_faults < 1.0:
             raise ConfigError(f"Expected a probability in [0, 1) for --inject-faults, got {self.inject_faults}")
         if self.record is not None:

@@ -6,8 +6,9 @@ from typing import Any
 import msgspec
 
 from legpush.errors import RecordingError
+from legpush.policy_names import runs_code
 from legpush.recording.episodes import read_episodes
-from legpush.recording.facts import CONTINUED
+from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts
 from legpush.recording.mcap_file.reader import Recording
 from legpush.scene.robot import CONTROL_PERIOD_S
 
@@ -37,6 +38,7 @@ def lines(recording: Recording) -> Iterator[str]:
             f"parent        {about.get('parent_file', '?')} (SHA-256 {about['parent_sha256'][:16]}...), branched at "
             f"episode {about.get('parent_episode')}, step {about.get('parent_step')}"
         )
+    yield from _policy(recording)
     yield from _result(recording)
     yield "channels"
     yield from _channels(recording, duration_s)
@@ -67,6 +69,20 @@ def _completeness(recording: Recording) -> Iterator[str]:
         yield f"              {len(recording.damaged_attachments)} files are damaged: {names}"
     if recording.n_damaged_chunks:
         yield f"              {recording.n_damaged_chunks} pieces of the file have a flipped bit"
+
+
+def _policy(recording: Recording) -> Iterator[str]:
+    try:
+        if recording.attachment(MISSION_FILE) is None:
+            return
+        facts = read_facts(recording)
+    except RecordingError as error:
+        yield f"policy        cannot be read: {error}"
+        return
+    sha256 = f"SHA-256 {facts.policy_sha256[:16]}..." if facts.policy_sha256 else "without files"
+    yield f"policy        {facts.policy}, {sha256}"
+    if runs_code(facts.policy):
+        yield "              it runs code: branch and replay use it only if you repeat it with --policy"
 
 
 def _result(recording: Recording) -> Iterator[str]:

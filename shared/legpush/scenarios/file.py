@@ -18,7 +18,7 @@ from legpush.files import new_file
 from legpush.messages.codec import convert
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
-from legpush.scenarios.map_files import OccupancyMap
+from legpush.scenarios.map_files import OccupancyMap, file_inside
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.scenario import Scenario
 from legpush.schema_errors import explain
@@ -43,7 +43,7 @@ def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | No
     where = str(source)
     plain = _read_toml(source)
     grid = take_grid(plain, where)
-    occupancy = None if grid is None else read_grid(grid, _folder(source))
+    occupancy = None if grid is None else read_grid(grid, _folder(source), where)
     if occupancy is not None:
         plain["room"]["size_m"] = list(occupancy.size_m)
     try:
@@ -153,7 +153,8 @@ def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
     copies = {target: source.read_bytes()}
     grid_file = _read_toml(source).get("room", {}).get("grid_file")
     if grid_file is not None:
-        copies[target.parent / grid_file] = (_folder(source) / grid_file).read_bytes()
+        grid = file_inside(_folder(source), grid_file, f"{source}: at `room.grid_file`")
+        copies[target.parent / grid_file] = grid.read_bytes()
     for path, content in copies.items():
         _write_new(path, content)
     return tuple(copies)

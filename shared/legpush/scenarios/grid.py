@@ -10,7 +10,7 @@ from msgspec.structs import fields, replace
 from legpush.arrays import Flags, Indices
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
-from legpush.scenarios.map_files import OccupancyMap, read_cells
+from legpush.scenarios.map_files import OccupancyMap, file_inside, read_cells
 from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 from legpush.scene.scenario import MAX_OBSTACLES, PoseDeg, Positive, Rectangle, Scenario
 from legpush.schema_errors import explain
@@ -72,14 +72,15 @@ def take_grid(plain: dict[str, Any], where: str) -> GridSource | None:
         raise ScenarioError(f"{where}: {explain(str(error), taken, kind, at='room')}") from error
 
 
-def read_grid(grid: GridSource, folder: Traversable) -> OccupancyMap:
-    """Return the map in the file.
+def read_grid(grid: GridSource, folder: Traversable, where: str) -> OccupancyMap:
+    """Return the map in the file, which lies in `folder` or below it.
 
     Raises:
         ScenarioError: The file cannot be used; names the file and the error.
     """
+    file = file_inside(folder, grid.grid_file, f"{where}: at `room.grid_file`")
     if isinstance(grid, CellSource):
-        return read_cells(folder / grid.grid_file, grid.cell_m, grid.first_row)
+        return read_cells(file, grid.cell_m, grid.first_row)
     from legpush.scenarios.map_server import read_map_server
 
     return read_map_server(folder, grid.grid_file)

@@ -4,6 +4,7 @@ import csv
 from dataclasses import dataclass
 from importlib.resources.abc import Traversable
 from io import BytesIO, StringIO
+from pathlib import Path, PurePath
 from tokenize import TokenError
 from typing import Final
 from zipfile import BadZipFile
@@ -53,6 +54,21 @@ def read_cells(source: Traversable, cell_m: float, first_row: FirstRow) -> Occup
     if first_row == "top":
         occupied = occupied[::-1]
     return OccupancyMap(occupied=occupied, unknown=np.zeros_like(occupied), cell_m=cell_m)
+
+
+def file_inside(folder: Traversable, name: str, where: str) -> Traversable:
+    """Return the file that another file of `folder` names; it lies in this folder or below it.
+
+    Raises:
+        ScenarioError: The name leads out of the folder, by `..`, as an absolute path or by a link; begins with `where`.
+    """
+    path = PurePath(name)
+    stays = ".." not in path.parts and "\0" not in name
+    if isinstance(folder, Path):
+        stays = stays and (folder / path).resolve().is_relative_to(folder.resolve())
+    if not stays or (path.is_absolute() and not isinstance(folder, Path)):
+        raise ScenarioError(f"{where}: expected a file beside this one or in a folder below it, got {name!r}")
+    return folder / name
 
 
 def require_side(n_rows: int, n_columns: int, where: str) -> None:

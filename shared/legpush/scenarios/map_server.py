@@ -21,7 +21,7 @@ from PIL import Image, UnidentifiedImageError
 from legpush.arrays import Flags
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
-from legpush.scenarios.map_files import OccupancyMap, require_side
+from legpush.scenarios.map_files import OccupancyMap, file_inside, require_side
 from legpush.scene.scenario import Positive
 from legpush.schema_errors import explain
 
@@ -47,7 +47,7 @@ class MapServerFile(Struct, frozen=True, kw_only=True):
     """The fields of the YAML file, with their names in the file; other fields are ignored."""
 
     image: Annotated[str, Meta(min_length=1)]
-    """PGM or PNG, relative to the YAML file."""
+    """PGM or PNG beside the YAML file, or below it."""
     resolution: Positive
     """Metres per pixel."""
     origin: tuple[float, float, float]
@@ -70,7 +70,7 @@ def read_map_server(folder: Traversable, name: str) -> OccupancyMap:
         ScenarioError: A file cannot be used; names the file and the field that is wrong.
     """
     fields = _read_yaml(folder / name)
-    image = folder / str(PurePath(name).parent / fields.image)
+    image = file_inside(folder / str(PurePath(name).parent), fields.image, f"{folder / name}: at `image`")
     values, white, clear = _read_image(image, f"{folder / name}: at `image`: {image}", fields.mode)
     brightness = np.arange(white + 1) / white
     darkness = brightness if fields.negate else np.arange(white, -1, -1) / white

@@ -46,7 +46,7 @@ def test_a_model_pushes_as_it_predicts(tmp_path: Path, kind: type[BaseAlgorithm]
     model = saved(tmp_path / "model.zip", kind, PushEnv(task, FakeWorld()))
     action, _ = model.predict(observe(task, VIEW), deterministic=True)
 
-    push = make_policy(str(tmp_path / "model.zip")).decide(VIEW)
+    push = make_policy(str(tmp_path / "model.zip"), trust_file=True).decide(VIEW)
 
     assert push == to_push(action, task, VIEW)
 
@@ -54,7 +54,7 @@ def test_a_model_pushes_as_it_predicts(tmp_path: Path, kind: type[BaseAlgorithm]
 def test_a_model_of_the_published_grid_is_known_by_its_actions(tmp_path: Path) -> None:
     saved(tmp_path / "model.zip", PPO, PushEnv(TASKS["paper, discrete"], FakeWorld()))
 
-    push = make_policy(str(tmp_path / "model.zip")).decide(VIEW)
+    push = make_policy(str(tmp_path / "model.zip"), trust_file=True).decide(VIEW)
 
     assert push is not None
     assert (push.w1 * 10) % 1 == pytest.approx(0.0, abs=1e-9)
@@ -71,8 +71,8 @@ def test_a_normalizer_shows_the_model_what_it_saw_in_training(tmp_path: Path) ->
     seen = np.clip((observe(task, VIEW) - 0.3) / np.sqrt(4.0 + env.epsilon), -10, 10)
     action, _ = model.predict(seen.astype(np.float32), deterministic=True)
 
-    with_it = make_policy(str(tmp_path / "model.zip"), tmp_path / "normalize.pkl").decide(VIEW)
-    without = make_policy(str(tmp_path / "model.zip")).decide(VIEW)
+    with_it = make_policy(str(tmp_path / "model.zip"), tmp_path / "normalize.pkl", trust_file=True).decide(VIEW)
+    without = make_policy(str(tmp_path / "model.zip"), trust_file=True).decide(VIEW)
 
     assert with_it is not None
     assert without is not None
@@ -86,9 +86,9 @@ def test_a_file_that_is_no_model_is_refused(tmp_path: Path) -> None:
     (tmp_path / "text.zip").write_text("no zip")
 
     with pytest.raises(PolicyError, match=r"text.zip: expected a model saved by Stable-Baselines3"):
-        make_policy(str(tmp_path / "text.zip"))
+        make_policy(str(tmp_path / "text.zip"), trust_file=True)
     with pytest.raises(PolicyError, match=r"none.zip: expected a model saved by Stable-Baselines3.*No such file"):
-        make_policy(str(tmp_path / "none.zip"))
+        make_policy(str(tmp_path / "none.zip"), trust_file=True)
 
 
 def test_a_model_of_another_task_is_refused_with_the_spaces_that_fit(tmp_path: Path) -> None:
@@ -96,9 +96,9 @@ def test_a_model_of_another_task_is_refused_with_the_spaces_that_fit(tmp_path: P
     saved(tmp_path / "dqn.zip", DQN, gymnasium.make("CartPole-v1"))
 
     with pytest.raises(PolicyError, match=r"other.zip: expected observations of shape .*\(25,\) \(paper\).*got \(4,\)"):
-        make_policy(str(tmp_path / "other.zip"))
+        make_policy(str(tmp_path / "other.zip"), trust_file=True)
     with pytest.raises(PolicyError, match=r"dqn.zip: expected a model of PPO, A2C, SAC, TD3 or DDPG"):
-        make_policy(str(tmp_path / "dqn.zip"))
+        make_policy(str(tmp_path / "dqn.zip"), trust_file=True)
 
 
 def test_a_normalizer_that_does_not_fit_is_refused(tmp_path: Path) -> None:
@@ -108,8 +108,8 @@ def test_a_normalizer_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     (tmp_path / "dict.pkl").write_bytes(pickle.dumps({}))
 
     with pytest.raises(PolicyError, match=r"other.pkl: expected 8 means.*got 4"):
-        make_policy(str(tmp_path / "model.zip"), tmp_path / "other.pkl")
+        make_policy(str(tmp_path / "model.zip"), tmp_path / "other.pkl", trust_file=True)
     with pytest.raises(PolicyError, match=r"dict.pkl: expected a `VecNormalize` with norm_obs, got dict"):
-        make_policy(str(tmp_path / "model.zip"), tmp_path / "dict.pkl")
+        make_policy(str(tmp_path / "model.zip"), tmp_path / "dict.pkl", trust_file=True)
     with pytest.raises(PolicyError, match=r"Expected a model file \(.zip\) with --normalizer, got 'scripted'"):
         make_policy("scripted", tmp_path / "other.pkl")

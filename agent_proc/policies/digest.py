@@ -1,0 +1,42 @@
+"""The SHA-256 of a policy, by which a recording knows it again."""
+
+import hashlib
+from pathlib import Path
+
+from agent_proc.policies.folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE, policy_path
+from agent_proc.policies.folder_files import read_file
+from legpush.errors import PolicyError
+from legpush.plugins import plugin_values
+from legpush.policy_names import GROUP, SCRIPTED, policy_kind, source_sha256
+
+
+def policy_sha256(name: str) -> str:
+    """SHA-256 of the files of a policy by name, or of the source of one that is code; empty if it has neither.
+
+    Nothing is imported to find it.
+
+    Raises:
+        PolicyError: There is no such policy, or one of its files cannot be read.
+    """
+    kind = policy_kind(name)
+    if kind == "module:function":
+        return source_sha256(name)
+    if kind == "plug-in":
+        return "".join(map(source_sha256, plugin_values(GROUP, name)))
+    if name == SCRIPTED:
+        return ""
+    if kind == "model file":
+        return hashlib.sha256(_model(Path(name))).hexdigest()
+    folder = policy_path(name)
+    digest = hashlib.sha256()
+    for file in (CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE):
+        if (folder / file).exists():
+            digest.update(read_file(folder / file))
+    return digest.hexdigest()
+
+
+def _model(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise PolicyError(f"{path}: expected a model saved by Stable-Baselines3 ({error})") from error
