@@ -82,10 +82,10 @@ def test_a_last_entry_cut_off_at_any_byte_is_dropped_and_the_rest_goes_on(tmp_pa
         assert list(read_entries(path)) == [OPENED, ENTRIES[2], ENTRIES[5]]
 
 
-def test_dropping_an_incomplete_entry_is_logged(path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_cutting_off_an_incomplete_entry_is_logged(path: Path, caplog: pytest.LogCaptureFixture) -> None:
     path.write_bytes(path.read_bytes()[:-3])
     with Journal(path, OPENED):
-        assert "dropped an incomplete last entry" in caplog.text
+        assert "the last 37 bytes were damaged and are cut off; it goes on from step 1" in caplog.text
 
 
 def test_a_changed_byte_anywhere_is_found(path: Path) -> None:
