@@ -14,7 +14,7 @@ class LegpushError(Exception):
     """An error of the user, a peer process or a file; its text has what was expected, what came, and where."""
 
     exit_code: ClassVar[int] = 3
-    """Exit code of the process: 2 for bad input, 3 if a process failed, 5 if the disk is full, 130 if it was interrupted."""
+    """Exit code of the process: 2 for bad input, 3 if a process failed, 5 on a full disk, 130 if interrupted."""
 
 
 class ConfigError(LegpushError):

@@ -6,7 +6,6 @@ once a second, so a power loss leaves an end that can be torn. A torn end is cut
 """
 
 import errno
-import fcntl
 import logging
 import os
 from collections.abc import Iterator
@@ -21,7 +20,7 @@ from legpush.errors import DiskFullError, JournalError, MessageError
 from legpush.fields import Name
 from legpush.files import new_file
 from legpush.history.disk_sync import DiskSync
-from legpush.history.journal_file import MAGIC, cut, frame, is_incomplete, is_whole_after, payloads
+from legpush.history.journal_file import MAGIC, cut, frame, is_incomplete, is_whole_after, lock, payloads
 from legpush.messages import codec
 from legpush.messages.common import Count
 from legpush.messages.planning import Plan, PlanQuery
@@ -284,18 +283,6 @@ def cut_at(path: Path, file: int, reading: Reading) -> str:
         f"{path}: the last {n_bytes} bytes were damaged and are cut off; it goes on from step {reading.n_steps}, and "
         f"the original is {kept.name}"
     )
-
-
-def lock(path: Path, file: int) -> None:
-    """Keep other processes from writing to the journal until it is closed.
-
-    Raises:
-        JournalError: Another process writes to it.
-    """
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise JournalError(f"{path} is in use by another process") from error
 
 
 def _create(path: Path, opened: Opened) -> None:

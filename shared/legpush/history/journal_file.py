@@ -3,6 +3,7 @@
 A frame is a length and its CRC-32, the payload, and the payload's CRC-32, all big-endian.
 """
 
+import fcntl
 import os
 import shutil
 import struct
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Final
 from zlib import crc32
 
+from legpush.errors import JournalError
 from legpush.files import new_file
 
 MAGIC: Final = b"legpush journal\n"
@@ -19,6 +21,18 @@ DAMAGED: Final = ".damaged"
 """Suffix for the name of the original of a file that was cut."""
 _HEAD: Final = struct.Struct(">II")
 _TAIL: Final = struct.Struct(">I")
+
+
+def lock(path: Path, file: int) -> None:
+    """Keep other processes from writing to the journal until it is closed.
+
+    Raises:
+        JournalError: Another process writes to it.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise JournalError(f"{path} is in use by another process") from error
 
 
 def frame(payload: bytes) -> bytes:
