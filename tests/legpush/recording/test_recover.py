@@ -69,8 +69,8 @@ def test_what_was_damaged_before_it_was_recovered_is_still_told(tmp_path: Path) 
     told = "\n".join(lines(recording))
     for words in (
         "1 messages were damaged before it was recovered",
-        "1 messages are damaged: their bytes are not those that were recorded",
-        "1 pieces of it had a flipped bit before it was recovered",
+        "damaged: 1 message of sim/main/action (agent main, sequence 5, step 5)",
+        "of a.mcap was damaged before it was recovered",
         "agent/main/mission.json was damaged before it was recovered, and is agent/main/mission.json.damaged now",
     ):
         assert words in told
