@@ -38,8 +38,10 @@ def recover(path: Path, out: Path) -> Recording:
             _write(recording, RecordingFile(scratch, about, part=recording.part))
     except FileExistsError as error:
         raise RecordingError(f"{out}: expected a new file for a recording, but there is one") from error
-    except OSError as error:
-        raise RecordingError(f"{out}: expected a file that can be written ({error.strerror})") from error
+    except (OSError, RecordingError) as error:
+        cause = error if isinstance(error, OSError) else error.__cause__
+        why = cause.strerror if isinstance(cause, OSError) else str(error)
+        raise RecordingError(f"{out}: expected a file that can be written ({why}); nothing is left there") from error
     return recording
 
 

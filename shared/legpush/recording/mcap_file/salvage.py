@@ -54,7 +54,8 @@ def salvaged(file: BinaryIO, n_bytes: int, gaps: list[Gap]) -> Iterator[tuple[in
                 behind = _next(data, at, starts)
                 if behind is None:
                     return
-                gaps.append(Gap(at, behind))
+                begin = gaps.pop().begin if gaps and gaps[-1].end == at else at
+                gaps.append(Gap(begin, behind))
                 at = behind
                 continue
             file.seek(end)
