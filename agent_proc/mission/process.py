@@ -47,7 +47,7 @@ JOURNAL_FILE: Final = "episode-0000.journal"
 
 @dataclass(frozen=True, kw_only=True)
 class AgentConfig(ServiceConfig):
-    """Run a mission. Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 a peer failed.
+    """Run a mission. Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 a peer failed, 5 disk full.
 
     Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas).
     """

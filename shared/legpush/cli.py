@@ -189,13 +189,9 @@ def _info(command: InfoOptions) -> int:
 
 @execute.register
 def _recover(command: RecoverOptions) -> int:
-    from legpush.recording.recover import recover
+    from legpush.launch.recover import run_recover
 
-    out = command.out or command.file.with_name(f"{command.file.stem}-recovered{command.file.suffix}")
-    recording = recover(command.file, out)
-    notes = recording.completeness["notes"].splitlines()
-    sys.stdout.write(f"wrote {out}: {len(recording.messages)} messages\n" + "".join(f"    {note}\n" for note in notes))
-    return 0
+    return run_recover(command)
 
 
 @execute.register

@@ -4,6 +4,8 @@ from typing import Any, ClassVar, Final, Literal
 
 NO_OPENGL: Final = 4
 """Exit code of a program that cannot draw because no OpenGL library can be used."""
+DISK_FULL: Final = 5
+"""Exit code of a program that could not go on because the disk is full; with more space it can go on."""
 INTERRUPTED: Final = 130
 """Exit code of a program that was interrupted before its work was done."""
 
@@ -12,7 +14,7 @@ class LegpushError(Exception):
     """An error of the user, a peer process or a file; its text has what was expected, what came, and where."""
 
     exit_code: ClassVar[int] = 3
-    """Exit code of the process: 2 for bad input, 3 if a process failed, 130 if it was interrupted."""
+    """Exit code of the process: 2 for bad input, 3 if a process failed, 5 on a full disk, 130 if interrupted."""
 
 
 class ConfigError(LegpushError):
@@ -72,6 +74,12 @@ class JournalError(LegpushError):
     """An episode journal that does not belong to this run or contradicts it; names the entry."""
 
     exit_code = 2
+
+
+class DiskFullError(LegpushError):
+    """A journal that cannot go on because the disk is full; what was written before is whole."""
+
+    exit_code = DISK_FULL
 
 
 class RecordingError(LegpushError):

@@ -1,7 +1,7 @@
 """The common parts of processes and programs: command line, log, signals and exit code.
 
 Exit codes: 0 done, or stopped on request if the work has no end of its own; 2 bad input; 3 a peer or this process
-failed; 130 interrupted before the work was done.
+failed; 5 the disk is full; 130 interrupted before the work was done.
 """
 
 import logging

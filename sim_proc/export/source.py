@@ -9,7 +9,8 @@ from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.recording.episodes import EpisodeRecord, read_episodes
 from legpush.recording.facts import scenario_of
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,8 @@ from legpush.errors import ConfigError, RecordingError
 from legpush.history.run_history import RunHistory
 from legpush.messages.telemetry import Origin
 from legpush.recording.facts import scenario_of
-from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
+from legpush.recording.mcap_file.contents import Recorded, Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.runs.choose_run import ChosenRun, choose_run, find_run
 from legpush.runs.live_runs import find_live_runs
 from legpush.scene.scenario import Scenario

@@ -20,7 +20,8 @@ from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import unpack_mission
 from legpush.recording.info import lines
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.scenarios.file import load_scenario
 

@@ -11,7 +11,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.runs.live_runs import RUN_FILE
 from tests.legpush.fakes import eventually
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import psutil
 
-from legpush.recording.mcap_file.reader import Recorded, read_recording
+from legpush.recording.mcap_file.contents import Recorded
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.recover import recover
 from tests.system.conftest import RecordedMission
 from tests.system.missions import LEGPUSH, crc_of, legpush, report_of

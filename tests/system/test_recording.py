@@ -19,7 +19,8 @@ from msgspec.structs import replace
 from legpush.bus import keys
 from legpush.bus.endpoints import in_directory
 from legpush.messages.stepping import Walk
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.recover import recover
 from tests.legpush.examples import QUERY
 from tests.legpush.fakes import IMPATIENT, RUN, Agent, agent, bus, crc_after, eventually, mission, planner, sim

@@ -1,26 +1,26 @@
 """The journal of an episode: everything that the agent asked and was answered, in order, on disk.
 
-An action is written before it is sent, so that whatever happened to the world is in the file. The file is a magic
-number and then frames: length and its CRC-32, an entry as MessagePack, the entry's CRC-32. Each entry is one write, so
-a killed process leaves whole entries and at most one incomplete one at the end, which is dropped.
+An action is written before it is sent, so that whatever happened to the world is in the file. Each entry is one write,
+so a killed process leaves whole entries and at most one incomplete one at the end. What was written is synced to disk
+once a second, so a power loss leaves an end that can be torn. A torn end is cut off when the journal is opened again.
 """
 
-import fcntl
+import errno
 import logging
 import os
-import struct
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
-from zlib import crc32
 
 from msgspec import Struct
 
-from legpush.errors import JournalError, MessageError
+from legpush.errors import DiskFullError, JournalError, MessageError
 from legpush.fields import Name
 from legpush.files import new_file
+from legpush.history.disk_sync import DiskSync
+from legpush.history.journal_file import MAGIC, cut, frame, is_incomplete, is_whole_after, lock, payloads
 from legpush.messages import codec
 from legpush.messages.common import Count
 from legpush.messages.planning import Plan, PlanQuery
@@ -29,9 +29,7 @@ from legpush.messages.stepping import Motion, Outcome
 log = logging.getLogger(__name__)
 
 JOURNAL_VERSION: Final = 2
-MAGIC: Final = b"legpush journal\n"
-_HEAD: Final = struct.Struct(">II")
-_TAIL: Final = struct.Struct(">I")
+_FULL: Final = (errno.ENOSPC, errno.EDQUOT)
 
 
 class Opened(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="opened"):
@@ -109,8 +107,86 @@ def read_entries(path: Path) -> Iterator[Entry]:
     except OSError as error:
         raise JournalError(f"Expected to read the journal {path}: {error.strerror}") from error
     with file:
-        for entry, _ in _scan(path, file.fileno()):
+        reading = Reading(path, file.fileno())
+        yield from reading.entries()
+        if not is_incomplete(file.fileno(), reading.end):
+            raise JournalError(reading.damage())
+
+
+class Reading:
+    """Reads a journal entry by entry, up to its end or to the first entry that is damaged."""
+
+    def __init__(self, path: Path, file: int) -> None:
+        """Begin to read.
+
+        Raises:
+            JournalError: The file does not begin as a journal does.
+        """
+        self.end = len(MAGIC)
+        """Position behind the last entry that was read."""
+        self.n_entries = 0
+        self.n_steps = 0
+        """Number of actions that were carried out, in the entries that were read."""
+        self._path = path
+        self._file = file
+        if os.pread(file, len(MAGIC), 0) != MAGIC:
+            raise JournalError(f"{path} is not an episode journal")
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield the entries that are whole.
+
+        Raises:
+            JournalError: An entry is whole, but of another version.
+        """
+        for payload, end in payloads(self._file, self.end):
+            try:
+                entry = codec.decode(payload, _AnyEntry).e
+            except MessageError as error:
+                raise JournalError(f"{self._path}: entry {self.n_entries} is not of this version ({error})") from error
             yield entry
+            self._count(entry, end)
+
+    def ordered(self) -> Iterator[Entry]:
+        """Yield the entries up to the first that cannot follow those before it: each question has its own answer."""
+        question: Entry | None = None
+        for entry in self.entries():
+            match entry:
+                case Opened():
+                    follows = self.n_entries == 0
+                case Numbered():
+                    follows = self.n_entries > 0
+                case Acted() | Queried() | Awaited():
+                    follows, question = self.n_entries > 0 and question is None, entry
+                case Observed() | Refused():
+                    follows, question = isinstance(question, Acted), None
+                case Planned():
+                    follows, question = isinstance(question, (Queried, Awaited)), None
+            if not follows:
+                return
+            yield entry
+
+    def is_at_end(self) -> bool:
+        """Return whether the file has nothing behind the last entry that was read."""
+        return self.end == os.fstat(self._file).st_size
+
+    def is_torn(self) -> bool:
+        """Return whether nothing behind the last entry that was read is whole, so that nothing is lost by a cut."""
+        return next(payloads(self._file, self.end), None) is None and not is_whole_after(self._file, self.end)
+
+    def damage(self) -> str:
+        """Return what is damaged from here on, and how the entries before it can be used, for people."""
+        where = f"{self._path}: entry {self.n_entries} at byte {self.end} is damaged"
+        if self.n_entries == 0:
+            return f"{where}, the first one: nothing in it can be used"
+        return (
+            f"{where} or out of order, so it cannot be read from step {self.n_steps} on; "
+            f"`legpush recover {self._path.parent}` goes back to the steps before that"
+        )
+
+    def _count(self, entry: Entry, end: int) -> None:
+        self.end = end
+        self.n_entries += 1
+        self.n_steps += isinstance(entry, Observed)
 
 
 class Journal:
@@ -120,7 +196,8 @@ class Journal:
         """Create the journal at `path`, or open the one that is there, which has to be of the same run.
 
         Raises:
-            JournalError: It is another run's, damaged, or in use.
+            JournalError: It is another run's, damaged before its end, or in use.
+            DiskFullError: The disk is full.
         """
         self.path = path
         try:
@@ -128,52 +205,84 @@ class Journal:
                 _create(path, opened)
             self._file = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
         except OSError as error:
-            raise JournalError(f"Expected to write the journal {path}: {error.strerror}") from error
+            raise _cannot_write(path, error) from error
         try:
-            self._lock()
+            lock(path, self._file)
             self.opened = self._check(opened)
         except BaseException:
             os.close(self._file)
             raise
+        self._disk = DiskSync(self._file)
 
     def __enter__(self) -> Self:
+        self._disk.start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._disk.stop()
         os.close(self._file)
 
     def append(self, entry: Entry) -> None:
-        """Write one entry; when this returns, a kill of this process cannot lose it."""
-        frame = _frame(entry)
-        try:
-            while frame:
-                frame = frame[os.write(self._file, frame) :]
-        except OSError as error:
-            raise JournalError(f"Expected to write the journal {self.path}: {error.strerror}") from error
+        """Write one entry; when this returns, a kill of this process cannot lose it.
 
-    def _lock(self) -> None:
+        Raises:
+            DiskFullError: The disk is full; the journal is as it was.
+            JournalError: The journal cannot be written for another reason.
+        """
+        before = os.fstat(self._file).st_size
+        left = frame(codec.encode(_AnyEntry(e=entry)))
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise JournalError(f"{self.path} is in use by another process") from error
+            self._disk.note_write()
+            while left:
+                left = left[os.write(self._file, left) :]
+        except OSError as error:
+            with suppress(OSError):
+                os.ftruncate(self._file, before)
+            raise _cannot_write(self.path, error) from error
 
     def _check(self, opened: Opened) -> Opened:
-        """The first entry; drops an incomplete last one from the file."""
-        first: Entry | None = None
-        end = len(MAGIC)
-        for entry, position in _scan(self.path, self._file):
-            first, end = first or entry, position
-        if not isinstance(first, Opened):
-            raise JournalError(f"{self.path}: expected the entry `opened` first, got {type(first).__name__.lower()}")
+        """Return the first entry, after what is torn at the end was cut off."""
+        first, reading = read_whole(self.path, self._file)
         for field in ("protocol", "run", "seed"):
             expected, got = getattr(opened, field), getattr(first, field)
             if expected != got:
                 raise JournalError(f"{self.path}: expected a journal of {field} {expected}, got one of {got}")
-        size = os.fstat(self._file).st_size
-        if size > end:
-            log.warning("%s: dropped an incomplete last entry of %d bytes", self.path, size - end)
-            os.ftruncate(self._file, end)
+        if not reading.is_at_end():
+            log.warning("%s", cut_at(self.path, self._file, reading))
         return first
+
+
+def read_whole(path: Path, file: int) -> tuple[Opened, Reading]:
+    """Read a journal whose end may be torn, and return its first entry, and how far it is whole.
+
+    Raises:
+        JournalError: It is no journal, or it is damaged and has whole entries behind the damage.
+    """
+    first: Entry | None = None
+    reading = Reading(path, file)
+    for entry in reading.ordered():
+        first = first or entry
+    if not isinstance(first, Opened) or not (reading.is_at_end() or reading.is_torn()):
+        raise JournalError(reading.damage())
+    return first, reading
+
+
+def cut_at(path: Path, file: int, reading: Reading) -> str:
+    """Cut a journal off behind the last entry that was read, keep the original, and return what was done, for people.
+
+    Raises:
+        DiskFullError: There is no space for a copy of the original.
+        JournalError: The copy cannot be made for another reason.
+    """
+    n_bytes = os.fstat(file).st_size - reading.end
+    try:
+        kept = cut(path, file, reading.end)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    return (
+        f"{path}: the last {n_bytes} bytes were damaged and are cut off; it goes on from step {reading.n_steps}, and "
+        f"the original is {kept.name}"
+    )
 
 
 def _create(path: Path, opened: Opened) -> None:
@@ -181,45 +290,9 @@ def _create(path: Path, opened: Opened) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     # If another process makes the same journal at this moment, the lock decides between the two.
     with suppress(FileExistsError), new_file(path) as scratch:
-        scratch.write_bytes(MAGIC + _frame(opened))
+        scratch.write_bytes(MAGIC + frame(codec.encode(_AnyEntry(e=opened))))
 
 
-def _frame(entry: Entry) -> bytes:
-    payload = codec.encode(_AnyEntry(e=entry))
-    length = struct.pack(">I", len(payload))
-    return length + _TAIL.pack(crc32(length)) + payload + _TAIL.pack(crc32(payload))
-
-
-def _scan(path: Path, file: int) -> Iterator[tuple[Entry, int]]:
-    """Each complete entry with the position at which it ends."""
-    if os.pread(file, len(MAGIC), 0) != MAGIC:
-        raise JournalError(f"{path} is not an episode journal")
-    position, index = len(MAGIC), 0
-    while len(head := os.pread(file, _HEAD.size, position)) == _HEAD.size:
-        length, crc = _HEAD.unpack(head)
-        if crc32(head[:4]) != crc:
-            raise JournalError(f"{path}: entry {index} at byte {position} is damaged")
-        body = _read(file, length + _TAIL.size, position + _HEAD.size)
-        if len(body) < length + _TAIL.size:
-            return
-        position += _HEAD.size + len(body)
-        yield _entry(path, index, body), position
-        index += 1
-
-
-def _read(file: int, n_bytes: int, position: int) -> bytes:
-    parts = []
-    while n_bytes and (part := os.pread(file, n_bytes, position)):
-        parts.append(part)
-        position, n_bytes = position + len(part), n_bytes - len(part)
-    return b"".join(parts)
-
-
-def _entry(path: Path, index: int, body: bytes) -> Entry:
-    payload, (crc,) = body[: -_TAIL.size], _TAIL.unpack(body[-_TAIL.size :])
-    if crc32(payload) != crc:
-        raise JournalError(f"{path}: entry {index} is damaged")
-    try:
-        return codec.decode(payload, _AnyEntry).e
-    except MessageError as error:
-        raise JournalError(f"{path}: entry {index} is not of this version ({error})") from error
+def _cannot_write(path: Path, error: OSError) -> JournalError | DiskFullError:
+    kind = DiskFullError if error.errno in _FULL else JournalError
+    return kind(f"Expected to write the journal {path}: {error.strerror}")

@@ -66,4 +66,4 @@ def next_file(file: Path) -> Path:
     if not (number.isdecimal() and first.exists()):
         first = file
     names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
-    return next(path for path in map(first.with_name, names) if not path.exists())
+    return next(path for path in map(first.with_name, names) if path != file and not path.exists())

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import INTERRUPTED, ConfigError, RecordingError, StopRequestedError
+from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError
 from legpush.launch.display import make_display
 from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
 from legpush.launch.run import launch_mission
@@ -24,13 +24,12 @@ from legpush.options.run import RunOptions
 from legpush.plans.client import PlanLink
 from legpush.policy_names import require_repeated
 from legpush.processes.pool import SimPool
-from legpush.recording.episodes import difference, read_episodes, same
+from legpush.recording.episodes import difference, same
 from legpush.recording.facts import unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.recording.publish import from_start, publish
-from legpush.recording.verify import Verified, verify
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.recording.verify import check
 from legpush.service import stop_on_signals
 
 
@@ -121,19 +120,13 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
 
 
 def verify_files(files: tuple[Path, ...], console: Console) -> int:
-    """Compare the recording with a simulator process of its own, and return 0 if identical, 1 if not.
+    """Compare the recording with a simulator process of its own; return 0 if identical and whole, 1 if not.
 
     Raises:
         RecordingError: No episode was recorded from its reset on.
         StopRequestedError: Interrupted before the end.
     """
     recording = read_recording(files)
-    episodes = read_episodes(recording)
-    if not any(episode.carried_out() or episode.damage for episode in episodes):
-        raise RecordingError(
-            f"{files[0]}: expected a recording with an episode from its reset on, got one of "
-            f"{len(recording.messages)} messages without one"
-        )
     stop = stop_on_signals()
     began = perf_counter()
     with ExitStack() as stack:
@@ -144,21 +137,11 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
         world = BusWorld(SimLink(bus, pool.names[0], stop=stop))
         bus.announce()
         try:
-            verified = verify(episodes, world.step, lambda text: display.progress("verifying", None, text, ""))
+            checked = check(recording, world.step, lambda text: display.progress("verifying", None, text, ""))
         except StopRequestedError as error:
             raise StopRequestedError("interrupted: not verified") from error
-    sys.stdout.write(_words(verified, perf_counter() - began))
-    if verified.divergence is None and not recording.is_complete:
+    sys.stdout.write(checked.words(perf_counter() - began))
+    if checked.is_sound and not recording.is_complete:
         notes = recording.completeness.get("notes") or "its recorder did not finish"
         sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
-    if recording.n_lost:
-        sys.stdout.write(f"{recording.n_lost} messages that were recorded cannot be read: not verified\n")
-    return 0 if verified.divergence is None and not recording.n_lost else 1
-
-
-def _words(verified: Verified, wall_s: float) -> str:
-    """Return the result as a line for people."""
-    if verified.divergence is not None:
-        return f"{verified.divergence}\n"
-    seconds = verified.n_ticks * CONTROL_PERIOD_S
-    return f"identical: {verified.n_steps} steps, {seconds:.1f} s simulated in {wall_s:.1f} s\n"
+    return 0 if checked.is_sound else 1

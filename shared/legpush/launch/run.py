@@ -16,7 +16,9 @@ from rich.text import Text
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError
+from legpush.files import write_whole
+from legpush.history.mending import mend
 from legpush.launch.display import make_display
 from legpush.launch.film import film
 from legpush.launch.mission_recorder import MissionRecorder, next_file
@@ -30,7 +32,7 @@ from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
 from legpush.recording.facts import CONTINUED
-from legpush.runs.folder import LOGS, SCENARIO_FILE, default_folder, is_begun, run_folder
+from legpush.runs.folder import COMMAND_FILE, LOGS, SCENARIO_FILE, default_folder, is_begun, journals, run_folder
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
 from legpush.runs.report import read_report
 
@@ -54,11 +56,18 @@ def launch_mission(
         programs = Programs()
     folder = options.out or default_folder(scenario, options.seed, datetime.now().astimezone())
     with run_folder(folder, scenario):
+        for journal in journals(folder):
+            if done := mend(journal):
+                console.print(Text(done), soft_wrap=True)
+        again = programs.again(folder) if programs.again is not None else _again(options, folder)
+        write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode())
         verdict = _run_in(folder, options, programs, console, about or {})
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {verdict.reason}\n")
+        elif verdict.exit_code == DISK_FULL:
+            sys.stderr.write(f"error: {verdict.reason}\n")
+            console.print(Text(f"after space is made, to go on: {again}"), soft_wrap=True)
         elif verdict.exit_code == INTERRUPTED:
-            again = programs.again(folder) if programs.again is not None else _again(options, folder)
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
         else:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import Final
 
-from legpush.errors import INTERRUPTED
+from legpush.errors import DISK_FULL, INTERRUPTED
 from legpush.launch.display import Display
 from legpush.messages.telemetry import Status
 from legpush.patience import SLICE_S, Stopwatch
@@ -123,10 +123,10 @@ class Supervisor:
         if role == self._leader and exit_code in (SUCCESS, NO_SUCCESS):
             self._show()
             return Verdict(exit_code, self._last.detail if exit_code == NO_SUCCESS and self._last is not None else "")
-        if exit_code == BAD_INPUT:
+        if exit_code in (BAD_INPUT, DISK_FULL):
             said = process.last_words(1)
             error = said[0].removeprefix("error: ") if said else describe_exit(exit_code)
-            return Verdict(BAD_INPUT, f"{role}: {error}")
+            return Verdict(exit_code, f"{role}: {error}")
         post, what = self._posts[role], f"the {role} {describe_exit(exit_code)}"
         if post.n_restarts == self._limits.max_restarts:
             return Verdict(GAVE_UP, f"{what} after {post.n_restarts} restarts{_said(process)}")

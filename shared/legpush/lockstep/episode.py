@@ -196,6 +196,7 @@ class Episode:
 
     def _mismatch(self, expected: str, got: Entry) -> JournalError:
         return JournalError(
-            f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {words_of(got)}; "
-            "the journal is of another mission, or the mission does not depend on its answers alone"
+            f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {words_of(got)}, "
+            f"at step {self.n_steps}; the journal is of another mission, or the mission does not depend on its answers "
+            "alone"
         )

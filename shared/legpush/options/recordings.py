@@ -74,10 +74,14 @@ class InfoOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RecoverOptions:
-    """Make a whole recording from one that was cut off, in a new file."""
+    """Make a whole recording from one that is cut off or damaged, in a new file; or let an interrupted mission go on.
 
-    file: File
-    """The recording that was cut off; it is not changed."""
+    Exit codes: 0 recovered, 2 nothing to recover, or nothing can be recovered.
+    """
+
+    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE|RUN_FOLDER")]
+    """The recording, which is not changed; or the folder of a run, whose damaged journal is cut off before its first
+    damage and kept beside it."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """The new file; FILE-recovered.mcap if not given."""
 

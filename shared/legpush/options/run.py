@@ -24,7 +24,8 @@ DEFAULT_POLICY: Final = "variable"
 class RunOptions:
     """Run a mission: start planner, simulator and agent, watch over them, and report.
 
-    Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 gave up on a process, 130 interrupted.
+    Exit codes: 0 the box is at its goal, 1 it is not, 2 bad input, 3 gave up on a process, 5 the disk
+    is full, 130 interrupted.
     """
 
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"

@@ -15,6 +15,8 @@ import psutil
 from legpush.processes import parent_watch
 
 TAIL_LINES: Final = 12
+TAIL_BYTES: Final = 8192
+"""Number of bytes at the end of a log that are read first; more are read if they have too few lines."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,10 +81,14 @@ class Process:
     def last_words(self, n_lines: int = TAIL_LINES) -> tuple[str, ...]:
         """The last lines that it wrote, without empty ones."""
         with self.command.log.open("rb") as log:
-            end = log.seek(0, os.SEEK_END)
-            log.seek(max(self._log_start, end - 200 * n_lines))
-            lines = log.read().decode(errors="replace").splitlines()
-        return tuple(line.rstrip() for line in lines if line.strip())[-n_lines:]
+            begin = end = log.seek(0, os.SEEK_END)
+            lines: list[str] = []
+            while len(lines) <= n_lines and begin > self._log_start:
+                begin = max(self._log_start, end - max(TAIL_BYTES, 2 * (end - begin)))
+                log.seek(begin)
+                said = log.read(end - begin).decode(errors="replace").splitlines()
+                lines = [line.rstrip() for line in said if line.strip()]
+        return tuple(lines[-n_lines:])
 
     def _wait(self) -> None:
         """Wait for the leader, end what it left behind, and only then let its number go to other processes."""

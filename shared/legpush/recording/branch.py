@@ -10,7 +10,7 @@ from legpush.fields import episode_and_step
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
-from legpush.recording.mcap_file.reader import Recording
+from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.plans import query_bytes, read_plans
 from legpush.recording.play import RecordedPlanner, instead
 

@@ -9,7 +9,7 @@ import msgspec
 from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.stepping import Action, Answer, Motion, Observation, Outcome, Refusal
-from legpush.recording.mcap_file.reader import Recorded, Recording
+from legpush.recording.mcap_file.contents import Recorded, Recording
 
 T = TypeVar("T", Action, Answer)
 

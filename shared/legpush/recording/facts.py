@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from legpush.errors import RecordingError, ScenarioError
 from legpush.messages.common import Count
-from legpush.recording.mcap_file.reader import Recording
+from legpush.recording.mcap_file.contents import Recording
 from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario

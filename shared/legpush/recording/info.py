@@ -7,9 +7,10 @@ import msgspec
 
 from legpush.errors import RecordingError
 from legpush.policy_names import runs_code
+from legpush.recording.damage import damage_of
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts
-from legpush.recording.mcap_file.reader import Recording
+from legpush.recording.mcap_file.contents import Recording
 from legpush.scene.robot import CONTROL_PERIOD_S
 
 
@@ -53,22 +54,14 @@ def lines(recording: Recording) -> Iterator[str]:
 
 def _completeness(recording: Recording) -> Iterator[str]:
     stated = recording.completeness
-    damaged = recording.n_damaged
     word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not finish")
     word = "no" if recording.n_lost else word
     missing = stated.get("n_missing", "0")
     yield f"complete      {word}" + (f", {missing} messages missing" if missing != "0" else "")
     for note in filter(None, stated.get("notes", "").splitlines()):
         yield f"              {note}"
-    if recording.n_lost:
-        yield f"              {recording.n_lost} messages that were recorded cannot be read"
-    if damaged:
-        yield f"              {damaged} messages are damaged: their bytes are not those that were recorded"
-    if recording.damaged_attachments:
-        names = ", ".join(sorted(recording.damaged_attachments))
-        yield f"              {len(recording.damaged_attachments)} files are damaged: {names}"
-    if recording.n_damaged_chunks:
-        yield f"              {recording.n_damaged_chunks} pieces of the file have a flipped bit"
+    for each in damage_of(recording):
+        yield f"              damaged: {each}"
 
 
 def _policy(recording: Recording) -> Iterator[str]:

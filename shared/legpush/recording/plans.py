@@ -7,7 +7,7 @@ import msgspec
 from legpush.errors import MessageError, RecordingError
 from legpush.messages import codec
 from legpush.messages.planning import Plan, PlanQuery, PlanRequest, PlanResult
-from legpush.recording.mcap_file.reader import Recording
+from legpush.recording.mcap_file.contents import Recording
 
 
 @dataclass(kw_only=True)

@@ -9,7 +9,7 @@ from legpush.bus.bus import Bus
 from legpush.bus.tap_sender import Tap
 from legpush.errors import RecordingError
 from legpush.messages.telemetry import Fact, Origin
-from legpush.recording.mcap_file.reader import Recorded, Recording
+from legpush.recording.mcap_file.contents import Recorded, Recording
 
 NAME_LENGTH: Final = 64
 

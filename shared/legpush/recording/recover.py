@@ -1,12 +1,14 @@
-"""`legpush recover`: makes a whole recording from the rest of one that was cut off."""
+"""`legpush recover`: makes a whole recording from the rest of one that is cut off or damaged."""
 
 from itertools import groupby
 from pathlib import Path
 from typing import Final
 
 from legpush.errors import RecordingError
+from legpush.files import new_file
 from legpush.messages.telemetry import Origin
-from legpush.recording.mcap_file.reader import RECOVERED_FROM, Recorded, Recording, Scan
+from legpush.recording.mcap_file.contents import Recorded, Recording
+from legpush.recording.mcap_file.reader import RECOVERED_FROM, Scan
 from legpush.recording.mcap_file.writer import RecordingFile
 
 DAMAGED: Final = ".damaged"
@@ -14,20 +16,37 @@ DAMAGED: Final = ".damaged"
 
 
 def recover(path: Path, out: Path) -> Recording:
-    """Write the readable messages and files of `path` to the new file `out`; `path` is not changed.
+    """Write the readable messages and files of `path` to the new file `out`, which is whole or absent.
 
     Digests are copied as they were recorded, so that damage can still be found. A damaged file gets another name.
+    `path` is not changed.
 
     Raises:
         RecordingError: `path` is whole, nothing in it can be read, or `out` cannot be written.
     """
     recording = Recording()
-    scan = Scan(path)
+    scan = Scan(path, salvages=True)
     scan.read_into(recording)
-    if scan.ended:
-        raise RecordingError(f"{path}: expected a recording that is cut off, got a whole one: nothing to recover")
+    if scan.ended and not scan.gaps and not recording.damaged_records:
+        raise RecordingError(
+            f"{path}: expected a recording that is cut off or damaged, got a whole one: nothing to recover"
+        )
     recording.completeness = _statement(scan, recording)
-    file = RecordingFile(out, {**recording.about, RECOVERED_FROM: path.name}, part=recording.part)
+    about = {**recording.about, RECOVERED_FROM: path.name}
+    try:
+        with new_file(out) as scratch:
+            _write(recording, RecordingFile(scratch, about, part=recording.part))
+    except FileExistsError as error:
+        raise RecordingError(f"{out}: expected a new file for a recording, but there is one") from error
+    except (OSError, RecordingError) as error:
+        cause = error if isinstance(error, OSError) else error.__cause__
+        why = cause.strerror if isinstance(cause, OSError) else str(error)
+        raise RecordingError(f"{out}: expected a file that can be written ({why}); nothing is left there") from error
+    return recording
+
+
+def _write(recording: Recording, file: RecordingFile) -> None:
+    """Write the contents of a recording to a new file."""
     try:
         for attachment in recording.attachments.values():
             is_damaged = attachment.name in recording.damaged_attachments
@@ -38,20 +57,22 @@ def recover(path: Path, out: Path) -> Recording:
     except BaseException:
         file.abandon()
         raise
-    return recording
 
 
 def _statement(scan: Scan, recording: Recording) -> dict[str, str]:
     """Return the statement about the completeness of the rest; the messages after the cut are not known."""
     n_missing, losses = gaps(recording.messages)
     notes = [
-        f"the recording was cut off at byte {scan.position} of {scan.size}: what came after it is missing",
-        *losses,
+        f"bytes {gap.begin} to {gap.end} of {scan.size} could not be read: what was in them is missing"
+        for gap in scan.gaps
     ]
-    if recording.n_damaged:
-        notes.append(f"{recording.n_damaged} messages were damaged before it was recovered")
-    if recording.n_damaged_chunks:
-        notes.append(f"{recording.n_damaged_chunks} pieces of it had a flipped bit before it was recovered")
+    if not scan.ended:
+        notes.append(f"the recording was cut off at byte {scan.position} of {scan.size}: what came after it is missing")
+    notes += losses
+    n_damaged = len(recording.damaged_messages())
+    if n_damaged:
+        notes.append(f"{n_damaged} messages were damaged before it was recovered")
+    notes += [f"{words} was damaged before it was recovered" for words in recording.damaged_records]
     notes += [
         f"{name} was damaged before it was recovered, and is {name}{DAMAGED} now"
         for name in sorted(recording.damaged_attachments)

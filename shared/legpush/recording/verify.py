@@ -6,7 +6,10 @@ from typing import Protocol
 
 from legpush.errors import MotionError, RecordingError
 from legpush.messages.stepping import Motion, Outcome, Reset
-from legpush.recording.episodes import Asked, Damage, EpisodeRecord, difference, same
+from legpush.recording.damage import damage_of
+from legpush.recording.episodes import Asked, Damage, EpisodeRecord, difference, read_episodes, same
+from legpush.recording.mcap_file.contents import Recording
+from legpush.scene.robot import CONTROL_PERIOD_S
 
 
 class Perform(Protocol):
@@ -44,6 +47,59 @@ class Verified:
     n_ticks: int
     """Number of simulated ticks in all these steps."""
     divergence: Divergence | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """What is identical in a recording, and what is damaged or missing."""
+
+    verified: Verified | None
+    """None if the steps cannot be verified because of the damage."""
+    why_not: str = ""
+    """Why they cannot be verified."""
+    damage: list[str]
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether all steps are identical and nothing is damaged."""
+        return self.verified is not None and self.verified.divergence is None and not self.damage
+
+    def words(self, wall_s: float) -> str:
+        """Return the result as lines for people; the verification took `wall_s`."""
+        damaged = f"damaged: {', '.join(self.damage)}" if self.damage else ""
+        if self.verified is None:
+            return f"not verified: {self.why_not}\n{damaged}\n"
+        if self.verified.divergence is not None:
+            return f"{self.verified.divergence}\n" + (f"{damaged}\n" if damaged else "")
+        seconds = self.verified.n_ticks * CONTROL_PERIOD_S
+        steps = f"identical: {self.verified.n_steps} steps, {seconds:.1f} s simulated in {wall_s:.1f} s"
+        return f"steps {steps}; {damaged}\n" if damaged else f"{steps}\n"
+
+
+def check(recording: Recording, perform: Perform, progress: Callable[[str], None] = lambda text: None) -> Checked:
+    """Do every step again, up to the first divergence, and list all damage.
+
+    Raises:
+        RecordingError: There are no steps, or steps are missing, although nothing is damaged.
+    """
+    damage = damage_of(recording)
+    try:
+        verified = verify(_episodes(recording), perform, progress)
+    except RecordingError as error:
+        if not damage:
+            raise
+        return Checked(verified=None, why_not=str(error), damage=damage)
+    return Checked(verified=verified, damage=damage)
+
+
+def _episodes(recording: Recording) -> list[EpisodeRecord]:
+    episodes = read_episodes(recording)
+    if not any(episode.carried_out() or episode.damage for episode in episodes):
+        raise RecordingError(
+            f"{recording.files[0]}: expected a recording with an episode from its reset on, got one of "
+            f"{len(recording.messages)} messages without one"
+        )
+    return episodes
 
 
 def verify(

@@ -19,6 +19,8 @@ LOGS: Final = "logs"
 REPORT_FILE: Final = "report.json"
 PICTURE_FILE: Final = "mission.png"
 VIDEO_FILE: Final = "mission.mp4"
+COMMAND_FILE: Final = "command.txt"
+"""Name of the file among the logs with the command that goes on."""
 
 
 def default_folder(scenario: Scenario, seed: int, now: datetime) -> Path:
@@ -28,7 +30,12 @@ def default_folder(scenario: Scenario, seed: int, now: datetime) -> Path:
 
 def is_begun(folder: Path) -> bool:
     """Whether a mission began in this folder before, which goes on now."""
-    return any(folder.glob("*.journal"))
+    return bool(journals(folder))
+
+
+def journals(folder: Path) -> list[Path]:
+    """Return the journals of a run."""
+    return sorted(folder.glob("*.journal"))
 
 
 def run_name(folder: Path) -> str:

@@ -6,7 +6,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent_proc.mission.facts import attach_facts, policy_sha256
+from agent_proc.mission.facts import attach_facts
+from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE
 from legpush.recording.facts import MissionFacts
 from legpush.scenarios.file import load_scenario

@@ -19,7 +19,16 @@ from tests.agent.push_model.maps import measured
 
 
 def run(world: FakeWorld, scenario: Scenario, policy: object = "scripted", push_map: Path | None = None) -> Report:
-    return run_local(world, scenario, seed=7, policy=policy, push_map=push_map, records=world.records, tell=world.tell)
+    return run_local(
+        world,
+        scenario,
+        seed=7,
+        policy=policy,
+        trust_policy_file=False,
+        push_map=push_map,
+        records=world.records,
+        tell=world.tell,
+    )
 
 
 def test_the_report_is_that_of_the_recorded_mission() -> None:

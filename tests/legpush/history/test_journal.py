@@ -1,10 +1,13 @@
 """The journal: what was appended is read back, whatever the moment of a kill; what is not a journal is refused."""
 
+import errno
+import os
+import shutil
 from pathlib import Path
 
 import pytest
 
-from legpush.errors import JournalError
+from legpush.errors import DiskFullError, JournalError
 from legpush.history.journal import (
     Acted,
     Awaited,
@@ -82,10 +85,10 @@ def test_a_last_entry_cut_off_at_any_byte_is_dropped_and_the_rest_goes_on(tmp_pa
         assert list(read_entries(path)) == [OPENED, ENTRIES[2], ENTRIES[5]]
 
 
-def test_dropping_an_incomplete_entry_is_logged(path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_cutting_off_an_incomplete_entry_is_logged(path: Path, caplog: pytest.LogCaptureFixture) -> None:
     path.write_bytes(path.read_bytes()[:-3])
     with Journal(path, OPENED):
-        assert "dropped an incomplete last entry" in caplog.text
+        assert "the last 37 bytes were damaged and are cut off; it goes on from step 1" in caplog.text
 
 
 def test_a_changed_byte_anywhere_is_found(path: Path) -> None:
@@ -144,3 +147,61 @@ def test_of_two_processes_that_begin_the_same_journal_one_has_it(
         with pytest.raises(JournalError, match="in use"):
             Journal(path, OPENED)
     assert list(read_entries(path)) == [OPENED, ENTRIES[0]]
+
+
+def test_a_full_disk_has_an_error_of_its_own_and_leaves_no_half_entry(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = path.read_bytes()
+    write = os.write
+    n_writes = 0
+
+    def full(file: int, data: bytes) -> int:
+        nonlocal n_writes
+        n_writes += 1
+        if n_writes > 1:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(file, data[:7])
+
+    with Journal(path, OPENED) as journal, monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        with pytest.raises(DiskFullError, match=r"Expected to write the journal .*No space left on device") as caught:
+            journal.append(Numbered(episode=6))
+    assert caught.value.exit_code == 5
+    assert n_writes == 2
+    assert path.read_bytes() == before
+
+
+def test_entries_are_on_the_disk_when_the_journal_is_closed(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+    monkeypatch.setattr(os, "fdatasync", lambda file: sizes.append(os.fstat(file).st_size))
+    with Journal(path, OPENED) as journal:
+        for number in range(100):
+            journal.append(Numbered(episode=number))
+    assert sizes[-1] == path.stat().st_size
+    assert len(sizes) < 10
+
+
+def test_a_journal_of_another_run_is_not_cut(path: Path) -> None:
+    torn = path.read_bytes()[:-3]
+    path.write_bytes(torn)
+    other = Opened(protocol=PROTOCOL_VERSION, run="other", seed=3, versions={}, began_unix_s=0.0)
+    with pytest.raises(JournalError, match="expected a journal of run other"):
+        Journal(path, other)
+    assert path.read_bytes() == torn
+
+
+def test_no_space_for_the_original_of_a_torn_journal_is_told_and_it_is_left_as_it_was(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    torn = path.read_bytes()[:-3]
+    path.write_bytes(torn)
+
+    def full(source: Path, to: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(shutil, "copyfile", full)
+    with pytest.raises(DiskFullError):
+        Journal(path, OPENED)
+    assert path.read_bytes() == torn
+    assert list(path.parent.iterdir()) == [path]

@@ -46,6 +46,14 @@ def test_its_last_words_are_those_of_this_life_without_empty_lines(tmp_path: Pat
     assert process.last_words(2) == ("  b", "c")
 
 
+def test_its_last_words_are_whole_even_if_they_are_long(tmp_path: Path) -> None:
+    process = run(tmp_path, "print('x' * 300); print('first words ' + 'y' * 30_000 + ' last')")
+    (said,) = process.last_words(1)
+    assert said.startswith("first words y")
+    assert said.endswith("y last")
+    assert process.last_words(5) == ("x" * 300, said)
+
+
 def test_it_has_the_environment_that_it_is_given_and_no_input(tmp_path: Path) -> None:
     process = run(tmp_path, "import os, sys; print(os.environ['GREETING'], repr(sys.stdin.read()))")
     assert process.last_words() == ("hello ''",)

@@ -11,7 +11,8 @@ from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
 from legpush.messages.stepping import Action, Motion, Observation, Refusal
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.mcap_file.writer import WHOLE, RecordingFile, Split
 from legpush.recording.recorder import Recorder, Wanted, statement
 from tests.legpush.fakes import RUN, FakeStepper, mission

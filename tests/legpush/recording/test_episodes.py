@@ -9,7 +9,8 @@ from legpush.messages import codec
 from legpush.messages.stepping import Action, Observation, Outcome, PushReport
 from legpush.messages.telemetry import Copy
 from legpush.recording.episodes import difference, read_episodes, same
-from legpush.recording.mcap_file.reader import Recorded, Recording, read_recording
+from legpush.recording.mcap_file.contents import Recorded, Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.verify import verify
 from tests.legpush.examples import WORLD
 from tests.legpush.fakes import FakeStepper, mission

@@ -51,10 +51,10 @@ def test_a_file_in_the_recording_that_is_damaged_is_told_and_refused_where_it_is
         other = tmp_path / "damaged.mcap"
         other.write_bytes(data)
         recording = read_recording([other])
-        n_damaged += len(recording.damaged_attachments) == 1 or recording.n_damaged_chunks == 1
+        n_damaged += len(recording.damaged_attachments) == 1 or len(recording.damaged_records) == 1
     assert n_damaged == len(FACT.data) + 44
     recording = damaged(path, FACT.data, 9)
     assert recording.damaged_attachments == {"agent/main/mission.json"}
-    assert "1 files are damaged: agent/main/mission.json" in "\n".join(lines(recording))
+    assert "damaged: the file agent/main/mission.json" in "\n".join(lines(recording))
     with pytest.raises(RecordingError, match=r"agent/main/mission.json of the recording is damaged"):
         read_facts(recording)

@@ -22,7 +22,7 @@ def test_a_bit_that_flips_beside_the_messages_is_told(tmp_path: Path) -> None:
     data[data.index(actions[5].payload) - 3] ^= 1  # in the time of publishing
     path.write_bytes(data)
     text = "\n".join(lines(read_recording([path])))
-    assert "1 pieces of the file have a flipped bit" in text
+    assert "damaged: the chunk at byte" in text
 
 
 def test_a_report_that_is_damaged_is_no_reason_to_show_nothing(tmp_path: Path) -> None:

@@ -10,7 +10,8 @@ from legpush.bus import keys
 from legpush.errors import RecordingError
 from legpush.messages import codec
 from legpush.messages.planning import PlanQuery, PlanRequest, PlanResult
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.mcap_file.writer import RecordingFile
 from legpush.recording.plans import query_bytes, read_plans
 from tests.legpush.examples import BOX_QUERY, PLAN, QUERY

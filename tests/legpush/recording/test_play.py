@@ -13,7 +13,8 @@ from legpush.messages.stepping import Motion, Push, Walk
 from legpush.messages.telemetry import Copies
 from legpush.plans.planner import PlanningInterruptedError
 from legpush.recording.episodes import read_episodes
-from legpush.recording.mcap_file.reader import Recording, read_recording
+from legpush.recording.mcap_file.contents import Recording
+from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.mcap_file.writer import RecordingFile
 from legpush.recording.plans import read_plans
 from legpush.recording.play import RecordedPlanner, RecordedSim

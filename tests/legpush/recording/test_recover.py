@@ -1,5 +1,7 @@
 """What is left of a recording that was cut off, as a whole one."""
 
+import errno
+import os
 import random
 from pathlib import Path
 
@@ -69,8 +71,8 @@ def test_what_was_damaged_before_it_was_recovered_is_still_told(tmp_path: Path) 
     told = "\n".join(lines(recording))
     for words in (
         "1 messages were damaged before it was recovered",
-        "1 messages are damaged: their bytes are not those that were recorded",
-        "1 pieces of it had a flipped bit before it was recovered",
+        "damaged: 1 message of sim/main/action (agent main, sequence 5, step 5)",
+        "of a.mcap was damaged before it was recovered",
         "agent/main/mission.json was damaged before it was recovered, and is agent/main/mission.json.damaged now",
     ):
         assert words in told
@@ -79,3 +81,63 @@ def test_what_was_damaged_before_it_was_recovered_is_still_told(tmp_path: Path) 
     out.write_bytes(out.read_bytes()[:-100])
     recover(out, again)
     assert before.items() <= read_recording([again]).marks.items()
+
+
+def test_a_recording_damaged_in_the_middle_is_recovered_up_to_its_end(tmp_path: Path) -> None:
+    path, out = a_recording(tmp_path / "a.mcap", mission(60)), tmp_path / "b.mcap"
+    whole, data = read_recording([path]), path.read_bytes()
+    begin, end = len(data) // 3, len(data) // 3 + 5000
+    path.write_bytes(data[:begin] + bytes(end - begin) + data[end:])
+    recover(path, out)
+    recording = read_recording([out])
+    assert recording.messages[-1] == whole.messages[-1]
+    assert 0 < len(whole.messages) - len(recording.messages) < len(whole.messages) / 4
+    assert "could not be read: what was in them is missing" in recording.completeness["notes"]
+    assert int(recording.completeness["n_missing"]) == len(whole.messages) - len(recording.messages)
+
+
+def test_a_whole_recording_is_not_recovered(tmp_path: Path) -> None:
+    path, out = a_recording(tmp_path / "a.mcap"), tmp_path / "b.mcap"
+    with pytest.raises(RecordingError, match="got a whole one: nothing to recover"):
+        recover(path, out)
+    assert not out.exists()
+
+
+def test_a_damaged_summary_is_recovered(tmp_path: Path) -> None:
+    path, out = a_recording(tmp_path / "a.mcap"), tmp_path / "b.mcap"
+    data = bytearray(path.read_bytes())
+    data[-100] ^= 1
+    path.write_bytes(data)
+    assert read_recording([path]).damaged_records == ["the summary of a.mcap"]
+    recover(path, out)
+    assert read_recording([out]).damaged_records == []
+
+
+def test_a_full_disk_leaves_nothing_under_the_name_of_the_new_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, out = a_recording(tmp_path / "a.mcap", mission(60)), tmp_path / "b.mcap"
+    path.write_bytes(path.read_bytes()[:-100])
+    write_before, left = os.write, [3000]
+
+    def full(file: int, data: bytes) -> int:
+        left[0] -= len(data)
+        if left[0] < 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write_before(file, data)
+
+    monkeypatch.setattr(os, "write", full)
+    with pytest.raises(
+        RecordingError, match=r"b\.mcap: expected a file that can be written \(No space left on device\)"
+    ):
+        recover(path, out)
+    assert [each.name for each in tmp_path.iterdir()] == ["a.mcap"]
+
+
+def test_a_file_that_is_there_is_not_replaced(tmp_path: Path) -> None:
+    path, out = a_recording(tmp_path / "a.mcap"), tmp_path / "b.mcap"
+    path.write_bytes(path.read_bytes()[:-100])
+    out.write_bytes(b"mine")
+    with pytest.raises(RecordingError, match=r"b.mcap: expected a new file"):
+        recover(path, out)
+    assert out.read_bytes() == b"mine"

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, NamedTuple
@@ -15,87 +14,15 @@ from legpush.errors import MessageError, RecordingError
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.telemetry import Copy, Origin
-from legpush.recording.digests import DIGEST_TOPIC, Digests, Key, Mark
+from legpush.recording.digests import DIGEST_TOPIC, Digests, Mark
+from legpush.recording.mcap_file.contents import Recorded, Recording
+from legpush.recording.mcap_file.integrity import Integrity, damaged_indexes
 from legpush.recording.mcap_file.records import MAGIC, frames, is_attachment_whole, is_read, parsed
+from legpush.recording.mcap_file.salvage import Gap, read_summary, salvaged
 from legpush.recording.mcap_file.writer import COMPLETENESS, METADATA, Attachment, topic_of
 
 RECOVERED_FROM: Final = "recovered_from"
 """Key in the metadata of a recovered recording, for the name of the file that was cut off."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Recorded:
-    """A message of a recording."""
-
-    topic: str
-    origin: Origin
-    copy: Copy
-
-    @property
-    def place(self) -> str:
-        """Name of the message in texts for people."""
-        return f"{self.topic} of {self.origin.role} {self.origin.name}, sequence {self.copy.sequence}"
-
-
-@dataclass(kw_only=True)
-class Recording:
-    """Everything in a recording."""
-
-    about: dict[str, str] = field(default_factory=dict)
-    """The metadata from its beginning."""
-    completeness: dict[str, str] = field(default_factory=dict)
-    """The statement of its recorder at the end; empty if the recorder did not finish."""
-    messages: list[Recorded] = field(default_factory=list)
-    """In the order in which they came to the recorder, which keeps the order of each sender."""
-    attachments: dict[str, Attachment] = field(default_factory=dict)
-    damaged_attachments: set[str] = field(default_factory=set)
-    """Names of attachments whose bytes are not those that were recorded."""
-    marks: dict[Key, Mark] = field(default_factory=dict)
-    """The digests of messages when they were recorded."""
-    files: list[Path] = field(default_factory=list)
-    """In the order of the parts, even if they were given in another order."""
-    part: int = 0
-    """Number of the first file among the parts of its recording."""
-    n_damaged_chunks: int = 0
-    """Number of chunks with a flipped bit, in a message or beside it."""
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether the recorder stated so, and the recording has as many messages as it stated."""
-        return self.completeness.get("complete") == "yes" and self.n_lost == 0
-
-    @property
-    def n_lost(self) -> int:
-        """Number of recorded messages that cannot be read: the file is damaged, or parts of it are missing."""
-        said = self.completeness.get("n_recorded", "")
-        return max(0, int(said) - len(self.messages)) if said.isdecimal() else 0
-
-    @property
-    def n_damaged(self) -> int:
-        """Number of messages whose bytes are not those that were recorded."""
-        return sum(not self.is_as_recorded(message) for message in self.messages)
-
-    def attachment(self, name: str) -> Attachment | None:
-        """Return the first file of this name, from any process.
-
-        Raises:
-            RecordingError: The file is damaged.
-        """
-        found = next((a for a in self.attachments.values() if a.name.rpartition("/")[2] == name), None)
-        if found is not None and found.name in self.damaged_attachments:
-            raise RecordingError(
-                f"{found.name} of the recording is damaged: its bytes are not those that were recorded"
-            )
-        return found
-
-    def mark(self, message: Recorded) -> Mark | None:
-        """Return the digest of a message when it was recorded; None if there is no digest."""
-        return self.marks.get((message.topic, message.origin.incarnation, message.copy.sequence))
-
-    def is_as_recorded(self, message: Recorded) -> bool:
-        """Return whether the bytes of a message are those that were recorded; True if there is no digest."""
-        mark = self.mark(message)
-        return mark is None or mark.crc == codec.checksum(message.copy.payload)
 
 
 def read_recording(paths: Sequence[Path]) -> Recording:
@@ -128,14 +55,19 @@ class _Sender(NamedTuple):
 class Scan:
     """Reads one file as far as possible."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, salvages: bool = False) -> None:
+        """With `salvages`, go on behind a record whose end cannot be found."""
         self.path = path
         self.ended = False
         """Whether the file could be read to its end."""
         self.position = 0
         """Number of bytes that could be read."""
         self.size = 0
+        self.gaps: list[Gap] = []
+        """Parts of the file that cannot be read, with readable ones behind them."""
+        self._salvages = salvages
         self._is_ours = False
+        self._is_damage_known = False
         self._channels: dict[int, Channel] = {}
         self._senders: dict[int, _Sender] = {}
 
@@ -161,13 +93,19 @@ class Scan:
         Raises:
             RecordingError: The file is not a recording of this protocol, or not the next part of `recording`.
         """
+        integrity = Integrity()
         with self._opened() as file:
+            if self._salvages:
+                self._channels.update(read_summary(file).channels)
             for opcode, data in self._frames(file):
+                integrity.take(opcode, data)
                 self._take(opcode, data, recording)
         if not self._is_ours:
             what = "an MCAP file of another kind" if self.ended else "one that is cut off before its metadata"
             raise RecordingError(f"{self.path}: expected a recording of legpush, got {what}")
         recording.files.append(self.path)
+        if self.ended and not self.gaps:
+            self._take_integrity(integrity, recording)
 
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:
@@ -184,7 +122,8 @@ class Scan:
 
     def _frames(self, file: BinaryIO) -> Iterator[tuple[int, bytes]]:
         self.position = file.tell()
-        for opcode, data in frames(file, self.size):
+        records = salvaged(file, self.size, self.gaps) if self._salvages else frames(file, self.size)
+        for opcode, data in records:
             yield opcode, data
             self.position = file.tell()
             if opcode == Opcode.FOOTER:
@@ -205,9 +144,23 @@ class Scan:
             case Chunk():
                 self._take_chunk(record, recording)
             case None if is_read(opcode):
-                recording.n_damaged_chunks += 1
+                self._note(f"the record at byte {self.position}", recording)
             case _:
                 pass
+
+    def _take_integrity(self, integrity: Integrity, recording: Recording) -> None:
+        """Note what is damaged besides chunks and attachments."""
+        if integrity.is_data_damaged:
+            for words in damaged_indexes(self.path):
+                self._note(words, recording)
+            if not self._is_damage_known:
+                self._note("the header, the metadata, or the CRC of the data", recording)
+        if integrity.is_summary_damaged:
+            self._note("the summary", recording)
+
+    def _note(self, words: str, recording: Recording) -> None:
+        self._is_damage_known = True
+        recording.damaged_records.append(f"{words} of {self.path.name}")
 
     def _take_about(self, about: dict[str, str], recording: Recording) -> None:
         version = about.get("protocol")
@@ -236,12 +189,14 @@ class Scan:
             recording.damaged_attachments.discard(record.name)
         else:
             recording.damaged_attachments.add(record.name)
+            self._is_damage_known = True
 
     def _take_chunk(self, chunk: Chunk, recording: Recording) -> None:
         """Read a chunk even if its CRC is wrong, since digests show which message is damaged."""
         if chunk.compression:
             raise RecordingError(f"{self.path}: expected chunks that are not compressed, got {chunk.compression}")
-        recording.n_damaged_chunks += codec.checksum(chunk.data) != chunk.uncompressed_crc
+        if codec.checksum(chunk.data) != chunk.uncompressed_crc:
+            self._note(f"the chunk at byte {self.position}", recording)
         for opcode, data in frames(BytesIO(chunk.data), len(chunk.data)):
             record = parsed(opcode, data)
             if isinstance(record, Channel):

@@ -156,7 +156,8 @@ class RecordingFile:
         self._began = monotonic()
         self._channels: dict[tuple[str, str], int] = {}
         self._schemas: dict[str, int] = {}
-        self._writer = Writer(cast("os.PathLike[bytes]", self._stream), CHUNK_BYTES, CompressionType.NONE)  # type: ignore[arg-type]
+        stream = cast("os.PathLike[bytes]", self._stream)
+        self._writer = Writer(stream, CHUNK_BYTES, CompressionType.NONE, enable_data_crcs=True)  # type: ignore[arg-type]
         self._writer.start("legpush", f"legpush {version('legpush')}")
         self._writer.add_metadata(METADATA, {**self._about, "part": str(self._first_part + number)})
         for attachment in self._attachments.values():

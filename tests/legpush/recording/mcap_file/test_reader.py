@@ -111,7 +111,7 @@ def test_a_message_whose_channel_is_not_known_is_missed_and_others_are_read(tmp_
     actions, answers = traffic(MISSION)
     (path,) = write(tmp_path / "a.mcap", actions, answers)
     recording = damaged(path, actions[5].payload, -21)
-    assert (recording.n_lost, recording.n_damaged_chunks) == (1, 1)
+    assert (recording.n_lost, len(recording.damaged_records)) == (1, 1)
     assert len(recording.messages) == len(actions) + len(answers) - 1
 
 
@@ -127,4 +127,4 @@ def test_messages_that_a_damaged_length_hides_are_missed(tmp_path: Path) -> None
     assert recording.n_lost > 0
     assert not recording.is_complete
     text = "\n".join(lines(recording))
-    assert f"{recording.n_lost} messages that were recorded cannot be read" in text
+    assert f"damaged: {recording.n_lost} messages that cannot be read any more" in text
