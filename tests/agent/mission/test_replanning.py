@@ -157,7 +157,7 @@ def test_a_robot_that_is_cut_off_ends_its_mission_without_a_path_and_says_since_
 # -- pushing ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_path_of_the_box_is_planned_anew_when_something_appears_in_it() -> None:
+def test_another_path_of_the_box_is_planned_when_something_appears_in_it() -> None:
     crate = Rectangle(x_min_m=6.6, x_max_m=6.8, y_min_m=3.0, y_max_m=3.4, appears_at_s=PUSHING_S)
     world, scenario = FakeWorld(), with_obstacles(scenario_at_station(), crate)
 
@@ -231,7 +231,7 @@ def test_a_calibration_ends_when_something_appears() -> None:
     assert [len(details) for details in told] == [4, 8]
 
 
-# -- whatever the world says -----------------------------------------------------------------------------------------
+# -- answers of the world --------------------------------------------------------------------------------------------
 
 
 def test_a_mission_with_new_ways_is_answered_from_its_record_as_it_was() -> None:

@@ -48,7 +48,7 @@ def test_without_the_space_for_it_nothing_is_calibrated() -> None:
 
 
 def at_the_box(n_pushes: int, world: FakeWorld, **changes: object) -> Parts:
-    """A robot at the rear face of a box that is calibrated with so many pushes."""
+    """A robot at the rear face of a box that is calibrated with `n_pushes` pushes."""
     asked = replace(scenario_at_station(), pushing=PushSettings(calibration_pushes=n_pushes))
     return parts_in(world, replace(asked, **changes))
 
