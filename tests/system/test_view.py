@@ -35,12 +35,12 @@ def legpush(*arguments: str, env: dict[str, str] | None = None) -> subprocess.Po
 
 @contextmanager
 def viewer(*arguments: str, env: dict[str, str] | None = None) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    """The address of a page that is served, and who serves it."""
+    """The printed address of a page that is served, and who serves it."""
     process = legpush("view", "--port", "0", *arguments, env=env)
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
-        found = re.search(r"http://127\.0\.0\.1:\d+", line)
+        found = re.search(r"http://127\.0\.0\.1:\d+/\?token=\S{43}", line)
         assert found is not None, line + (process.communicate()[1] if process.poll() is not None else "")
         yield found[0], process
     finally:
