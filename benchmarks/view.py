@@ -30,8 +30,8 @@ CLI = "import sys; from legpush.cli import main; sys.exit(main())"
 class Config:
     """Length of the measurement."""
 
-    query: str = "?fixedDpr=0.5"
-    """Query of the address; by default half the pixels each way, empty for all pixels."""
+    query: str = "&fixedDpr=0.5"
+    """What to add to the query of the address; by default half the pixels each way, empty for all pixels."""
     openings: int = 5
     """How often to open a page and wait for the robot."""
     seconds: float = 10.0
@@ -51,8 +51,8 @@ def main(config: Config) -> None:
         recording = folder / "mission.mcap"
         run(folder / "recorded", config, "--record", str(recording))
         with browser() as chrome, viewer(str(recording)) as url:
-            measure_openings(chrome, f"{url}/{config.query}", config.openings)
-            measure_frames(chrome, f"{url}/{config.query}", config.seconds)
+            measure_openings(chrome, f"{url}{config.query}", config.openings)
+            measure_frames(chrome, f"{url}{config.query}", config.seconds)
         for niceness in (0, 19):
             measure_missions(folder, config, niceness)
 
@@ -87,7 +87,7 @@ def measure_missions(folder: Path, config: Config, niceness: int) -> None:
     with browser(niceness=niceness) as chrome:
         for index in range(config.missions):
             alone = run(folder / f"{niceness}-{index}-alone", config)
-            with viewer() as url, chrome.page(f"{url}/{config.query}") as page:
+            with viewer() as url, chrome.page(f"{url}{config.query}") as page:
                 until_drawn(page)
                 sleep(1.0)
                 with ThreadPoolExecutor(1) as pool:

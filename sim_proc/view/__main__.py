@@ -6,7 +6,7 @@ import webbrowser
 import tyro
 
 from legpush.errors import LegpushError
-from legpush.options.view import ViewOptions
+from legpush.options.view import EVERYWHERE, ViewOptions
 from legpush.service import one_line, stop_on_signals
 from sim_proc.view.page import Page
 from sim_proc.view.sources import LiveSource, RecordedSource
@@ -21,7 +21,9 @@ def main() -> int:
         source = RecordedSource(options.files) if options.files else LiveSource(options.run, options.connect)
         with Page(source, options.host, options.port) as page, source:
             sys.stdout.write(f"{source.title}: {page.url}  (Ctrl-C ends it)\n")
-            sys.stdout.write(f"    without a GPU: {page.url}/?fixedDpr=0.5\n")
+            sys.stdout.write(f"    without a GPU: {page.url}&fixedDpr=0.5\n")
+            if options.host == EVERYWHERE:
+                sys.stdout.write("    from another machine: the same, with an address of this machine for 127.0.0.1\n")
             sys.stdout.flush()
             if options.open:
                 webbrowser.open(page.url)

@@ -9,13 +9,13 @@ from math import cos, sin
 from time import monotonic, time_ns
 from typing import Final, Protocol
 
-import viser
-
 from legpush.errors import ConfigError
 from legpush.geometry import rpy_from_quaternion
 from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.messages.telemetry import Origin
+from legpush.options.view import EVERYWHERE
+from sim_proc.view.guard import start_server
 from sim_proc.view.panel import CAMERAS, FOLLOW_ROBOT, Panel, PanelCommand, speed_of
 from sim_proc.view.player import Player
 from sim_proc.view.plots import Plots
@@ -57,13 +57,14 @@ class Page:
         """Start the server; port 0 takes any free port.
 
         Raises:
-            ConfigError: The address cannot be listened on.
+            ConfigError: The address cannot be listened on, or the page cannot be guarded.
         """
         port = _free_port(host, port)
         self._source = source
-        with redirect_stdout(StringIO()):  # viser prints a banner
-            self._server = viser.ViserServer(host=host, port=port, label="legpush", verbose=False)
-        self.url = f"http://{host}:{self._server.get_port()}"
+        self._server, token = start_server(host, port)
+        shown = "127.0.0.1" if host == EVERYWHERE else host
+        self.url = f"http://{shown}:{self._server.get_port()}/?token={token}"
+        """Address that opens the page; further fields of its query can follow after `&`."""
         self._server.gui.configure_theme(control_width="medium", show_logo=False, show_share_button=False)
         self._server.gui.main_panel.dock_right()
         self._server.initial_camera.position = CAMERAS["Behind"].position_m

@@ -45,6 +45,7 @@ ROGUES = {
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc.export", "import foxglove"),
     "Only tables import PyArrow": ("sim_proc.export", "import pyarrow"),
     "Only sim_proc.view imports viser": ("sim_proc.view", "import viser"),
+    "Only the guard of the page imports websockets": ("sim_proc.view", "import websockets"),
 }
 """Package that a rogue module is put into, and the line in it that must break the contract of that name."""
 

@@ -1,5 +1,6 @@
 """`legpush view` as people use it: pages in a real Chromium, of a recording and of a run that goes on."""
 
+import json
 import os
 import re
 import signal
@@ -7,7 +8,11 @@ import socket
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib.metadata import version
 from pathlib import Path
+from threading import Thread
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -18,6 +23,7 @@ from legpush.history.run_history import RunHistory
 from legpush.history.timeline import Timeline
 from legpush.recording.mcap_file.reader import read_recording
 from sim_proc.simulator import Simulator
+from sim_proc.view.guard import UNKNOWN
 from tests.chromium import Browser, Page, browser, chromium, until
 from tests.legpush.recording.recordings import traffic, write
 from tests.sim.view.conftest import MOTIONS
@@ -35,12 +41,12 @@ def legpush(*arguments: str, env: dict[str, str] | None = None) -> subprocess.Po
 
 @contextmanager
 def viewer(*arguments: str, env: dict[str, str] | None = None) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    """The address of a page that is served, and who serves it."""
+    """The printed address of a page that is served, and who serves it."""
     process = legpush("view", "--port", "0", *arguments, env=env)
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
-        found = re.search(r"http://127\.0\.0\.1:\d+", line)
+        found = re.search(r"http://127\.0\.0\.1:\d+/\?token=\S{43}", line)
         assert found is not None, line + (process.communicate()[1] if process.poll() is not None else "")
         yield found[0], process
     finally:
@@ -177,6 +183,77 @@ def test_a_mission_is_shown_while_it_lasts_and_does_not_mind_who_looks(
         run.communicate(timeout=120)
     assert run.returncode == 0
     assert crc_of(tmp_path / "seen") == crc_of(push_mission.out)
+
+
+OPEN_SOCKET = """
+new Promise((done) => {
+  const socket = new WebSocket(%s, %s);
+  socket.binaryType = 'arraybuffer';
+  socket.onmessage = (message) => done(message.data.byteLength);
+  socket.onclose = () => done(-1);
+})
+"""
+"""Length of the first message that a page gets from a WebSocket, -1 if it is closed before."""
+
+
+@contextmanager
+def other_page() -> Iterator[str]:
+    """The address of a page of another program on this machine."""
+
+    class Answer(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(HTTPStatus.OK)
+            self.end_headers()
+            self.wfile.write(b"<title>Another page</title>")
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Answer) as server:
+        thread = Thread(target=server.serve_forever)
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+        thread.join()
+
+
+def test_the_page_opens_with_its_token_only(chrome: Browser, recording: Path) -> None:
+    with viewer(str(recording)) as (url, process):
+        bare = url.partition("?")[0]
+        with chrome.page(url) as page:
+            shows(page, "Recording pushes.mcap")
+            assert page.js("location.href") == bare
+            assert page.js("document.cookie") == ""
+        with chrome.page(bare) as page:
+            shows(page, "Recording pushes.mcap")
+        with browser() as stranger:
+            for address in (bare, f"{bare}?token=wrong", url.replace("127.0.0.1", "localhost").partition("?")[0]):
+                with stranger.page(address) as page:
+                    assert page.text.strip() == UNKNOWN.strip()
+                    assert page.js("performance.getEntriesByType('navigation')[0].responseStatus") == 403
+            with stranger.page(f"{url}&fixedDpr=0.5") as page:
+                shows(page, "Recording pushes.mcap")
+                assert page.js("location.href") == f"{bare}?fixedDpr=0.5"
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=30)[1] == ""
+
+
+def test_a_page_of_another_origin_gets_no_websocket_although_its_browser_has_the_cookie(
+    chrome: Browser, recording: Path
+) -> None:
+    with viewer(str(recording)) as (url, _), other_page() as other:
+        bare, _, token = url.partition("?")
+        protocol = json.dumps(f"viser-v{version('viser')}")
+        with chrome.page(url) as page:
+            shows(page, "Recording pushes.mcap")
+            assert page.js(OPEN_SOCKET % (json.dumps(bare.replace("http", "ws")), protocol)) > 0
+        for foreign in (other, other.replace("127.0.0.1", "localhost")):
+            with chrome.page(foreign) as page:
+                assert page.js("document.title") == "Another page"
+                for query in ("", f"?{token}"):
+                    socket = json.dumps(f"{bare.replace('http', 'ws')}{query}")
+                    assert page.js(OPEN_SOCKET % (socket, protocol)) == -1
+                assert not page.js(f"fetch({json.dumps(bare)}, {{mode: 'no-cors'}}).then(() => true, () => false)")
 
 
 @pytest.mark.parametrize(

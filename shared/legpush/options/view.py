@@ -8,6 +8,8 @@ import tyro
 
 from legpush.errors import ConfigError
 
+EVERYWHERE: Final = "0.0.0.0"  # noqa: S104 (a user has to ask for it)
+"""Host that means all addresses of this machine."""
 PORT: Final = 8765
 MAX_PORT: Final = 65535
 
@@ -16,7 +18,8 @@ MAX_PORT: Final = 65535
 class ViewOptions:
     """Show a live run or a recording in the browser, on a page of this machine, until Ctrl-C.
 
-    The run is not disturbed: pages can be opened and closed at any time.
+    The run is not disturbed: pages can be opened and closed at any time. The printed address contains a token, and only
+    who has it can open the page.
     """
 
     files: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")] = ()
@@ -26,7 +29,8 @@ class ViewOptions:
     connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT ...")] = ()
     """Endpoints of the processes, if no launcher of this machine started them."""
     host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0 lets other machines see the page and use its controls."""
+    """Address to listen on; 0.0.0.0 lets other machines open the page, without encryption: prefer a tunnel, such as
+    ssh -L 8765:127.0.0.1:8765 HOST, which keeps the port."""
     port: int = PORT
     """Port to listen on; 0 for any free port."""
     open: bool = False
