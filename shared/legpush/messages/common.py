@@ -14,7 +14,7 @@ ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 MAX_COUNT: Final = 2**53
 """Largest count: up to here readers of JSON keep every integer."""
 Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
-TimeNs = Annotated[int, Meta(ge=0, lt=2**63)]
+TimeNs = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 """A time in nanoseconds since 1970, up to the year 2262. It takes more than 53 bits."""
 Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
 
