@@ -10,7 +10,7 @@ from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.exchange import Exchange, OnWait, no_report
 from legpush.errors import MotionError, PeerError
-from legpush.messages.common import Header
+from legpush.messages.common import MAX_COUNT, Header
 from legpush.messages.stepping import Action, Answer, Motion, Outcome, Refusal
 from legpush.messages.telemetry import Reward, RewardTerm
 from legpush.patience import Patience
@@ -51,10 +51,20 @@ class SimLink:
         self.episode = -1
 
     def begin(self, episode: int | None = None) -> int:
-        """Begin a new episode, or go on with the one that has this number; returns the number."""
+        """Begin a new episode, or go on with the one that has this number; returns the number.
+
+        Raises:
+            PeerError: No episode can have a number that is this high.
+        """
+        number = max(self.episode + 1, time_ns() // 1_000_000) if episode is None else episode
+        if number > MAX_COUNT:
+            raise PeerError(
+                f"{self._exchange.peer} is in the last episode that has a number, {MAX_COUNT}: expected a simulator "
+                "that can begin another one, so start it again"
+            )
         self._in_step = None
-        self.episode = max(self.episode + 1, time_ns() // 1_000_000) if episode is None else episode
-        return self.episode
+        self.episode = number
+        return number
 
     def step(self, motion: Motion, past: Sequence[PastStep], *, with_trace: bool = False) -> Outcome:
         """What `motion` leads to as the step after `past`, all of the episode's steps up to now.

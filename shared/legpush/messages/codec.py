@@ -18,11 +18,16 @@ def encode(message: msgspec.Struct) -> bytes:
     """Return the message as a MessagePack map.
 
     Raises:
-        MessageError: A number is not finite, or the message is longer than `MAX_MESSAGE_BYTES`.
+        MessageError: A number is not finite, an integer has more than 64 bits, or the message is longer than
+            `MAX_MESSAGE_BYTES`.
     """
-    plain = msgspec.to_builtins(message, builtin_types=(bytes,))
-    _require_finite(plain, "$")
-    packed: bytes = msgpack.packb(plain)
+    try:
+        plain = msgspec.to_builtins(message, builtin_types=(bytes,))
+        _require_finite(plain, "$")
+        packed: bytes = msgpack.packb(plain)
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+        kind = type(message).__name__
+        raise MessageError(f"Expected a {kind} that MessagePack can hold ({type(error).__name__}: {error})") from error
     _require_size(packed)
     return packed
 

@@ -11,7 +11,11 @@ PROTOCOL_VERSION: Final = 6
 Role = Literal["planner", "sim", "agent", "launcher", "recorder"]
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 """The three processes of a mission."""
-Count = Annotated[int, Meta(ge=0)]
+MAX_COUNT: Final = 2**53
+"""Largest count: up to here readers of JSON keep every integer."""
+Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
+TimeNs = Annotated[int, Meta(ge=0, le=2**63 - 1)]
+"""A time in nanoseconds since 1970, up to the year 2262. It takes more than 53 bits."""
 Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 MAX_WAYPOINTS: Final = 100_000
@@ -24,7 +28,7 @@ USUAL_DEPTH_M: Final = 0.05
 class Header(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Names the sender of a message and the run that it belongs to."""
 
-    protocol: int
+    protocol: Count
     run: Name
     role: Role
     name: Name

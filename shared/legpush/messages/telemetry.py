@@ -5,7 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from legpush.fields import Name
-from legpush.messages.common import Count, Header, Role, Unit
+from legpush.messages.common import Count, Header, Role, TimeNs, Unit
 
 
 class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -48,7 +48,7 @@ class Copy(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     key: str
     sequence: Count
     """The `sequence` of its header."""
-    time_ns: Count
+    time_ns: TimeNs
     """When it was published, in nanoseconds since 1970."""
     payload: bytes
 

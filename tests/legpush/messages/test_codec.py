@@ -4,6 +4,7 @@ import msgpack
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from legpush.bus.channels import Message
 from legpush.errors import MessageError
@@ -87,6 +88,17 @@ def test_a_number_that_is_not_finite_is_refused_with_its_path_on_both_ways(value
     with pytest.raises(MessageError, match=r"finite .* at `\$.motion.waypoints\[1\].x_m`") as got:
         codec.decode(msgpack.packb(plain), Action)
     assert got.value.cause == "not_finite"
+
+
+@pytest.mark.parametrize("number", [2**64, -(2**63) - 1, 10**400])
+def test_an_integer_that_messagepack_cannot_hold_is_a_message_error(number: int) -> None:
+    with pytest.raises(MessageError, match="Expected a Header that MessagePack can hold .*OverflowError"):
+        codec.encode(replace(header("sim"), sequence=number))
+
+
+def test_a_text_that_is_not_unicode_is_a_message_error() -> None:
+    with pytest.raises(MessageError, match="Expected a Status that MessagePack can hold .*surrogates"):
+        codec.encode(Status(header=header("sim"), phase="\ud800"))
 
 
 def test_an_oversize_message_is_refused_on_both_ways(monkeypatch: pytest.MonkeyPatch) -> None:
