@@ -92,12 +92,12 @@ def test_a_number_that_is_not_finite_is_refused_with_its_path_on_both_ways(value
 
 @pytest.mark.parametrize("number", [2**64, -(2**63) - 1, 10**400])
 def test_an_integer_that_messagepack_cannot_hold_is_a_message_error(number: int) -> None:
-    with pytest.raises(MessageError, match="Expected a Header that MessagePack can hold .*OverflowError"):
+    with pytest.raises(MessageError, match=r"Expected a Header that MessagePack can hold .*OverflowError"):
         codec.encode(replace(header("sim"), sequence=number))
 
 
 def test_a_text_that_is_not_unicode_is_a_message_error() -> None:
-    with pytest.raises(MessageError, match="Expected a Status that MessagePack can hold .*surrogates"):
+    with pytest.raises(MessageError, match=r"Expected a Status that MessagePack can hold .*surrogates"):
         codec.encode(Status(header=header("sim"), phase="\ud800"))
 
 
