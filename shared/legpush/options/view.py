@@ -18,8 +18,8 @@ MAX_PORT: Final = 65535
 class ViewOptions:
     """Show a live run or a recording in the browser, on a page of this machine, until Ctrl-C.
 
-    The run is not disturbed: pages can be opened and closed at any time. The printed address contains a token, and only
-    who has it can open the page.
+    The run is not disturbed: pages can be opened and closed at any time. The page opens only at the
+    printed address, which contains a token.
     """
 
     files: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")] = ()
@@ -29,8 +29,8 @@ class ViewOptions:
     connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT ...")] = ()
     """Endpoints of the processes, if no launcher of this machine started them."""
     host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0 lets other machines open the page, without encryption: prefer a tunnel, such as
-    ssh -L 8765:127.0.0.1:8765 HOST, which keeps the port."""
+    """Address to listen on; 0.0.0.0 lets other machines open the page, without encryption. A tunnel is safer; it has to
+    keep the port, as in ssh -L 8765:127.0.0.1:8765 HOST."""
     port: int = PORT
     """Port to listen on; 0 for any free port."""
     open: bool = False
