@@ -90,14 +90,14 @@ class RecoverOptions:
 class ReplayOptions:
     """Verify a recording, let it take the part of a process, or publish it again for recorders and viewers.
 
-    Exit codes: 0 identical, or done; 1 it diverges; 2 bad input, such as a recording without the required steps; 3 a
-    process failed; 130 interrupted.
+    Exit codes: 0 identical, or done; 1 it diverges or is damaged; 2 bad input, such as a recording without the required
+    steps; 3 a process failed; 130 interrupted.
     """
 
     files: Files
     """The recording, or its parts."""
     verify: bool = False
-    """Send the recorded motions to a fresh simulator, and compare every answer bit for bit."""
+    """Send the recorded motions to a fresh simulator, compare every answer bit for bit, and list all damage."""
     as_role: Annotated[
         Literal["planner", "sim", "agent"] | None, tyro.conf.arg(name="as", metavar="planner|sim|agent")
     ] = None

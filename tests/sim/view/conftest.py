@@ -1,5 +1,7 @@
 """A short episode that was really simulated, as messages and as a timeline."""
 
+from collections.abc import Iterator
+
 import pytest
 
 from legpush.history.run_history import RunHistory
@@ -9,6 +11,7 @@ from legpush.messages.telemetry import Copy
 from legpush.scenarios.file import load_scenario
 from sim_proc.simulator import Simulator
 from tests.legpush.recording.recordings import ACTIONS, AGENT, ANSWERS, SIM, traffic
+from tests.sim.view.guarded import Served, serve
 
 MOTIONS: tuple[Motion, ...] = (
     Reset(scenario=load_scenario("push"), seed=3),
@@ -39,3 +42,10 @@ def timeline(history: RunHistory) -> Timeline:
     """The episode."""
     (only,) = history.episodes.values()
     return only
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[Served]:
+    made = serve("127.0.0.1")
+    yield made
+    made.server.stop()

@@ -1,108 +1,28 @@
 """The guard of the page, met by raw clients: who gets an answer of viser, and who gets one sentence."""
 
 import logging
-import socket
-import threading
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
-import msgspec
-import numpy as np
 import pytest
-import viser
-import websockets.asyncio.server
-from viser import _messages
-from viser.infra import _infra
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 from websockets.http11 import Request
-from websockets.sync.client import ClientConnection, connect
 
-from legpush.errors import ConfigError
-from sim_proc.view.guard import FOREIGN, UNKNOWN, Guard, cookie_name, start_server
+from sim_proc.view.guard import FOREIGN, UNKNOWN, Guard
 from tests.chromium import until
-
-COLOR = (7, 77, 177)
-N_POINTS = 300
-SCENE = bytes(COLOR) * N_POINTS
-"""Bytes that everybody gets who is shown the scene."""
-SUBPROTOCOL = f"viser-v{viser.__version__}"
-UPGRADE = (
-    "Connection: Upgrade",
-    "Upgrade: websocket",
-    "Sec-WebSocket-Version: 13",
-    "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
-    f"Sec-WebSocket-Protocol: {SUBPROTOCOL}",
+from tests.sim.view.guarded import (
+    PATIENCE_S,
+    SCENE,
+    UPGRADE,
+    Served,
+    answer,
+    client,
+    is_refused,
+    request,
+    serve,
 )
-PATIENCE_S = 10.0
-
-
-@dataclass(frozen=True)
-class Served:
-    """A server with a scene behind a guard."""
-
-    server: viser.ViserServer
-    token: str
-
-    @property
-    def port(self) -> int:
-        return self.server.get_port()
-
-    @property
-    def cookie(self) -> str:
-        return f"{cookie_name(self.port)}={self.token}"
-
-    def fill(self, text: str) -> str:
-        """Put port, token and cookie into a text."""
-        return text.format(port=self.port, token=self.token, cookie=self.cookie)
-
-
-def serve(host: str) -> Served:
-    served = Served(*start_server(host, 0))
-    colors = np.full((N_POINTS, 3), COLOR, dtype=np.uint8)
-    served.server.scene.add_point_cloud("points", np.zeros((N_POINTS, 3), np.float32), colors)
-    return served
-
-
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    made = serve("127.0.0.1")
-    yield made
-    made.server.stop()
-
-
-def answer(port: int, sent: bytes, host: str = "127.0.0.1") -> bytes:
-    """Everything that the server says to these bytes before it closes."""
-    with socket.create_connection((host, port), timeout=PATIENCE_S) as client:
-        client.sendall(sent)
-        said = b""
-        while part := client.recv(65536):
-            said += part
-    return said
-
-
-def request(target: str, *headers: str) -> bytes:
-    return "\r\n".join((f"GET {target} HTTP/1.1", *headers, "", "")).encode()
-
-
-def is_refused(said: bytes, sentence: str) -> bool:
-    """Whether the answer is 403 with the sentence and no byte more."""
-    head, _, body = said.partition(b"\r\n\r\n")
-    return head.startswith(b"HTTP/1.1 403 Forbidden\r\n") and body.decode() == sentence and b"Cookie" not in head
-
-
-def client(served: Served, query: str = "", **headers: str) -> ClientConnection:
-    return connect(
-        f"ws://127.0.0.1:{served.port}/{query}",
-        subprotocols=[cast(Any, SUBPROTOCOL)],
-        additional_headers=headers,
-        max_size=None,
-        proxy=None,
-        compression=None,
-    )
 
 
 @pytest.mark.parametrize("upgrade", [(), UPGRADE], ids=["http", "websocket"])
@@ -291,87 +211,3 @@ def test_the_names_of_the_page(host: str, address: str, port: int, named: str, i
     refused = Guard(host).answer(connection, Request("/", Headers(Host=named)))
     assert refused is not None
     assert refused.body.decode() == (UNKNOWN if is_own else FOREIGN)
-
-
-def test_each_server_has_a_long_token_of_its_own() -> None:
-    tokens = {Guard("localhost").token for _ in range(100)}
-    assert len(tokens) == 100
-    assert min(map(len, tokens)) >= 43
-
-
-def test_tokens_are_compared_in_constant_time(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
-    compared = []
-
-    def compare(*both: bytes) -> bool:
-        compared.append(both)
-        return False
-
-    monkeypatch.setattr("secrets.compare_digest", compare)
-    for target, header in (("/?token=wrong", "A: b"), ("/", "Cookie: legpush-view-{port}=wrong")):
-        assert is_refused(answer(served.port, request(target, *map(served.fill, (OWN_HOST, header)))), UNKNOWN)
-    assert compared == [(b"wrong", served.token.encode())] * 2
-
-
-@pytest.mark.parametrize("kind", ["ShareUrlRequest", "ShareUrlDisconnect"])
-def test_messages_that_ask_for_a_public_address_have_no_effect(monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
-    served = serve("127.0.0.1")
-    try:
-        asked, arrived = threading.Event(), threading.Event()
-        for method in ("request_share_url", "disconnect_share_url"):
-            monkeypatch.setattr(served.server, method, asked.set)
-        assert getattr(_messages, kind) not in served.server._websock_server._incoming_handlers
-        served.server._websock_server.register_handler(getattr(_messages, kind), lambda *_: arrived.set())
-        with client(served, Cookie=served.cookie) as opened:
-            opened.send(msgspec.msgpack.encode({"type": kind}))
-            assert arrived.wait(PATIENCE_S)
-        assert not asked.wait(0.2)
-    finally:
-        served.server.stop()
-
-
-def test_an_unknown_version_of_viser_is_not_started(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(viser, "__version__", "1.2.0")
-    monkeypatch.setattr(viser, "ViserServer", None)
-    with pytest.raises(ConfigError, match=r"viser 1\.1\.x.*got viser 1\.2\.0"):
-        start_server("127.0.0.1", 0)
-
-
-def does_not_take_the_guard(monkeypatch: pytest.MonkeyPatch) -> None:
-    serve = SimpleNamespace(serve=websockets.asyncio.server.serve)
-    parts = {name: getattr(websockets, name) for name in ("datastructures", "exceptions")}
-    monkeypatch.setattr(_infra, "websockets", SimpleNamespace(asyncio=SimpleNamespace(server=serve), **parts))
-
-
-def shares_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    register = _infra.WebsockMessageHandler.register_handler
-
-    def register_others(self: Any, message: Any, callback: Any) -> None:
-        if message is not _messages.ShareUrlRequest:
-            register(self, message, callback)
-
-    monkeypatch.setattr(_infra.WebsockMessageHandler, "register_handler", register_others)
-
-
-@pytest.mark.parametrize("is_other", [does_not_take_the_guard, shares_elsewhere])
-def test_a_viser_that_cannot_be_guarded_is_stopped_and_named(
-    monkeypatch: pytest.MonkeyPatch, is_other: Callable[[pytest.MonkeyPatch], None]
-) -> None:
-    made = []
-
-    class Server(viser.ViserServer):
-        def __init__(self, **options: Any) -> None:
-            super().__init__(**options)
-            made.append(self.get_port())
-
-    monkeypatch.setattr(viser, "ViserServer", Server)
-    is_other(monkeypatch)
-    with pytest.raises(ConfigError, match=f"got viser {viser.__version__}: "):
-        start_server("127.0.0.1", 0)
-    assert len(made) == 1
-    with pytest.raises(ConnectionRefusedError):
-        socket.create_connection(("127.0.0.1", made[0]))
-
-
-def test_websockets_is_as_before_once_the_server_runs(served: Served) -> None:
-    assert websockets.asyncio.server.serve.__module__ == "websockets.asyncio.server"
-    assert served.port > 0
