@@ -23,6 +23,7 @@ UPGRADE = (
     f"Sec-WebSocket-Protocol: {SUBPROTOCOL}",
 )
 PATIENCE_S = 10.0
+OWN_HOST = "Host: 127.0.0.1:{port}"
 
 
 @dataclass(frozen=True)

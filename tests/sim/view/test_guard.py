@@ -13,6 +13,7 @@ from websockets.http11 import Request
 from sim_proc.view.guard import FOREIGN, UNKNOWN, Guard
 from tests.chromium import until
 from tests.sim.view.guarded import (
+    OWN_HOST,
     PATIENCE_S,
     SCENE,
     UPGRADE,
@@ -48,9 +49,6 @@ def test_a_request_without_the_token_is_refused(
     said = answer(served.port, request(served.fill(target), *given, *upgrade))
     assert is_refused(said, UNKNOWN)
     assert "legpush view printed" in UNKNOWN
-
-
-OWN_HOST = "Host: 127.0.0.1:{port}"
 
 
 @pytest.mark.parametrize("upgrade", [(), UPGRADE], ids=["http", "websocket"])

@@ -16,6 +16,7 @@ from viser.infra import _infra
 from legpush.errors import ConfigError
 from sim_proc.view.guard import UNKNOWN, Guard, start_server
 from tests.sim.view.guarded import (
+    OWN_HOST,
     PATIENCE_S,
     Served,
     answer,
