@@ -58,3 +58,13 @@ def test_a_file_in_the_recording_that_is_damaged_is_told_and_refused_where_it_is
     assert "1 files are damaged: agent/main/mission.json" in "\n".join(lines(recording))
     with pytest.raises(RecordingError, match=r"agent/main/mission.json of the recording is damaged"):
         read_facts(recording)
+
+
+@pytest.mark.parametrize("policy", ["", "--trust-policy-file", "a\\u0000b", "a\\u001b[2Jb", "a\\n"])
+def test_the_name_of_a_policy_that_is_a_flag_or_has_control_characters_is_refused(tmp_path: Path, policy: str) -> None:
+    data = f'{{"seed":1,"policy":"{policy}","policy_sha256":""}}'.encode()
+    fact = Fact(name="mission.json", media_type="application/json", data=data)
+    recording = read_recording(write(tmp_path / "a.mcap", *traffic(MISSION), facts=(fact,)))
+    with pytest.raises(RecordingError, match=r"mission\.json of the recording: .*policy"):
+        read_facts(recording)
+    assert any("policy        cannot be read" in line for line in lines(recording))

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from legpush.messages.telemetry import Fact
 from legpush.recording.info import lines
 from legpush.recording.mcap_file.reader import read_recording
@@ -30,3 +32,12 @@ def test_a_report_that_is_damaged_is_no_reason_to_show_nothing(tmp_path: Path) -
     report = Fact(name="report.json", media_type="application/json", data=b"[\xff")
     paths = write(tmp_path / "a.mcap", actions, answers, facts=(report,))
     assert "result        cannot be read: report.json is damaged" in lines(read_recording(paths))
+
+
+@pytest.mark.parametrize(("policy", "is_code"), [("scripted", False), ("my/folder", False), ("a:b", True)])
+def test_info_shows_the_policy_and_whether_it_runs_code(tmp_path: Path, policy: str, is_code: bool) -> None:
+    data = f'{{"seed":1,"policy":"{policy}","policy_sha256":"{"ab" * 32}"}}'.encode()
+    fact = Fact(name="mission.json", media_type="application/json", data=data)
+    shown = list(lines(read_recording(write(tmp_path / "a.mcap", *traffic(mission()), facts=(fact,)))))
+    assert f"policy        {policy}, SHA-256 abababababababab..." in shown
+    assert any("it runs code" in line for line in shown) == is_code
