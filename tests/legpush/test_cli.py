@@ -91,6 +91,8 @@ def test_the_version_is_that_of_the_package() -> None:
         (["recover", "no-such.mcap"], "error: no-such.mcap: expected a recording that can be read"),
         (["replay"], "error: Expected the file of a recording, got none"),
         (["replay", "a.mcap", "--verify", "--as", "sim"], "error: Expected either --verify or --as, got both"),
+        (["replay", "a.mcap", "--policy", "x:y"], "error: Expected --as planner or --as sim with --policy"),
+        (["run", "--policy", "a.zip"], "error: a.zip: expected --trust-policy-file"),
         (["replay", "a.mcap", "--rate", "0"], "error: Expected more than 0 for --rate, got 0.0"),
         (["replay", "a.mcap", "--as", "cook"], "cook"),
         (["export", "a.mcap"], "error: Expected --to with one of foxglove, csv, parquet, mp4, gif, or --out with its"),

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import msgspec
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from legpush.errors import RecordingError, ScenarioError
 from legpush.messages.common import Count
@@ -26,10 +26,10 @@ class MissionFacts(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The inputs of a mission besides its scenario and push map: `mission.json` of a recording."""
 
     seed: Count
-    policy: str
-    """Name of the policy, as `--policy` takes it."""
-    policy_sha256: str
-    """SHA-256 of the files of the policy; empty if it has no files."""
+    policy: Annotated[str, Meta(pattern=r"^[^\x00-\x1f\x7f-\x9f-][^\x00-\x1f\x7f-\x9f]*\Z")]
+    """Name of the policy, as `--policy` takes it: no flag, and no control characters."""
+    policy_sha256: Annotated[str, Meta(pattern=r"^[0-9a-f]*\Z")]
+    """SHA-256 of the files of the policy, or of its source file if it is code; empty if it has neither."""
 
 
 class MissionFiles(NamedTuple):

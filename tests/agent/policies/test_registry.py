@@ -1,14 +1,17 @@
 """Policies by name."""
 
+import os
+import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
 from agent_proc.frames.push_view import push_view
-from agent_proc.policies.folder import shipped_policies
+from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.folder import policy_path, shipped_policies
 from agent_proc.policies.learned import LearnedPolicy
-from agent_proc.policies.registry import make_policy
+from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.policies.scripted import ScriptedPolicy
 from legpush.errors import PolicyError
 from legpush.messages.stepping import Push
@@ -84,3 +87,26 @@ def test_a_policy_of_ones_own_may_be_one_that_is_asked_about_a_view() -> None:
 def test_what_is_no_policy_is_refused(factory: str, message: str) -> None:
     with pytest.raises(PolicyError, match=message):
         make_policy(f"my_push_policy:{factory}")
+
+
+def test_data_names_policies_of_this_package_and_folders_with_their_hash(tmp_path: Path) -> None:
+    shutil.copytree(policy_path("fixed"), tmp_path / "folder")
+    sha256 = policy_sha256("fixed")
+
+    assert isinstance(policy_from_data("scripted", ""), ScriptedPolicy)
+    for name in ("fixed", str(tmp_path / "folder")):
+        assert isinstance(policy_from_data(name, sha256), LearnedPolicy)
+        with pytest.raises(PolicyError, match=r"of the recording, SHA-256 0000000000000000\.\.\., got one with"):
+            policy_from_data(name, "0" * 64)
+        with pytest.raises(PolicyError, match=r"Expected the policy .* of the recording"):
+            policy_from_data(name, "")
+
+
+def test_data_names_no_code_unless_it_is_repeated() -> None:
+    with pytest.raises(PolicyError, match="which runs code: repeat it with --policy my_push_policy:make"):
+        policy_from_data("my_push_policy:make", policy_sha256("my_push_policy:make"))
+    assert "my_push_policy" not in sys.modules
+    assert os.getcwd() not in sys.path
+
+    repeated = policy_from_data("my_push_policy:make", "", repeated="my_push_policy:make")
+    assert repeated.decide(VIEW) is not None

@@ -8,8 +8,9 @@ import msgspec
 import pytest
 
 from legpush.fields import Name
-from legpush.launch.process_commands import Place, bus_flags, process_arguments
+from legpush.launch.process_commands import Place, bus_flags, process_arguments, recorded_policy_flags
 from legpush.options.run import RunOptions
+from legpush.recording.facts import MissionFacts
 
 
 @pytest.mark.parametrize("folder", ["run-1", "my run.5 (ü)", "x" * 100])
@@ -38,3 +39,18 @@ def test_processes_meet_at_sockets_in_a_private_directory(tmp_path: Path) -> Non
     assert listens in agent[agent.index("--connect") :]
     assert agent[-4:] == ("--inject-faults", "0.2", "--fault-seed", "3")
     assert stat.S_IMODE(sockets.stat().st_mode) == 0o700
+
+
+def test_only_the_agent_is_told_to_trust_a_model_file(tmp_path: Path) -> None:
+    place, options = Place(folder=tmp_path, sockets=tmp_path), RunOptions(policy="a.zip", trust_policy_file=True)
+    assert "--trust-policy-file" in process_arguments("agent", options, place)
+    assert "--trust-policy-file" not in process_arguments("agent", RunOptions(), place)
+    assert "--trust-policy-file" not in process_arguments("sim", options, place)
+
+
+def test_the_agent_gets_the_recorded_hash_unless_the_user_wants_another_policy() -> None:
+    facts = MissionFacts(seed=0, policy="own:make", policy_sha256="12ab")
+    sha256, repeated = ("--recorded-policy-sha256", "12ab"), ("--repeated-policy", "own:make")
+    assert recorded_policy_flags(facts, None, None) == sha256
+    assert recorded_policy_flags(facts, "own:make", "own:make") == sha256 + repeated
+    assert recorded_policy_flags(facts, "scripted", "own:make") == repeated
