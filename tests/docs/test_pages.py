@@ -17,7 +17,7 @@ from tests.docs.help_texts import commands, help_texts
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = sorted(generate.DOCS.glob("*.md"))
-ALL = [README, *PAGES, ROOT / "CHANGELOG.md"]
+ALL = [README, *PAGES, ROOT / "SECURITY.md", ROOT / "CHANGELOG.md"]
 CODE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"`([^`\n]+)`")
 NO_MODULES = {*entry_points().groups, *(f"legpush.{name}" for name in legpush.__all__)}

@@ -13,7 +13,7 @@ from tests.docs.help_texts import help_texts
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("shared/legpush", "sim_proc", "planner_proc", "agent_proc")
 FOLDERS = ("docs", "examples", "benchmarks", "experiments")
-FILES = ("README.md", "CHANGELOG.md", "Dockerfile", "Makefile", "compose.yaml", "pyproject.toml")
+FILES = ("README.md", "SECURITY.md", "CHANGELOG.md", "Dockerfile", "Makefile", "compose.yaml", "pyproject.toml")
 SIGNS = [
     re.compile(sign, re.IGNORECASE)
     for sign in (
