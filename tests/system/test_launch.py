@@ -122,7 +122,7 @@ def test_a_mission_ends_with_a_table_its_files_and_no_process(tmp_path: Path) ->
         assert words in ended.text
     assert load_scenario(ended.folder / "scenario.toml") == load_scenario("push")
     logs = {path.name for path in (ended.folder / "logs").iterdir()}
-    assert logs == {"planner.log", "sim.log", "agent.log", "video.log"}
+    assert logs == {"planner.log", "sim.log", "agent.log", "video.log", "command.txt"}
     assert "run run, incarnation" in (ended.folder / "logs" / "sim.log").read_text()
     assert len(ended.pids()) == 3
     assert not any(map(is_running, ended.pids()))

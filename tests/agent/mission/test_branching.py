@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
 from agent_proc.policies.scripted import ScriptedPolicy
-from legpush.errors import RecordingError
+from legpush.errors import PolicyError, RecordingError
 from legpush.messages.stepping import Alter, Push
 from legpush.messages.telemetry import Fact
 from legpush.recording.branch import BranchPoint
@@ -64,7 +64,7 @@ def test_without_another_planner_the_scenario_stays(tmp_path: Path) -> None:
 
 def test_a_policy_that_has_changed_since_the_recording_is_refused(tmp_path: Path) -> None:
     with pytest.raises(
-        RecordingError, match=r"Expected the policy scripted of the recording, SHA-256 0123456789abcdef\.\.\., got one"
+        PolicyError, match=r"Expected the policy scripted of the recording, SHA-256 0123456789abcdef\.\.\., got one"
     ):
         read_branch(recorded(tmp_path, "0123456789abcdef0123"), AT, planner=None, alter=None)
 
