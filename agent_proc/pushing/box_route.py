@@ -57,8 +57,8 @@ class BoxRoute:
     def way_to_push(self, box: Pose2, query: Callable[[Face], PlanQuery], what: str) -> tuple[list[Stage], Plan | None]:
         """The next stages of a box, and the robot's path to the first face, or None if it stands there already.
 
-        Of the box's paths whose first face the robot can reach, it is the planner's favourite. `query` makes the query
-        for the robot's path to a face, `what` names that path for people.
+        Among the box's paths whose first face the robot can reach, the one that the planner prefers is chosen. `query`
+        makes the query for the robot's path to a face, `what` names that path for people.
 
         Raises:
             MissionEndedError: There is no path for the box or the robot.

@@ -134,7 +134,7 @@ class Pushing:
                 )
 
     def _stop(self, reason: Reason, detail: str, to_end: bool) -> StageEnding:
-        """Short of the end of a stage: the mission is over unless the box is at its goal, and that will do."""
+        """Stop before the end of a stage. The mission ends unless the box is at its goal and `to_end` is false."""
         if to_end:
             raise MissionEndedError(reason, detail)
         self._actor.require_goal(reason, detail)

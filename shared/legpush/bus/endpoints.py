@@ -63,7 +63,7 @@ def in_directory(directory: Path, role: Role) -> Endpoints:
 
 
 def in_pool(directory: Path, name: str) -> Endpoints:
-    """Of a simulator or planner of this name that connects to the agent in a directory; recorders connect to it."""
+    """Endpoints of a simulator or planner of a pool: it listens for recorders, and connects to the agent."""
     return Endpoints(listen=(_socket(directory, name),), connect=in_directory(directory, "agent").listen)
 
 

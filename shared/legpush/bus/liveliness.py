@@ -79,7 +79,7 @@ class Liveliness:
             return self._describe_gone(matching[-1])
 
     def _describe_gone(self, sighting: Sighting) -> str:
-        """A link that closed while its peer was still talking was closed by its death, a silent one timed out."""
+        """If the peer was talking until the link closed, it died. If it had gone silent, the link timed out."""
         if sighting.gone_at is None:
             return f"not there: {self._last_heard(sighting)}, but it announced no liveliness token"
         last = sighting.heard_at

@@ -76,7 +76,7 @@ class TapBuffer:
             self._at_hand = None
 
     def set_recorders(self, recorders: set[str]) -> bool:
-        """Set the incarnations that record now; whether one is new, so that the batch at hand has to be sent to it."""
+        """Set which incarnations record now; return whether any is new and needs the batch at hand."""
         with self._lock:
             new = recorders - self._recorders
             self._recorders = set(recorders)
@@ -102,7 +102,7 @@ class TapBuffer:
     def skip_late_recorders(self) -> bool:
         """Give up on recorders that do not have the batch at hand, if another one has it; whether that is so.
 
-        They are not waited for until they acknowledge a batch while it is the last one.
+        A skipped recorder is waited for again once it acknowledges the newest batch.
         """
         with self._lock:
             if self._at_hand is None or not self._taken_by & self._recorders:

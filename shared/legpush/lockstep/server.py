@@ -104,7 +104,7 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
 
 
 def _same_question(one: Action, other: Action) -> bool:
-    """Whether one is a copy of the other; those that came while it was carried out need no answer of their own."""
+    """Whether the two actions are copies. Copies that come during the execution get no answer of their own."""
     return (one.header.incarnation, one.episode, one.step, one.with_trace, one.motion) == (
         other.header.incarnation,
         other.episode,
