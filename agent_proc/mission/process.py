@@ -30,9 +30,9 @@ from legpush.lockstep.client import SimLink
 from legpush.lockstep.episode import Episode
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.stepping import Alter
-from legpush.options.run import DEFAULT_POLICY
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
+from legpush.policy_names import DEFAULT_POLICY
 from legpush.recording.branch import parse_point
 from legpush.runs.folder import REPORT_FILE
 from legpush.scenarios.file import load_scenario

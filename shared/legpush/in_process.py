@@ -17,7 +17,7 @@ from legpush.lockstep.mission import Mission, Tell
 from legpush.lockstep.simulator import Stepper
 from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin
-from legpush.policy_names import require_trust
+from legpush.policy_names import DEFAULT_POLICY, require_trust
 from legpush.runs.report import Report
 from legpush.scenarios.file import resolve_scenario
 from legpush.scene.names import PlannerName, Steering
@@ -27,8 +27,6 @@ from legpush.stepwise import StepwiseWorld
 DEFAULT_PLANNER = "ompl"
 DEFAULT_SIMULATOR = "mujoco"
 DEFAULT_MISSION = "push"
-DEFAULT_POLICY = "variable"
-"""The shipped policy that chooses leg, curve and depth."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ from legpush.errors import PolicyError
 from legpush.plugins import Group, plugin_values
 
 SCRIPTED: Final = "scripted"
+DEFAULT_POLICY: Final = "variable"
+"""The shipped policy that chooses leg, curve and depth."""
 GROUP: Final[Group] = "legpush.policies"
 """Entry points of plug-ins."""
 SB3_SUFFIX: Final = ".zip"

@@ -3,21 +3,18 @@
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 from legpush.options.checks import program_path, require_new_file, require_positive
-from legpush.policy_names import require_trust
+from legpush.policy_names import DEFAULT_POLICY, require_trust
 from legpush.scene.names import PlannerName, Steering
 
 if TYPE_CHECKING:
     from legpush.scene.scenario import Scenario
-
-DEFAULT_POLICY: Final = "variable"
-"""The shipped policy that chooses leg, curve and depth."""
 
 
 @dataclass(frozen=True, kw_only=True)
