@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from time import time_ns
 from typing import NamedTuple
 
+from legpush.bounds import MAX_COUNT
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.exchange import Exchange, OnWait, no_report
 from legpush.errors import MotionError, PeerError
-from legpush.messages.common import MAX_COUNT, Header
+from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Answer, Motion, Outcome, Refusal
 from legpush.messages.telemetry import Reward, RewardTerm
 from legpush.patience import Patience

@@ -7,8 +7,8 @@ from typing import Annotated, Final, NamedTuple
 import msgspec
 from msgspec import Meta, Struct
 
+from legpush.bounds import Count
 from legpush.errors import RecordingError, ScenarioError
-from legpush.messages.common import Count
 from legpush.recording.mcap_file.contents import Recording
 from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import load_scenario

@@ -8,11 +8,12 @@ from msgspec import Meta, Struct
 from msgspec.structs import fields, replace
 
 from legpush.arrays import Flags, Indices
+from legpush.bounds import MAX_OBSTACLES, Resolution
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import OccupancyMap, file_inside, read_cells
 from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
-from legpush.scene.scenario import MAX_OBSTACLES, PoseDeg, Positive, Rectangle, Scenario
+from legpush.scene.scenario import PoseDeg, Rectangle, Scenario
 from legpush.schema_errors import explain
 
 
@@ -22,7 +23,7 @@ class CellSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     grid_file: Annotated[str, Meta(min_length=1)]
     """CSV file beside the scenario file, with one line per row and one number per cell, 0 free, 1 wall; or NumPy file
     of a two-dimensional array of the same numbers."""
-    cell_m: Positive
+    cell_m: Resolution
     """Side of a cell."""
     first_row: FirstRow
     """Place of the first row of the file: at the highest y, as MATLAB reads a map, or at y = 0."""

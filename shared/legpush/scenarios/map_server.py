@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from legpush.arrays import Flags
+from legpush.bounds import Resolution
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import OccupancyMap, file_inside, require_side
-from legpush.scene.scenario import Positive
 from legpush.schema_errors import explain
 
 Probability = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -48,7 +48,7 @@ class MapServerFile(Struct, frozen=True, kw_only=True):
 
     image: Annotated[str, Meta(min_length=1)]
     """PGM or PNG beside the YAML file, or below it."""
-    resolution: Positive
+    resolution: Resolution
     """Metres per pixel."""
     origin: tuple[float, float, float]
     """Lower left corner of the map in the map's frame, x and y in metres, and the map's yaw in radians."""

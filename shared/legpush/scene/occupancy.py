@@ -10,6 +10,7 @@ from msgspec import Meta, Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
+from legpush.bounds import Resolution
 from legpush.geometry import Point2
 from legpush.scene.footprints import Footprint, obstacle_footprint
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
@@ -27,7 +28,7 @@ class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     n_columns: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
     n_rows: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
-    resolution_m: Annotated[float, Meta(gt=0.0)]
+    resolution_m: Resolution
     origin_m: Point2
     """World position of the lower left corner of cell (0, 0)."""
     cells: Annotated[bytes, Meta(min_length=1, max_length=MAX_CELLS)]

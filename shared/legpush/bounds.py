@@ -1,0 +1,92 @@
+"""The bounds of numbers in messages and scenarios, each with its reason, and the types of fields that have them.
+
+The simulator was measured at each of them: a robot stood for a second and pushed once, and MuJoCo did not warn. What is
+beyond is refused where a message or a file is read, before anything moves.
+"""
+
+from typing import Annotated, Final
+
+from msgspec import Meta
+
+MAX_COUNT: Final = 2**53
+"""Largest count: up to here readers of JSON keep every integer."""
+MAX_TIME_NS: Final = 2**63 - 1
+"""Latest time in nanoseconds since 1970, in the year 2262: the largest integer that every MessagePack library has."""
+MAX_TIME_S: Final = 1e6
+"""Longest simulated time, 11 days: longer than any mission."""
+MAX_COORDINATE_M: Final = 1e7
+"""Farthest place from the origin, along an axis: that of the grids of maps. Here a float64 still resolves 2e-9 m."""
+MAX_YAW_RAD: Final = 1e3
+"""Largest heading. One that was never wrapped may count many turns."""
+MAX_READING: Final = 1e10
+"""Largest measurement, in its SI unit: MuJoCo's `mjMAXVAL`, above which it takes a state for unstable."""
+MAX_QUATERNION: Final = 1.001
+"""Largest component of a unit quaternion, with rounding."""
+MAX_PATH_M: Final = 1e13
+"""Longest path, more than 100 000 waypoints at coordinates within their bounds can have."""
+
+LEAST_LENGTH_M: Final = 1e-6
+MAX_LENGTH_M: Final = 1e3
+"""Least and largest length in a scenario: nothing that a robot of 1 m does is finer, and a room of 1000 m takes 2500
+gait cycles to cross.
+"""
+MAX_MARGIN_M: Final = 100.0
+"""Largest clearance: wider than any passage."""
+MAX_FACTOR: Final = 100.0
+"""Largest multiple of a turning radius."""
+LEAST_ANGLE_DEG: Final = 1e-6
+MAX_TURN_DEG: Final = 360.0
+"""Least angle that has to be above 0, and a full turn."""
+LEAST_RESOLUTION_M: Final = 0.001
+MAX_RESOLUTION_M: Final = 100.0
+"""Side of the cells of a map: a grid of 4096 x 4096 cells covers 4 m, or reaches 400 km."""
+LEAST_THICKNESS_M: Final = 1e-4
+"""Thinnest obstacle. MuJoCo refuses geoms without a size, and the least cell of a map is ten times as wide."""
+MAX_OBSTACLES: Final = 10_000
+"""Most obstacles of a room: side by side they take seconds to build, and then no time."""
+MAX_OVERLAP: Final = 20
+"""Most obstacles that share a place. A robot in 100 of them takes 10 s for a push; 1000 overflow MuJoCo's arena."""
+MAX_APPEARING: Final = 100
+"""Most obstacles that appear later: at every tick the simulator looks whether the place of each is clear. More than
+2000 of them overflow MuJoCo's arena.
+"""
+LEAST_BOX_SIDE_M: Final = 0.01
+MAX_BOX_SIDE_M: Final = 10.0
+"""Side of the box: a quarter of the diameter of a foot, or so high that the foot cannot reach the contact point."""
+LEAST_BOX_MASS_KG: Final = 0.001
+MAX_BOX_MASS_KG: Final = 1000.0
+"""Mass of the box. The robot weighs 32 kg and moves at most 100 kg."""
+LEAST_FRICTION: Final = 1e-5
+MAX_FRICTION: Final = 10.0
+"""Friction of the box: MuJoCo's `mjMINMU`, and more than any dry contact has."""
+
+Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
+TimeNs = Annotated[int, Meta(ge=0, le=MAX_TIME_NS)]
+"""A time in nanoseconds since 1970; it takes more than 53 bits."""
+TimeS = Annotated[float, Meta(ge=0.0, le=MAX_TIME_S)]
+Unit = Annotated[float, Meta(ge=0.0, le=1.0)]
+Coordinate = Annotated[float, Meta(ge=-MAX_COORDINATE_M, le=MAX_COORDINATE_M)]
+Yaw = Annotated[float, Meta(ge=-MAX_YAW_RAD, le=MAX_YAW_RAD)]
+Reading = Annotated[float, Meta(ge=-MAX_READING, le=MAX_READING)]
+"""A measurement, or a number that people look at."""
+QuaternionPart = Annotated[float, Meta(ge=-MAX_QUATERNION, le=MAX_QUATERNION)]
+PathLength = Annotated[float, Meta(ge=0.0, le=MAX_PATH_M)]
+Length = Annotated[float, Meta(ge=LEAST_LENGTH_M, le=MAX_LENGTH_M)]
+"""A length in a scenario that has to be above 0."""
+Distance = Annotated[float, Meta(ge=0.0, le=MAX_LENGTH_M)]
+"""A length in a scenario that may be 0."""
+Margin = Annotated[float, Meta(ge=0.0, le=MAX_MARGIN_M)]
+QueryLength = Annotated[float, Meta(ge=LEAST_LENGTH_M, le=MAX_COORDINATE_M)]
+"""A length in a query, which may be a multiple of one in a scenario, above 0."""
+QueryDistance = Annotated[float, Meta(ge=0.0, le=MAX_COORDINATE_M)]
+"""The same, which may be 0."""
+Resolution = Annotated[float, Meta(ge=LEAST_RESOLUTION_M, le=MAX_RESOLUTION_M)]
+Degrees = Annotated[float, Meta(ge=-MAX_TURN_DEG, le=MAX_TURN_DEG)]
+"""A heading in degrees, as people write it."""
+Turn = Annotated[float, Meta(ge=0.0, le=MAX_TURN_DEG)]
+"""The size of a turn in degrees."""
+AngleTolerance = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=MAX_TURN_DEG)]
+"""In degrees."""
+BoxSide = Annotated[float, Meta(ge=LEAST_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
+BoxMass = Annotated[float, Meta(ge=LEAST_BOX_MASS_KG, le=MAX_BOX_MASS_KG)]
+Friction = Annotated[float, Meta(ge=LEAST_FRICTION, le=MAX_FRICTION)]
