@@ -37,6 +37,8 @@ MAX_FACTOR: Final = 100.0
 LEAST_ANGLE_DEG: Final = 1e-6
 MAX_TURN_DEG: Final = 360.0
 """Least angle that has to be above 0, and a full turn."""
+MAX_SLOPE_DEG: Final = 10.0
+"""Steepest floor on which the robot keeps its balance."""
 LEAST_RESOLUTION_M: Final = 0.001
 MAX_RESOLUTION_M: Final = 100.0
 """Side of the cells of a map: a grid of 4096 x 4096 cells covers 4 m, or reaches 400 km."""
@@ -86,6 +88,8 @@ Degrees = Annotated[float, Meta(ge=-MAX_TURN_DEG, le=MAX_TURN_DEG)]
 Turn = Annotated[float, Meta(ge=0.0, le=MAX_TURN_DEG)]
 """The size of a turn in degrees."""
 AngleTolerance = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=MAX_TURN_DEG)]
+"""In degrees."""
+Slope = Annotated[float, Meta(ge=0.0, le=MAX_SLOPE_DEG)]
 """In degrees."""
 BoxSide = Annotated[float, Meta(ge=LEAST_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
 BoxMass = Annotated[float, Meta(ge=LEAST_BOX_MASS_KG, le=MAX_BOX_MASS_KG)]

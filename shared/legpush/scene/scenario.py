@@ -22,6 +22,7 @@ from legpush.bounds import (
     Length,
     Margin,
     Resolution,
+    Slope,
     TimeS,
     Turn,
     Unit,
@@ -92,7 +93,7 @@ class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Cell size of the occupancy map that the planner gets."""
     wall_height_m: Length = 0.6
     """Height of walls and blocks, in physics and in pictures."""
-    slope_deg: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.0
+    slope_deg: Slope = 0.0
     """Inclination of the whole floor. The z axis of the world frame is the normal of the floor, so gravity is tilted,
     and roll and pitch are measured against the floor."""
     uphill_deg: Degrees = 0.0
