@@ -1,7 +1,9 @@
-"""The bounds of numbers in messages and scenarios, each with its reason, and the types of fields that have them.
+"""The bounds of numbers in messages, scenarios and options, each with its reason, and the types that have them.
 
-The simulator was measured at each of them: a robot stood for a second and pushed once, and MuJoCo did not warn. What is
-beyond is refused where a message or a file is read, before anything moves.
+What is beyond is refused where a message, a file or a command line is read, before anything moves. The simulator was
+tried at the bounds: robots pushed and walked there, and neither MuJoCo nor anything else warned. Texts, bytes and
+arrays have a bound of their own where many of them would slow down a process; otherwise the largest size of a message
+bounds them, see `legpush.messages.codec`.
 """
 
 from typing import Annotated, Final
@@ -10,6 +12,8 @@ from msgspec import Meta
 
 MAX_COUNT: Final = 2**53
 """Largest count: up to here readers of JSON keep every integer."""
+MAX_TEXT: Final = 10_000
+"""Most characters of a description: it travels with every `Reset`."""
 MAX_TIME_NS: Final = 2**63 - 1
 """Latest time in nanoseconds since 1970, in the year 2262: the largest integer that every MessagePack library has."""
 MAX_TIME_S: Final = 1e6
@@ -61,8 +65,23 @@ MAX_BOX_MASS_KG: Final = 1000.0
 LEAST_FRICTION: Final = 1e-5
 MAX_FRICTION: Final = 10.0
 """Friction of the box: MuJoCo's `mjMINMU`, and more than any dry contact has."""
+LEAST_WAIT_S: Final = 1e-3
+"""Shortest time to wait for something, of a clock on the wall; the longest one is `MAX_TIME_S`."""
+LEAST_SPEED: Final = 1e-3
+MAX_SPEED: Final = 1e6
+"""Slowest and fastest way to play a recording, as a multiple of its own speed."""
+LEAST_FPS: Final = 0.1
+MAX_FPS: Final = 1000.0
+"""Frames per second of a film: two per control period are 100."""
+LEAST_FILE_MB: Final = 0.001
+MAX_FILE_MB: Final = 1e6
+"""Size of a part of a recording, up to 1 TB."""
+MAX_SIMULATORS: Final = 256
+"""Most simulators of a learner: each is a process of 90 MB."""
 
 Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
+Amount = Annotated[int, Meta(ge=1, le=MAX_COUNT)]
+"""A count of at least one."""
 TimeNs = Annotated[int, Meta(ge=0, le=MAX_TIME_NS)]
 """A time in nanoseconds since 1970; it takes more than 53 bits."""
 TimeS = Annotated[float, Meta(ge=0.0, le=MAX_TIME_S)]
@@ -94,3 +113,9 @@ Slope = Annotated[float, Meta(ge=0.0, le=MAX_SLOPE_DEG)]
 BoxSide = Annotated[float, Meta(ge=LEAST_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
 BoxMass = Annotated[float, Meta(ge=LEAST_BOX_MASS_KG, le=MAX_BOX_MASS_KG)]
 Friction = Annotated[float, Meta(ge=LEAST_FRICTION, le=MAX_FRICTION)]
+
+WaitS = Annotated[float, Meta(ge=LEAST_WAIT_S, le=MAX_TIME_S)]
+Speed = Annotated[float, Meta(ge=LEAST_SPEED, le=MAX_SPEED)]
+FramesPerSecond = Annotated[float, Meta(ge=LEAST_FPS, le=MAX_FPS)]
+FileMegabytes = Annotated[float, Meta(ge=LEAST_FILE_MB, le=MAX_FILE_MB)]
+Simulators = Annotated[int, Meta(ge=1, le=MAX_SIMULATORS)]

@@ -97,7 +97,8 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
 def _add_later_body(spec: mujoco.MjSpec, name: str, centre: list[float]) -> mujoco.MjsBody:
     """Add the body of a wall that appears later.
 
-    Nothing moves it, so its mass is of no use. It is stated since MuJoCo refuses the rounded inertia of some thin walls.
+    Nothing moves it, so its mass does not matter. It is stated since MuJoCo refuses the rounded inertia of some thin
+    walls.
     """
     return spec.worldbody.add_body(
         name=name, mocap=True, pos=centre, explicitinertial=True, mass=1.0, inertia=[1.0, 1.0, 1.0]

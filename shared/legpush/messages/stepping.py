@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from legpush.bounds import BoxMass, Count, Friction, PathLength, Reading, Unit
+from legpush.bounds import MAX_APPEARING, BoxMass, Count, Friction, PathLength, Reading, Unit
 from legpush.fields import Name, Seed
 from legpush.geometry import Point3, Pose2, Quaternion
 from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Header
@@ -146,7 +146,7 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Nil before a `Follow`, and after a `Push`."""
     push: PushReport | None
     """Nil before the first `Push`."""
-    appeared: tuple[Appearance, ...]
+    appeared: Annotated[tuple[Appearance, ...], Meta(max_length=MAX_APPEARING)]
     """Obstacles that have appeared since the reset, in that order; they stay."""
 
 

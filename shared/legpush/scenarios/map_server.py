@@ -19,13 +19,12 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from legpush.arrays import Flags
-from legpush.bounds import Resolution
+from legpush.bounds import Coordinate, Resolution, Unit, Yaw
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import OccupancyMap, file_inside, require_side
 from legpush.schema_errors import explain
 
-Probability = Annotated[float, Meta(ge=0.0, le=1.0)]
 YAW_TOLERANCE_RAD: Final = 1e-6
 """A smaller yaw comes from rounding in the program that wrote the file."""
 DEEP_MODES: Final = ("I", "I;16", "I;16B", "I;16L", "I;16N")
@@ -50,13 +49,13 @@ class MapServerFile(Struct, frozen=True, kw_only=True):
     """PGM or PNG beside the YAML file, or below it."""
     resolution: Resolution
     """Metres per pixel."""
-    origin: tuple[float, float, float]
+    origin: tuple[Coordinate, Coordinate, Yaw]
     """Lower left corner of the map in the map's frame, x and y in metres, and the map's yaw in radians."""
     negate: Annotated[int, Meta(ge=0, le=1)] | bool
     """Whether bright pixels are occupied."""
-    occupied_thresh: Probability
+    occupied_thresh: Unit
     """A pixel above this value is occupied."""
-    free_thresh: Probability
+    free_thresh: Unit
     """A pixel below this value is free. Between the thresholds, and on them, it is unknown."""
     mode: Literal["trinary", "scale"] = "trinary"
     """Use of transparency. `trinary`: one more channel of the average. `scale`: a pixel with any transparency is

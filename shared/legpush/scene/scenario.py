@@ -12,6 +12,7 @@ from legpush.bounds import (
     MAX_LENGTH_M,
     MAX_OBSTACLES,
     MAX_OVERLAP,
+    MAX_TEXT,
     AngleTolerance,
     BoxMass,
     BoxSide,
@@ -255,7 +256,7 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Nominal pose of the robot's trunk, projected on the floor."""
     box: Box
     goal: Goal
-    description: str = ""
+    description: Annotated[str, Meta(max_length=MAX_TEXT)] = ""
     """One line for `legpush scenarios list`."""
     planning: PlanSettings = PlanSettings()
     mission: MissionSettings = MissionSettings()

@@ -67,7 +67,7 @@ def test_obstacles_may_be_added_to_a_grid(tmp_path: Path) -> None:
         (CELLS, {"first_row": "up"}, r"small\.toml: at `room\.first_row`: expected one of bottom, top, got 'up'"),
         (CELLS, {"first_row": None}, r"small\.toml: at `room\.first_row`: expected a value, got nothing"),
         (CELLS, {"grid_file": None}, r"small\.toml: at `room\.grid_file`: expected a value, got nothing"),
-        (CELLS, {"cell_m": 0.0}, r"small\.toml: at `room\.cell_m`: expected a number > 0\.0, got 0\.0"),
+        (CELLS, {"cell_m": 0.0}, r"small\.toml: at `room\.cell_m`: expected a number from 0\.001 to 100, got 0\.0"),
         (CELLS, {"size_m": [8.0, 5.0]}, r"small\.toml: at `room\.size_m`: expected nothing, since `room\.grid_file`"),
         (CELLS, {"obstacles": 3}, r"small\.toml: at `room\.obstacles`: expected an array, got a whole number 3"),
         (CELLS, {"grid_file": "no.csv"}, r"no\.csv: expected a readable grid file"),
