@@ -3,10 +3,9 @@
 from dataclasses import dataclass, field, fields
 from typing import Any, Final, Literal
 
-from legpush.bounds import BoxMass, Friction, Length
+from legpush.bounds import MAX_DEPTH_M, BoxMass, Friction, Length
 from legpush.errors import ConfigError
 from legpush.fields import require
-from legpush.messages.common import MAX_DEPTH_M
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 

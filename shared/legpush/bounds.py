@@ -65,6 +65,32 @@ MAX_BOX_MASS_KG: Final = 1000.0
 LEAST_FRICTION: Final = 1e-5
 MAX_FRICTION: Final = 10.0
 """Friction of the box: MuJoCo's `mjMINMU`, and more than any dry contact has."""
+MAX_DEPTH_M: Final = 0.25
+"""Deepest push: farther the leg does not reach."""
+MAX_WAYPOINTS: Final = 100_000
+"""Most poses of a path: at 0.05 m from one to the next, 5 km."""
+LEAST_WAYPOINTS: Final = 10
+"""Least number of waypoints that a smooth path is limited to."""
+MAX_CELLS: Final = 4096 * 4096
+"""Most cells of a grid: a quarter of the largest message."""
+MAX_ITERATIONS: Final = 10_000_000
+"""Largest budget of a search: it takes minutes to hours."""
+MAX_SHORT_ITERATIONS: Final = 1_000_000
+"""The same, where an iteration takes longer or there are many searches."""
+MAX_IMPROVEMENTS: Final = 1000
+"""Most better paths that a planner sends for one query."""
+MAX_PUSH_CYCLES: Final = 10_000
+"""Most pushes of a mission, 30 hours of simulated time."""
+MAX_CALIBRATION_PUSHES: Final = 40
+"""Most pushes that measure a box: they move it 2.4 m."""
+LEAST_DEVIATION_M: Final = 0.01
+"""Least deviation that a smoothed path may be limited to: what a foot deviates from its marker."""
+MAX_ARC_DEG: Final = 720.0
+"""Longest arc of a reference, two turns."""
+LEAST_WAVELENGTH_M: Final = 0.01
+LEAST_PERIODS: Final = 0.01
+MAX_PERIODS: Final = 20.0
+"""A reference as a sine: waves of at least the distance between two of its points, and 20 of them at most."""
 LEAST_WAIT_S: Final = 1e-3
 """Shortest time to wait for something, of a clock on the wall; the longest one is `MAX_TIME_S`."""
 LEAST_SPEED: Final = 1e-3
@@ -80,6 +106,7 @@ MAX_SIMULATORS: Final = 256
 """Most simulators of a learner: each is a process of 90 MB."""
 
 Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
+Crc = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Amount = Annotated[int, Meta(ge=1, le=MAX_COUNT)]
 """A count of at least one."""
 TimeNs = Annotated[int, Meta(ge=0, le=MAX_TIME_NS)]
@@ -114,6 +141,24 @@ BoxSide = Annotated[float, Meta(ge=LEAST_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
 BoxMass = Annotated[float, Meta(ge=LEAST_BOX_MASS_KG, le=MAX_BOX_MASS_KG)]
 Friction = Annotated[float, Meta(ge=LEAST_FRICTION, le=MAX_FRICTION)]
 
+Depth = Annotated[float, Meta(ge=0.0, le=MAX_DEPTH_M)]
+"""How deep a push is."""
+TurnRad = Annotated[float, Meta(ge=0.0, le=MAX_YAW_RAD)]
+"""The size of a turn."""
+Cells = Annotated[int, Meta(ge=1, le=MAX_CELLS)]
+Waypoints = Annotated[int, Meta(ge=LEAST_WAYPOINTS, le=MAX_WAYPOINTS)]
+Iterations = Annotated[int, Meta(ge=1, le=MAX_ITERATIONS)]
+ShortIterations = Annotated[int, Meta(ge=1, le=MAX_SHORT_ITERATIONS)]
+Improvements = Annotated[int, Meta(ge=1, le=MAX_IMPROVEMENTS)]
+PushCycles = Annotated[int, Meta(ge=1, le=MAX_PUSH_CYCLES)]
+CalibrationPushes = Annotated[int, Meta(ge=0, le=MAX_CALIBRATION_PUSHES)]
+Deviation = Annotated[float, Meta(ge=LEAST_DEVIATION_M, le=MAX_LENGTH_M)]
+Reserve = Annotated[float, Meta(ge=1.0, le=MAX_FACTOR)]
+"""A multiple that leaves room for corrections."""
+Arc = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=MAX_ARC_DEG)]
+"""In degrees."""
+Wavelength = Annotated[float, Meta(ge=LEAST_WAVELENGTH_M, le=MAX_LENGTH_M)]
+Periods = Annotated[float, Meta(ge=LEAST_PERIODS, le=MAX_PERIODS)]
 WaitS = Annotated[float, Meta(ge=LEAST_WAIT_S, le=MAX_TIME_S)]
 Speed = Annotated[float, Meta(ge=LEAST_SPEED, le=MAX_SPEED)]
 FramesPerSecond = Annotated[float, Meta(ge=LEAST_FPS, le=MAX_FPS)]

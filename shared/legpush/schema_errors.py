@@ -91,10 +91,10 @@ def _node(kind: type[msgspec.Struct], plain: Any, steps: Sequence[str]) -> inspe
 
 
 def _chosen(node: inspect.Type, plain: Any) -> inspect.Type:
-    """Return the record of a union that the value's tag names; otherwise the type itself."""
+    """Return the record of a union that the value's tag names, or its only one; otherwise the type itself."""
     if isinstance(node, inspect.UnionType) and isinstance(plain, dict):
         for one in _records(node):
-            if one.tag_field is not None and plain.get(one.tag_field) == one.tag:
+            if one.tag_field is None or plain.get(one.tag_field) == one.tag:
                 return one
     return node
 

@@ -16,7 +16,6 @@ from legpush import bounds
 from legpush.errors import MotionError
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import codec
-from legpush.messages.common import MAX_DEPTH_M
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
@@ -117,7 +116,7 @@ pushes = st.builds(
     w1=units,
     w2=units,
     leg=st.sampled_from(FRONT_LEGS),
-    depth_m=st.one_of(st.just(MAX_DEPTH_M), st.floats(0.0, MAX_DEPTH_M)),
+    depth_m=st.one_of(st.just(bounds.MAX_DEPTH_M), st.floats(0.0, bounds.MAX_DEPTH_M)),
     locus=st.sampled_from(["swing", "published"]),
 )
 alters = st.builds(Alter, box_mass_kg=masses, box_friction=frictions)
@@ -156,7 +155,7 @@ def test_every_motion_within_the_bounds_is_carried_out_or_refused(
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         outcome = simulator.perform(Reset(scenario=scenario, seed=seed), with_trace=True)
-        for motion in (Push(w1=0.5, w2=0.5, leg="FL", depth_m=MAX_DEPTH_M, face=face), *chain(*motions)):
+        for motion in (Push(w1=0.5, w2=0.5, leg="FL", depth_m=bounds.MAX_DEPTH_M, face=face), *chain(*motions)):
             assert codec.decode(codec.encode(outcome), Outcome) == outcome
             try:
                 outcome = simulator.perform(placed(motion, face, outcome), with_trace=True)

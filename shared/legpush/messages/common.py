@@ -12,9 +12,6 @@ PROTOCOL_VERSION: Final = 6
 Role = Literal["planner", "sim", "agent", "launcher", "recorder"]
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 """The three processes of a mission."""
-MAX_WAYPOINTS: Final = 100_000
-MAX_DEPTH_M: Final = 0.25
-"""Deepest push."""
 USUAL_DEPTH_M: Final = 0.05
 """Depth of the pushes that the push model was fitted to."""
 

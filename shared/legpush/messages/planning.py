@@ -4,10 +4,20 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from legpush.bounds import MAX_YAW_RAD, Count, PathLength, QueryDistance, QueryLength, Reading, Unit
+from legpush.bounds import (
+    MAX_WAYPOINTS,
+    Count,
+    Iterations,
+    PathLength,
+    QueryDistance,
+    QueryLength,
+    Reading,
+    TurnRad,
+    Unit,
+)
 from legpush.fields import Name, Seed
 from legpush.geometry import Point2, Pose2
-from legpush.messages.common import MAX_WAYPOINTS, Header
+from legpush.messages.common import Header
 from legpush.scene.footprints import Footprint
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
@@ -24,7 +34,7 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """Least distance from the trunk centre to any occupied cell: the footprint's radius plus the margin."""
     planner: PlannerName
     seed: Seed
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
+    max_iterations: Iterations
     """Budget of the search. Seed and iterations make the answer reproducible; a budget in seconds would not."""
     goal_bias: Unit
     """Probability that a sample is the goal."""
@@ -89,10 +99,10 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Length over which the path should be straight before the goal, if there is room for it."""
     position_tolerance_m: QueryDistance
     """How far from the goal position the path may end, if that saves a detour."""
-    angle_tolerance_rad: Annotated[float, Meta(ge=0.0, le=MAX_YAW_RAD)]
+    angle_tolerance_rad: TurnRad
     """The same for the heading."""
     seed: Seed
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
+    max_iterations: Iterations
     """Budget of the search, as for the trunk."""
     goal_bias: Unit
     """Probability that a sample is the goal."""

@@ -4,10 +4,10 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from legpush.bounds import MAX_APPEARING, BoxMass, Count, Friction, PathLength, Reading, Unit
+from legpush.bounds import MAX_APPEARING, MAX_WAYPOINTS, BoxMass, Count, Crc, Depth, Friction, PathLength, Reading, Unit
 from legpush.fields import Name, Seed
 from legpush.geometry import Point3, Pose2, Quaternion
-from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Header
+from legpush.messages.common import Header
 from legpush.scene.names import Face
 from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Scenario
@@ -38,7 +38,7 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     w2: Unit
     """Place of the second inner control point on its locus."""
     leg: FrontLeg
-    depth_m: Annotated[float, Meta(ge=0.0, le=MAX_DEPTH_M)]
+    depth_m: Depth
     """Distance beyond the face of the box at which the curve ends (the paper's entry value)."""
     face: Face = "rear"
     """The face that is pushed; the robot has to stand behind it."""
@@ -173,7 +173,7 @@ class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Result of a motion."""
 
     world: WorldState
-    state_crc: Annotated[int, Meta(ge=0, lt=2**32)]
+    state_crc: Crc
     """CRC-32 of the simulator's whole state: equal CRCs mean equal states, bit for bit."""
     trace: Trace | None = None
 

@@ -7,10 +7,10 @@ from typing import Annotated, Final, Literal
 
 import tyro
 
-from legpush.bounds import Amount, BoxMass, Friction, Length, Simulators
+from legpush.bounds import MAX_DEPTH_M, Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require, require_seeds
-from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
 
 USUAL_SIMULATORS: Final = 8

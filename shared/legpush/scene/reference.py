@@ -7,11 +7,8 @@ import numpy as np
 from msgspec import Meta, Struct
 
 from legpush.arrays import Floats
-from legpush.bounds import LEAST_ANGLE_DEG, MAX_LENGTH_M, Length
+from legpush.bounds import MAX_LENGTH_M, Arc, Length, Periods, Wavelength
 from legpush.geometry import Pose2
-
-Angle = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=720.0)]
-"""Of an arc, up to two turns."""
 
 STEP_M: Final = 0.01
 """Largest distance between two points of a curve."""
@@ -21,8 +18,8 @@ class Sine(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     """y = amplitude sin(2 pi x / wavelength); x is turned so that the curve begins along the heading of the box."""
 
     amplitude_m: Length
-    wavelength_m: Annotated[float, Meta(ge=0.01, le=1000.0)]
-    n_periods: Annotated[float, Meta(ge=0.01, le=20.0)] = 1.0
+    wavelength_m: Wavelength
+    n_periods: Periods = 1.0
 
     def __post_init__(self) -> None:
         """Check the length of the curve.
@@ -50,13 +47,13 @@ class Straight(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, ta
 class Left(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="left"):
     """A counter-clockwise arc."""
 
-    angle_deg: Angle
+    angle_deg: Arc
 
 
 class Right(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="turn", tag="right"):
     """A clockwise arc."""
 
-    angle_deg: Angle
+    angle_deg: Arc
 
 
 class Arcs(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="arcs"):

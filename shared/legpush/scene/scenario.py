@@ -8,25 +8,31 @@ from msgspec import Meta, Struct
 from legpush.bounds import (
     LEAST_THICKNESS_M,
     MAX_APPEARING,
-    MAX_FACTOR,
-    MAX_LENGTH_M,
     MAX_OBSTACLES,
     MAX_OVERLAP,
     MAX_TEXT,
     AngleTolerance,
     BoxMass,
     BoxSide,
+    CalibrationPushes,
     Coordinate,
     Degrees,
+    Deviation,
     Distance,
     Friction,
+    Improvements,
+    Iterations,
     Length,
     Margin,
+    PushCycles,
+    Reserve,
     Resolution,
+    ShortIterations,
     Slope,
     TimeS,
     Turn,
     Unit,
+    Waypoints,
 )
 from legpush.fields import Name
 from legpush.geometry import Pose2
@@ -162,18 +168,18 @@ class Smoothing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Whether to cut off detours first, where a straight line is free."""
     comfort_m: Margin = 0.25
     """Distance that a `band` keeps beyond the required clearance if there is room; it widens turns around corners."""
-    max_deviation_m: Annotated[float, Meta(ge=0.01, le=MAX_LENGTH_M)] | None = None
+    max_deviation_m: Deviation | None = None
     """Largest distance from the path of the search, before it was shortened; without it, any distance is allowed."""
-    max_waypoints: Annotated[int, Meta(ge=10, le=100_000)] = 20_000
+    max_waypoints: Waypoints = 20_000
     """Most waypoints of a smooth path; on a long path they lie farther apart than 0.05 m."""
 
 
 class Anytime(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Asks for better paths after the first one, each after a fixed number of iterations so that runs repeat."""
 
-    n_improvements: Annotated[int, Meta(ge=1, le=1000)] = 10
+    n_improvements: Improvements = 10
     """How many better paths to look for."""
-    improvement_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 500
+    improvement_iterations: ShortIterations = 500
     """Iterations of the search for each of them."""
 
 
@@ -186,7 +192,7 @@ class PlanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     only. `reeds_shepp`: arcs and lines, backward too."""
     min_turning_radius_m: Distance = 0.0
     """Least turning radius; 0 allows any. With `straight`, it holds for the smoothed path between start and goal."""
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)] = 20_000
+    max_iterations: Iterations = 20_000
     """Budget of the search."""
     goal_bias: Unit = 0.05
     """Probability that a sample is the goal."""
@@ -206,7 +212,7 @@ class MissionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     handover_distance_m: Length = 3.0
     """Distance from trunk to box at which walking hands over to pushing."""
-    max_push_cycles: Annotated[int, Meta(ge=1, le=10_000)] = 200
+    max_push_cycles: PushCycles = 200
     """The mission fails after this many push cycles."""
 
 
@@ -216,11 +222,11 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     composition: Literal["closed_loop", "open_loop"] = "closed_loop"
     """`closed_loop`: each push is chosen from the measured pose of the box. `open_loop`: all pushes are chosen before
     the first one."""
-    calibration_pushes: Annotated[int, Meta(ge=0, le=40)] = 0
+    calibration_pushes: CalibrationPushes = 0
     """How many pushes, straight ahead with both legs in turn, measure an unknown box before its path is planned."""
     faces: Annotated[tuple[Face, ...], Meta(min_length=1, max_length=4)] = ("rear", "right", "front", "left")
     """Faces that may be pushed."""
-    turning_reserve: Annotated[float, Meta(ge=1.0, le=MAX_FACTOR)] = 1.4
+    turning_reserve: Reserve = 1.4
     """Least turning radius of a planned path, as a multiple of the radius at which the box turns when only one foot
     pushes it. A value above 1 leaves room for corrections."""
     margin_m: Margin = 0.05
@@ -229,7 +235,7 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Length of the straight stretch before the goal."""
     face_change_m: Distance = 0.5
     """Cost of a walk around the box, as a length of pushing."""
-    max_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 6000
+    max_iterations: ShortIterations = 6000
     """Budget of the search for a path."""
     goal_bias: Unit = 0.1
     """Probability that a sample is the goal."""
