@@ -9,7 +9,7 @@ import ast
 import inspect as python_inspect
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from textwrap import dedent
 from typing import Final
@@ -18,7 +18,7 @@ import msgspec
 from msgspec import inspect
 
 from docs import source_tree
-from legpush import geometry
+from legpush import bounds, geometry
 from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
@@ -114,9 +114,9 @@ def filled(text: str, parts: Mapping[str, str]) -> str:
 
 
 def protocol_parts() -> dict[str, str]:
-    """The generated parts of `protocol.md`: the version and the tables of records."""
+    """The generated parts of `protocol.md`: the version, the bounds, and the tables of records."""
     tables = {name: "\n".join(map(_table, records)) for name, records in SECTIONS.items()}
-    return {"version": f"{PROTOCOL_VERSION}\n", **tables}
+    return {"version": f"{PROTOCOL_VERSION}\n", "bounds": _bounds_table(), **tables}
 
 
 def architecture_parts() -> dict[str, str]:
@@ -153,25 +153,36 @@ def _table(record: type[msgspec.Struct]) -> str:
     return "\n".join([*lines, ""])
 
 
+def _bounds_table() -> str:
+    """The bounds of numbers with their reasons; a least and a largest value with one reason share a row."""
+    lines = ["| bound | value | reason |", "| --- | --- | --- |"]
+    for names, reason in _docs(ast.parse(python_inspect.getsource(bounds)).body):
+        values = [getattr(bounds, name) for name in names]
+        texts = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+        lines.append(f"| {', '.join(f'`{name}`' for name in names)} | {' to '.join(texts)} | {reason} |")
+    return "\n".join([*lines, ""])
+
+
 def _field_docs(record: type[msgspec.Struct]) -> Iterator[tuple[str, str]]:
     """The text below each field of the class."""
     (definition,) = ast.parse(dedent(python_inspect.getsource(record))).body
     if not isinstance(definition, ast.ClassDef):
         raise TypeError(f"Expected a class, got {record}")
-    name = None
-    for node in definition.body:
+    for names, text in _docs(definition.body):
+        yield names[-1], text
+
+
+def _docs(body: Sequence[ast.stmt]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Each text below annotated assignments, with the names that are assigned without a text in between."""
+    names: tuple[str, ...] = ()
+    for node in body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            name = node.target.id
-        elif (
-            name
-            and isinstance(node, ast.Expr)
-            and isinstance(node.value, ast.Constant)
-            and isinstance(node.value.value, str)
-        ):
-            yield name, _flat(node.value.value)
-            name = None
-        else:
-            name = None
+            names = (*names, node.target.id)
+            continue
+        text = node.value.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) else None
+        if names and isinstance(text, str):
+            yield names, _flat(text)
+        names = ()
 
 
 def _flat(text: str) -> str:
@@ -197,6 +208,8 @@ def _words(kind: inspect.Type) -> str:
         case inspect.BoolType():
             return "boolean"
         case inspect.StrType():
+            if kind.max_length is not None:
+                return f"string of at most {kind.max_length} characters"
             return f"string, `{kind.pattern}`".replace("|", "\\|") if kind.pattern else "string"
         case inspect.BytesType():
             bounded = kind.min_length is not None or kind.max_length is not None

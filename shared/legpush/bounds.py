@@ -66,7 +66,7 @@ LEAST_FRICTION: Final = 1e-5
 MAX_FRICTION: Final = 10.0
 """Friction of the box: MuJoCo's `mjMINMU`, and more than any dry contact has."""
 MAX_DEPTH_M: Final = 0.25
-"""Deepest push: farther the leg does not reach."""
+"""Deepest push, five times as deep as the usual one."""
 MAX_WAYPOINTS: Final = 100_000
 """Most poses of a path: at 0.05 m from one to the next, 5 km."""
 LEAST_WAYPOINTS: Final = 10
@@ -80,17 +80,18 @@ MAX_SHORT_ITERATIONS: Final = 1_000_000
 MAX_IMPROVEMENTS: Final = 1000
 """Most better paths that a planner sends for one query."""
 MAX_PUSH_CYCLES: Final = 10_000
-"""Most pushes of a mission, 30 hours of simulated time."""
+"""Most pushes of a mission, eight hours of simulated time."""
 MAX_CALIBRATION_PUSHES: Final = 40
 """Most pushes that measure a box: they move it 2.4 m."""
 LEAST_DEVIATION_M: Final = 0.01
-"""Least deviation that a smoothed path may be limited to: what a foot deviates from its marker."""
+"""Least deviation that a smoothed path may be limited to: the robot does not step more precisely."""
 MAX_ARC_DEG: Final = 720.0
 """Longest arc of a reference, two turns."""
 LEAST_WAVELENGTH_M: Final = 0.01
+"""Shortest wave of a reference: the distance between two of its points."""
 LEAST_PERIODS: Final = 0.01
 MAX_PERIODS: Final = 20.0
-"""A reference as a sine: waves of at least the distance between two of its points, and 20 of them at most."""
+"""Number of waves of a reference, which is no longer than `MAX_LENGTH_M` in all."""
 LEAST_WAIT_S: Final = 1e-3
 """Shortest time to wait for something, of a clock on the wall; the longest one is `MAX_TIME_S`."""
 LEAST_SPEED: Final = 1e-3
@@ -103,7 +104,7 @@ LEAST_FILE_MB: Final = 0.001
 MAX_FILE_MB: Final = 1e6
 """Size of a part of a recording, up to 1 TB."""
 MAX_SIMULATORS: Final = 256
-"""Most simulators of a learner: each is a process of 90 MB."""
+"""Most simulators of a learner: each is a process that takes 90 MB."""
 
 Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
 Crc = Annotated[int, Meta(ge=0, le=2**32 - 1)]

@@ -77,17 +77,17 @@ def parts(kind: inspect.Type, field: str, seen: set[type]) -> Iterator[Found]:
             for each in kind.fields:
                 yield from parts(each.type, f"{kind.cls.__name__}.{each.name}", seen)
         case inspect.UnionType():
-            for one in kind.types:
-                yield from parts(one, field, seen)
+            for variant in kind.types:
+                yield from parts(variant, field, seen)
         case inspect.TupleType():
-            for one in kind.item_types:
-                yield from parts(one, field, seen)
+            for item in kind.item_types:
+                yield from parts(item, field, seen)
         case inspect.VarTupleType():
             yield from parts(kind.item_type, field, seen)
 
 
 def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), field: str = "") -> Iterator[Leaf]:
-    """The numbers of an example, the first of each array."""
+    """The numbers of an example."""
     match kind:
         case inspect.IntType() | inspect.FloatType():
             yield Leaf(steps, field, kind)
@@ -99,11 +99,11 @@ def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), fi
             (one,) = [one for one in tagged if one.tag_field is None or plain[one.tag_field] == one.tag]
             yield from leaves(plain, one, steps, field)
         case inspect.UnionType() if plain is not None:
-            for one in kind.types:
-                yield from leaves(plain, one, steps, field)
+            for variant in kind.types:
+                yield from leaves(plain, variant, steps, field)
         case inspect.TupleType():
-            for index, one in enumerate(kind.item_types):
-                yield from leaves(plain[index], one, (*steps, index), field)
+            for index, item in enumerate(kind.item_types):
+                yield from leaves(plain[index], item, (*steps, index), field)
         case inspect.VarTupleType():
             for index, value in enumerate(plain):
                 yield from leaves(value, kind.item_type, (*steps, index), field)

@@ -51,7 +51,9 @@ class RecordedPast:
         n_done = len(self._episode.carried_out())
         for damage in self._episode.damage:
             if damage.step < at.step:
-                raise RecordingError(f"{self._episode.label}, step {damage.step}: its {damage.field} is damaged")
+                raise RecordingError(
+                    f"{self._episode.label}, step {damage.step}: its {damage.field} is damaged: got {damage.got}"
+                )
         if not 1 <= at.step <= n_done:
             raise RecordingError(f"Expected a step {_range(1, n_done)} of episode {at.episode} for --at, got {at.step}")
         self.n_steps = at.step

@@ -108,3 +108,5 @@ def _episodes(recording: Recording) -> Iterator[str]:
         seconds = f", {last.world.tick * CONTROL_PERIOD_S:.1f} s simulated, state {last.state_crc:08x}" if last else ""
         steps = f"steps 0 to {len(done) - 1}" if done else "no step that was answered"
         yield f"  {episode.index:<4}simulator {episode.sim}: {steps}{seconds} (number {episode.number})"
+        for damage in episode.damage:
+            yield f"      step {damage.step}: its {damage.field} cannot be used: got {damage.got}"
