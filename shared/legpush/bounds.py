@@ -42,7 +42,7 @@ LEAST_ANGLE_DEG: Final = 1e-6
 MAX_TURN_DEG: Final = 360.0
 """Least angle that has to be above 0, and a full turn."""
 MAX_SLOPE_DEG: Final = 10.0
-"""Steepest floor on which the robot keeps its balance."""
+"""Steepest floor, twice as steep as those of the studies."""
 LEAST_RESOLUTION_M: Final = 0.001
 MAX_RESOLUTION_M: Final = 100.0
 """Side of the cells of a map: a grid of 4096 x 4096 cells covers 4 m, or reaches 400 km."""
