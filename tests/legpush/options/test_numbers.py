@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Union, get_args, get_origin, get_type_hints
 
 import pytest
-from tyro.conf import arg
 
 from legpush import cli
 from legpush.options.scenarios import Scenarios
@@ -47,7 +46,7 @@ def numeric_flags(options: type) -> Iterator[tuple[str, int]]:
         kind, name = hints[field.name], field.name
         while get_origin(kind) is Annotated:
             kind, *about = get_args(kind)
-            name = next((each.name for each in about if isinstance(each, type(arg())) and each.name), name)
+            name = next(filter(None, (getattr(each, "name", None) for each in about)), name)
         variants = get_args(kind) if get_origin(kind) in (Union, types.UnionType) else (kind,)
         for variant in variants:
             items = get_args(variant) if get_origin(variant) is tuple else (variant,)
