@@ -5,11 +5,11 @@ import sys
 from collections.abc import Sequence
 from functools import singledispatch
 from importlib.metadata import version
-from typing import Annotated, Final
+from typing import Annotated, Final, NoReturn
 
 import tyro
 
-from legpush.errors import ConfigError, LegpushError
+from legpush.errors import ConfigError, exit_code_of
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -59,55 +59,51 @@ Command = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` and return the exit code; an error is one line on standard error."""
     argv = sys.argv[1:] if argv is None else argv
-    if list(argv[:1]) == ["plan-check"]:
-        return _plan_check(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
     try:
-        command: (
-            RunOptions
-            | TrainOptions
-            | EvaluateOptions
-            | CalibrateOptions
-            | PlanCheckOptions
-            | Scenarios
-            | MapOptions
-            | RenderOptions
-            | RecordOptions
-            | InfoOptions
-            | RecoverOptions
-            | ReplayOptions
-            | BranchOptions
-            | ExportOptions
-            | ViewOptions
-        ) = tyro.cli(
-            Command,
-            prog="legpush",
-            description=DESCRIPTION,
-            args=argv,
-            config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
-        )
-        for options, program in PROGRAMS.items():
-            if isinstance(command, options):
-                start_program(program, argv[1:])
-        return execute(command)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return error.exit_code
+        return exit_code_of(lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv))
     except KeyboardInterrupt:
         return 130
 
 
-def _plan_check(argv: Sequence[str]) -> int:
+def _parse_and_run(argv: Sequence[str]) -> int:
+    """Parse the command line, and run its command."""
+    command: (
+        RunOptions
+        | TrainOptions
+        | EvaluateOptions
+        | CalibrateOptions
+        | PlanCheckOptions
+        | Scenarios
+        | MapOptions
+        | RenderOptions
+        | RecordOptions
+        | InfoOptions
+        | RecoverOptions
+        | ReplayOptions
+        | BranchOptions
+        | ExportOptions
+        | ViewOptions
+    ) = tyro.cli(
+        Command,
+        prog="legpush",
+        description=DESCRIPTION,
+        args=argv,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
+    )
+    for options, program in PROGRAMS.items():
+        if isinstance(command, options):
+            start_program(program, argv[1:])
+    return execute(command)
+
+
+def _plan_check(argv: Sequence[str]) -> NoReturn:
     """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
-    try:
-        flags, _ = split_at_dashes(argv)
-        tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-        start_program("planner_proc.conformance", argv)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return error.exit_code
+    flags, _ = split_at_dashes(argv)
+    tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
+    start_program("planner_proc.conformance", argv)
 
 
 @singledispatch

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import tyro
 
-from legpush.errors import NO_OPENGL, ConfigError, LegpushError
+from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
 from legpush.exports import View
 from legpush.history.steps import read_episode
 from sim_proc.render.film import film_of, timeline_of
@@ -38,10 +38,7 @@ def main() -> None:
     """Film the run; write one line to stderr if that fails."""
     config = tyro.cli(VideoConfig)
     try:
-        code = film_run(config)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        code = error.exit_code
+        code = exit_code_of(lambda: film_run(config))
     except KeyboardInterrupt:
         code = 130
     sys.exit(code)

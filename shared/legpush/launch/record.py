@@ -6,12 +6,13 @@ from time import time
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
+from legpush.errors import exit_code_of
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.recordings import RecordOptions
 from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.runs.choose_run import choose_run
-from legpush.service import exit_code_of, start_log, stop_on_signals
+from legpush.service import start_log, stop_on_signals
 from legpush.versions import recorder_versions
 
 log = logging.getLogger(__name__)
