@@ -9,7 +9,7 @@ from typing import Annotated, Final, NoReturn
 
 import tyro
 
-from legpush.errors import ConfigError, exit_code_of
+from legpush.errors import ConfigError, exit_code_of, one_line, printable
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -139,7 +139,7 @@ def _list_scenarios(_: ListScenarios) -> int:
 def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
 
-    sys.stdout.write(dump_scenario(load_scenario(command.scenario)))
+    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
     return 0
 
 
@@ -179,7 +179,7 @@ def _info(command: InfoOptions) -> int:
     from legpush.recording.info import lines
     from legpush.recording.mcap_file.reader import read_recording
 
-    sys.stdout.write("".join(f"{line}\n" for line in lines(read_recording(command.files))))
+    sys.stdout.write("".join(f"{one_line(line)}\n" for line in lines(read_recording(command.files))))
     return 0
 
 

@@ -135,6 +135,11 @@ def is_disk_full(error: BaseException) -> bool:
     return False
 
 
+def printable(text: str) -> str:
+    """Return the text with control characters but line breaks as escape sequences, so that no terminal obeys them."""
+    return "\n".join(map(one_line, text.split("\n")))
+
+
 def one_line(text: str) -> str:
     """Return the text with line breaks and other control characters as escape sequences."""
     return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)

@@ -13,6 +13,7 @@ import tyro
 from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
 from legpush.exports import View
 from legpush.history.steps import read_episode
+from legpush.runs.folder import require_no_links
 from sim_proc.render.film import film_of, timeline_of
 from sim_proc.render.rendering import Take, frame_rows, render, use_backend, usual_speed
 
@@ -48,7 +49,7 @@ def film_run(config: VideoConfig) -> int:
     """Write `mission.mp4` into the folder and return the exit code.
 
     Raises:
-        ConfigError: The folder has no journal.
+        ConfigError: The folder has no journal, or a link.
         JournalError: No episode begins in the journal.
         RecordingError: The episode has no traces.
         LegpushError: ffmpeg failed.
@@ -56,6 +57,7 @@ def film_run(config: VideoConfig) -> int:
     journals = sorted(config.folder.glob("episode-*.journal"))
     if not journals:
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {config.folder}")
+    require_no_links(config.folder)
     where = str(journals[-1])
     film = film_of(timeline_of(read_episode(journals[-1]), where), where)
     if not use_backend(f"legpush render {config.folder}"):

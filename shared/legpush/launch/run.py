@@ -16,8 +16,8 @@ from rich.text import Text
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
-from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, one_line
-from legpush.files import write_whole
+from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, printable
+from legpush.files import require_space, write_whole
 from legpush.history.mending import mend
 from legpush.launch.display import make_display
 from legpush.launch.film import film
@@ -32,7 +32,16 @@ from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
 from legpush.recording.facts import CONTINUED
-from legpush.runs.folder import COMMAND_FILE, LOGS, SCENARIO_FILE, default_folder, is_begun, journals, run_folder
+from legpush.runs.folder import (
+    COMMAND_FILE,
+    LOGS,
+    REPORT_FILE,
+    SCENARIO_FILE,
+    default_folder,
+    is_begun,
+    journals,
+    run_folder,
+)
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
 from legpush.runs.report import read_report
 from legpush.scene.scenario import Scenario
@@ -62,9 +71,9 @@ def launch_mission(
     except (LegpushError, OSError) as error:
         if not is_disk_full(error):
             raise
-        verdict = Verdict(DISK_FULL, one_line(str(error)))
+        verdict = Verdict(DISK_FULL, str(error))
     if verdict.exit_code == DISK_FULL:
-        sys.stderr.write(f"error: {verdict.reason}\n")
+        sys.stderr.write(f"error: {printable(verdict.reason)}\n")
         console.print(Text(f"after space is made, to go on: {again}"), soft_wrap=True)
     return verdict.exit_code
 
@@ -85,14 +94,16 @@ def _run_and_tell(
                 console.print(Text(done), soft_wrap=True)
         write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode())
         verdict = _run_in(folder, options, programs, console, about)
+        if verdict.exit_code in (NO_SUCCESS, GAVE_UP) and not (folder / REPORT_FILE).exists():
+            require_space(folder)  # on a full disk a process cannot even say so in its log
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
-            sys.stderr.write(f"error: {verdict.reason}\n")
+            sys.stderr.write(f"error: {printable(verdict.reason)}\n")
         elif verdict.exit_code == INTERRUPTED:
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
         elif verdict.exit_code != DISK_FULL:
             if verdict.reason:
-                console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
+                console.print(Text(printable(verdict.reason), style="bold red"), soft_wrap=True)
             print_summary(console, folder, read_report(folder))
         return verdict
 
