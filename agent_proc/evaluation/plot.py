@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -24,9 +25,10 @@ MEASURES: Final[tuple[tuple[str, Callable[[Row], float]], ...]] = (
 def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None:
     """Draw the errors by case with means and 95 % intervals, or maps over a grid of two fields, and write a PNG."""
     draw = _maps if sweep.grid and len(sweep.fields) == len(("x", "y")) else _columns
-    figure = draw(rows, sweep)
-    figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
-    figure.savefig(path, dpi=110)
+    with mpl.rc_context({"text.parse_math": False, "text.usetex": False}):
+        figure = draw(rows, sweep)
+        figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
+        figure.savefig(path, dpi=110)
 
 
 def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:

@@ -34,7 +34,7 @@ from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.policy_names import DEFAULT_POLICY
 from legpush.recording.branch import parse_point
-from legpush.runs.folder import REPORT_FILE
+from legpush.runs.folder import REPORT_FILE, require_no_links
 from legpush.scenarios.file import load_scenario
 from legpush.scene.names import PlannerName
 from legpush.service import ServiceConfig
@@ -181,7 +181,7 @@ def writable_folder(folder: Path) -> Path:
     """Make the folder if need be, and return it.
 
     Raises:
-        ConfigError: It cannot be made, or nothing can be written to it.
+        ConfigError: It cannot be made, nothing can be written to it, or there is a link in it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -189,4 +189,5 @@ def writable_folder(folder: Path) -> Path:
         raise ConfigError(f"Expected a folder that can be made for --out, got {folder} ({error.strerror})") from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise ConfigError(f"Expected a folder that can be written to for --out, got {folder}")
+    require_no_links(folder)
     return folder

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from agent_proc.policies.folder_files import read_file, require_small_zip
 from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.config import TaskConfig
-from legpush.errors import ConfigError, PolicyError
+from legpush.errors import ConfigError, PolicyError, one_line
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
 
@@ -211,9 +211,9 @@ def _readme(card: Card) -> str:
         f"Trained on the scenario `{task.scenario.name}` with {card.steps} push cycles, seed {card.seed}, "
         f"{card.n_simulators} simulators:",
         "",
-        f"    {card.command}",
+        f"    {one_line(card.command)}",
         "",
-        f"- profile: {profile.description}; observation `{task.observation}`, reward `{task.reward}`",
+        f"- profile: {one_line(profile.description)}; observation `{task.observation}`, reward `{task.reward}`",
         f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
         f"- evaluation that it was kept for: {card.check or 'none'}",
         f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",

@@ -23,7 +23,7 @@ from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import INTERRUPTED, ConfigError, LegpushError, is_disk_full
 from legpush.files import write_whole
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
@@ -41,8 +41,17 @@ def main() -> int:
 
 def train(options: TrainOptions, console: Console) -> int:
     """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted."""
-    resumed = options.resume is not None
     folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
+    try:
+        return _learn(folder, plan, options, console)
+    except (LegpushError, OSError) as error:
+        if is_disk_full(error) and (folder / training.CHECKPOINT_FILE).exists():
+            console.print(Text(f"after space is made, to go on: {_again(folder)}"), soft_wrap=True)
+        raise
+
+
+def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Console) -> int:
+    """Learn in the folder until the training is done or interrupted; returns the exit code."""
     stop, links_stop = stop_on_signals(), threading.Event()
     with (
         own_folder(folder),
@@ -54,17 +63,21 @@ def train(options: TrainOptions, console: Console) -> int:
         env = PushVecEnv(plan.task, worlds, stop=links_stop)
         try:
             job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=show)
-            if resumed:
+            if options.resume is not None:
                 job.resume()
             result = job.run()
         finally:
             env.close()
     if not result.finished:
-        again = shlex.join(["legpush", "train", "--resume", str(folder)])
-        console.print(Text(f"interrupted after {result.step} steps; to go on: {again}"), soft_wrap=True)
+        console.print(Text(f"interrupted after {result.step} steps; to go on: {_again(folder)}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
     return 0
+
+
+def _again(folder: Path) -> str:
+    """The command that goes on with the training in the folder."""
+    return shlex.join(["legpush", "train", "--resume", str(folder)])
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
@@ -108,7 +121,7 @@ def read_plan(folder: Path) -> TrainingPlan:
         plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
         profile = read_profile(plain["profile"], f"{path}: profile")
         rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
-    except (OSError, msgspec.MsgspecError, KeyError) as error:
+    except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
     return TrainingPlan(profile=profile, **rest)
 

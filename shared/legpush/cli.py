@@ -5,11 +5,11 @@ import sys
 from collections.abc import Sequence
 from functools import singledispatch
 from importlib.metadata import version
-from typing import Annotated, Final
+from typing import Annotated, Final, NoReturn
 
 import tyro
 
-from legpush.errors import ConfigError, LegpushError
+from legpush.errors import ConfigError, exit_code_of, one_line, printable
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -59,55 +59,51 @@ Command = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` and return the exit code; an error is one line on standard error."""
     argv = sys.argv[1:] if argv is None else argv
-    if list(argv[:1]) == ["plan-check"]:
-        return _plan_check(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
     try:
-        command: (
-            RunOptions
-            | TrainOptions
-            | EvaluateOptions
-            | CalibrateOptions
-            | PlanCheckOptions
-            | Scenarios
-            | MapOptions
-            | RenderOptions
-            | RecordOptions
-            | InfoOptions
-            | RecoverOptions
-            | ReplayOptions
-            | BranchOptions
-            | ExportOptions
-            | ViewOptions
-        ) = tyro.cli(
-            Command,
-            prog="legpush",
-            description=DESCRIPTION,
-            args=argv,
-            config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
-        )
-        for options, program in PROGRAMS.items():
-            if isinstance(command, options):
-                start_program(program, argv[1:])
-        return execute(command)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return error.exit_code
+        return exit_code_of(lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv))
     except KeyboardInterrupt:
         return 130
 
 
-def _plan_check(argv: Sequence[str]) -> int:
+def _parse_and_run(argv: Sequence[str]) -> int:
+    """Parse the command line, and run its command."""
+    command: (
+        RunOptions
+        | TrainOptions
+        | EvaluateOptions
+        | CalibrateOptions
+        | PlanCheckOptions
+        | Scenarios
+        | MapOptions
+        | RenderOptions
+        | RecordOptions
+        | InfoOptions
+        | RecoverOptions
+        | ReplayOptions
+        | BranchOptions
+        | ExportOptions
+        | ViewOptions
+    ) = tyro.cli(
+        Command,
+        prog="legpush",
+        description=DESCRIPTION,
+        args=argv,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
+    )
+    for options, program in PROGRAMS.items():
+        if isinstance(command, options):
+            start_program(program, argv[1:])
+    return execute(command)
+
+
+def _plan_check(argv: Sequence[str]) -> NoReturn:
     """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
-    try:
-        flags, _ = split_at_dashes(argv)
-        tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-        start_program("planner_proc.conformance", argv)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return error.exit_code
+    flags, _ = split_at_dashes(argv)
+    tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
+    start_program("planner_proc.conformance", argv)
 
 
 @singledispatch
@@ -143,7 +139,7 @@ def _list_scenarios(_: ListScenarios) -> int:
 def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
 
-    sys.stdout.write(dump_scenario(load_scenario(command.scenario)))
+    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
     return 0
 
 
@@ -183,7 +179,7 @@ def _info(command: InfoOptions) -> int:
     from legpush.recording.info import lines
     from legpush.recording.mcap_file.reader import read_recording
 
-    sys.stdout.write("".join(f"{line}\n" for line in lines(read_recording(command.files))))
+    sys.stdout.write("".join(f"{one_line(line)}\n" for line in lines(read_recording(command.files))))
     return 0
 
 

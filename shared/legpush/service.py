@@ -7,7 +7,6 @@ failed; 5 the disk is full; 130 interrupted before the work was done.
 import logging
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ from legpush.bus import endpoints
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
 from legpush.bus.faults import Faults
-from legpush.errors import LegpushError
+from legpush.errors import exit_code_of, one_line
 from legpush.fields import Name, require
 from legpush.messages.common import Role
 
@@ -112,25 +111,11 @@ def run_program(name: str, work: Callable[[], int]) -> int:
     return exit_code_of(work)
 
 
-def exit_code_of(work: Callable[[], int]) -> int:
-    """Do the work and return its exit code, or that of a `LegpushError`, which is one line on standard error."""
-    try:
-        return work()
-    except LegpushError as error:
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
-        return error.exit_code
-
-
 def start_log(who: str, level: str) -> None:
     """Log to standard error, one line per record, with the time and the process `who`."""
     handler = logging.StreamHandler()
     handler.setFormatter(_OneLine(f"%(asctime)s.%(msecs)03d {who} %(levelname)s %(message)s", "%H:%M:%S"))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
-
-
-def one_line(text: str) -> str:
-    """Return the text with line breaks and other control characters as escape sequences."""
-    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
 
 
 class _OneLine(logging.Formatter):

@@ -10,8 +10,16 @@ import pytest
 
 from legpush import service
 from legpush.bus.bus import Bus
-from legpush.errors import ConfigError, EndpointError, LegpushError, PeerError, ScenarioError, StopRequestedError
-from legpush.service import ServiceConfig, one_line, parse, run_process
+from legpush.errors import (
+    ConfigError,
+    EndpointError,
+    LegpushError,
+    PeerError,
+    ScenarioError,
+    StopRequestedError,
+    one_line,
+)
+from legpush.service import ServiceConfig, parse, run_process
 
 
 def test_without_flags_a_process_uses_the_ports_of_this_machine() -> None:

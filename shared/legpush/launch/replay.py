@@ -12,7 +12,7 @@ from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError
+from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError, one_line, printable
 from legpush.launch.display import make_display
 from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
 from legpush.launch.run import launch_mission
@@ -112,7 +112,8 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
                 got = link.revision(revision, record.query) if revision else link.plan(record.query)
                 if expected.status != "cancelled" and not same(expected, got):
                     path, one, other = difference(expected, got)
-                    sys.stdout.write(f"first divergence at plan {number}, field {path}: expected {one}, got {other}\n")
+                    where = f"plan {number}, field {path}"
+                    sys.stdout.write(printable(f"first divergence at {where}: expected {one}, got {other}\n"))
                     return 1
             link.cancel()
     sys.stdout.write(f"identical: {len(plans)} plans\n")
@@ -140,8 +141,8 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
             checked = check(recording, world.step, lambda text: display.progress("verifying", None, text, ""))
         except StopRequestedError as error:
             raise StopRequestedError("interrupted: not verified") from error
-    sys.stdout.write(checked.words(perf_counter() - began))
+    sys.stdout.write(printable(checked.words(perf_counter() - began)))
     if checked.is_sound and not recording.is_complete:
         notes = recording.completeness.get("notes") or "its recorder did not finish"
-        sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
+        sys.stdout.write(f"the recording is not complete: {one_line('; '.join(notes.splitlines()))}\n")
     return 0 if checked.is_sound else 1

@@ -33,8 +33,21 @@ DEEP_WHITE: Final = 65535
 WHITE: Final = 255
 
 
+NO_YAML: Final = (yaml.YAMLError, ValueError, RecursionError, LookupError, AttributeError, TypeError, OverflowError)
+"""Errors that PyYAML raises for a damaged file, or for a value that is not what its tag says."""
+
+
 class _Loader(yaml.SafeLoader):
-    """Reads `5e-17` as a number, as ROS does; PyYAML alone reads it as text."""
+    """Reads `5e-17` as a number, as ROS does; PyYAML alone reads it as text. Aliases are refused.
+
+    A map needs no alias, and a short file with aliases of aliases stands for countless values.
+    """
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Compose the next value."""
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("expected values, got an alias")
+        return super().compose_node(parent, index)
 
 
 _Loader.add_implicit_resolver(
@@ -90,7 +103,7 @@ def _read_yaml(source: Traversable) -> MapServerFile:
         plain: Any = _Loader(source.read_text(encoding="utf-8")).get_single_data()
     except OSError as error:
         raise ScenarioError(f"{source}: expected a readable map file ({error.strerror})") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except NO_YAML as error:
         raise ScenarioError(f"{source}: expected YAML ({' '.join(str(error).split())})") from error
     try:
         fields = convert(plain, MapServerFile)

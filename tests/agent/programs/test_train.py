@@ -1,6 +1,8 @@
 """`legpush train`: a training in its folder, interrupted and resumed."""
 
+import errno
 import io
+import os
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +13,7 @@ from rich.console import Console
 from agent_proc.policies.folder import read_policy
 from agent_proc.profiles.profile import dump_profile
 from agent_proc.programs.train import read_plan, train
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, exit_code_of
 from legpush.options.learning import TrainOptions
 from tests.agent.learning.small_training import small_profile
 
@@ -102,3 +104,29 @@ def test_only_the_folder_of_a_training_can_be_resumed(tmp_path: Path) -> None:
             file.write_text(text)
         with pytest.raises(ConfigError, match=message):
             train(TrainOptions(resume=tmp_path), Console(file=io.StringIO()))
+
+
+@pytest.mark.usefixtures("stop")
+def test_a_full_disk_ends_with_the_command_that_goes_on(options: TrainOptions, monkeypatch: pytest.MonkeyPatch) -> None:
+    fsync, n_synced = os.fsync, 0
+
+    def fill(descriptor: int) -> None:
+        nonlocal n_synced
+        n_synced += 1
+        if n_synced > 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        fsync(descriptor)
+
+    console = Console(file=io.StringIO(), width=200)
+    monkeypatch.setattr(os, "fsync", fill)
+
+    assert exit_code_of(lambda: train(options, console)) == DISK_FULL
+    assert isinstance(console.file, io.StringIO)
+    assert f"after space is made, to go on: legpush train --resume {options.out}\n" in console.file.getvalue()
+    monkeypatch.undo()
+
+
+def test_deep_nesting_in_the_plan_of_a_training_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_bytes(b'{"profile":' + b"[" * 10**5)
+    with pytest.raises(ConfigError, match="Expected the folder of a training for --resume"):
+        read_plan(tmp_path)
