@@ -55,9 +55,10 @@ class Done(NamedTuple):
 
 
 class Broken(NamedTuple):
-    """The episode in which the simulator failed, and how."""
+    """The step in which the simulator failed, and how."""
 
     episode: int
+    step: int
     reason: str
 
 
@@ -95,7 +96,7 @@ class StepGuard:
                 return done.outcome
             return self._deny("conflict", f"step {done.step} was another {kind_of(done.motion)}")
         if self._broken is not None and action.episode == self._broken.episode:
-            return self._deny("invalid", self._broken.reason)
+            return self._deny("invalid", f"broken since step {self._broken.step}: {self._broken.reason}")
         opens = action.step == 0 and action.episode > self._episode()
         follows = done is not None and (action.episode, action.step) == (done.episode, done.step + 1)
         if not opens and not follows:
@@ -116,10 +117,9 @@ class StepGuard:
             return self._deny("invalid", str(error))
         except BrokenEpisodeError as error:
             log.exception("episode %d is broken since step %d", action.episode, action.step)
-            reason = f"step {action.step} of episode {action.episode} broke the episode: {error}"
-            self._broken = Broken(action.episode, reason)
+            self._broken = Broken(action.episode, action.step, str(error))
             self._note_owner(action.header)
-            return self._deny("invalid", reason)
+            return self._deny("invalid", str(error))
         self._broken = None
         self._done = Done(action.episode, action.step, action.motion, action.with_trace, outcome)
         self._note_owner(action.header)
