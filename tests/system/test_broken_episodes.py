@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from contextlib import ExitStack
+from math import nan
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from legpush.history.journal import Acted, Observed, read_entries
 from legpush.messages.common import Role
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
-from tests.legpush.examples import QUERY
+from tests.legpush.examples import QUERY, TRACE
 from tests.legpush.fakes import RUN, FakeStepper, agent, crc_after, fake_plan, mission, planner, sim
 
 MISSION = mission(4)
@@ -37,11 +38,34 @@ def test_a_simulator_that_fails_ends_the_episode_and_begins_the_next(tmp_path: P
         for _ in range(2):
             with pytest.raises(BrokenEpisodeError, match=r"Step 5: .*failed in a push: ZeroDivisionError"):
                 asking.do(MISSION[len(asking.past) :])
-        assert serving.tally["invalid"] == 2
+        assert serving.tally["invalid"] >= 2
         asking.past = []
         asking.sim.begin()
         assert asking.do(MISSION[:FAIL_AT]) == crc_after(MISSION[:FAIL_AT])
     assert stepper.performed == MISSION[:FAIL_AT]
+
+
+class SpoilsTraces(FakeStepper):
+    """Measures something that is no number."""
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        outcome = super().perform(motion, with_trace=with_trace)
+        trace = replace(TRACE, support_margin_m=(nan,))
+        return replace(outcome, trace=trace) if with_trace else outcome
+
+
+def test_a_trace_that_no_message_can_hold_breaks_the_episode(tmp_path: Path) -> None:
+    stepper = SpoilsTraces()
+    with sim(tmp_path, stepper) as serving, agent(tmp_path) as asking:
+        asking.do(MISSION[:2])
+        for words in ("Expected a finite number, got nan", "broken since step 2: Expected a finite number, got nan"):
+            with pytest.raises(BrokenEpisodeError, match=f"Step 2: {words}"):
+                asking.sim.step(MISSION[2], asking.past, with_trace=True)
+        assert serving.tally["invalid"] >= 1
+        assert len(stepper.performed) == 3
+        asking.past = []
+        asking.sim.begin()
+        assert asking.do(MISSION) == crc_after(MISSION)
 
 
 def test_a_planner_that_fails_answers_and_goes_on(tmp_path: Path) -> None:

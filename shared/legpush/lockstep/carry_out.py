@@ -1,5 +1,7 @@
 """Carries out one motion, and tells a motion that was refused from one at which the simulator failed."""
 
+from msgspec.structs import replace
+
 from legpush.errors import BrokenEpisodeError, LegpushError, MotionError, RecordingError, ScenarioError
 from legpush.lockstep.simulator import Stepper
 from legpush.messages import codec
@@ -7,18 +9,18 @@ from legpush.messages.stepping import Motion, Outcome
 
 
 def carry_out(stepper: Stepper, motion: Motion, *, with_trace: bool) -> Outcome:
-    """Carry out one motion, and return an outcome that a message can hold.
+    """Carry out one motion, and return an outcome whose state a message can hold. Its trace is large and not checked.
 
     Raises:
         MotionError: The motion cannot be carried out; the state is as it was.
         ScenarioError: The world of a reset cannot be built; the state is as it was.
         RecordingError: The simulator plays a recording, which does not have this motion.
-        BrokenEpisodeError: Another exception was raised, or the outcome holds a number that is not finite: nobody
+        BrokenEpisodeError: Another exception was raised, or the state holds a number that is not finite: nobody
             knows the state any more.
     """
     try:
         outcome = stepper.perform(motion, with_trace=with_trace)
-        codec.encode(outcome)
+        codec.encode(replace(outcome, trace=None))
     except (MotionError, ScenarioError, RecordingError):
         raise
     except Exception as error:

@@ -13,7 +13,7 @@ from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.ports import INBOX_SIZE
 from legpush.bus.status import StatusBeacon
-from legpush.errors import BrokenEpisodeError, MotionError, ScenarioError
+from legpush.errors import BrokenEpisodeError, LegpushError, MessageError, MotionError, ScenarioError
 from legpush.lockstep.carry_out import carry_out, kind_of
 from legpush.lockstep.simulator import Stepper
 from legpush.messages.common import MAX_COUNT, Header
@@ -116,14 +116,19 @@ class StepGuard:
         except (MotionError, ScenarioError) as error:
             return self._deny("invalid", str(error))
         except BrokenEpisodeError as error:
-            log.exception("episode %d is broken since step %d", action.episode, action.step)
-            self._broken = Broken(action.episode, action.step, str(error))
-            self._note_owner(action.header)
-            return self._deny("invalid", str(error))
+            return self.break_episode(action, error)
         self._broken = None
         self._done = Done(action.episode, action.step, action.motion, action.with_trace, outcome)
         self._note_owner(action.header)
         return outcome
+
+    def break_episode(self, action: Action, error: LegpushError) -> Denial:
+        """Refuse this action and all later steps of its episode, because the simulator failed in it."""
+        log.error("episode %d is broken since step %d", action.episode, action.step, exc_info=error)
+        self._done = None
+        self._broken = Broken(action.episode, action.step, str(error))
+        self._note_owner(action.header)
+        return self._deny("invalid", str(error))
 
     def _note_owner(self, sender: Header) -> None:
         """Work for this agent from now on; a copy that was overtaken does not make its sequence lower."""
@@ -133,8 +138,8 @@ class StepGuard:
 
     def _episode(self) -> int:
         """The episode that a reset has to be newer than; -1 for a fresh simulator."""
-        done = -1 if self._done is None else self._done.episode
-        return done if self._broken is None else max(done, self._broken.episode)
+        last = self._broken or self._done
+        return -1 if last is None else last.episode
 
     def _deny(self, cause: Literal["out_of_step", "conflict", "invalid"], reason: str) -> Denial:
         if self._broken is not None:
@@ -169,7 +174,10 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
                 sender = action.header
                 bus.tally.add(answer.cause, f"{sender.role} {sender.name}: {answer.reason}", logging.INFO)
             if not isinstance(answer, Unheard):
-                answers.send(_address(action, answer))
+                try:
+                    answers.send(_address(action, answer))
+                except MessageError as error:
+                    answers.send(_address(action, guard.break_episode(action, error)))
                 others = [other for other in (*waiting, *actions.drain()) if not _same_question(other, action)]
                 waiting = others[:INBOX_SIZE]
             beacon.publish_status("idle", detail=f"step {action.step} done")
