@@ -96,6 +96,14 @@ class RecordingError(LegpushError):
 class MotionError(LegpushError):
     """A motion that the simulator cannot carry out in its present state, such as walking before a path was given."""
 
+    exit_code = 2
+
+
+class BrokenEpisodeError(LegpushError):
+    """A motion at which the simulator failed: the episode is broken, and only a reset goes on; names the failure."""
+
+    exit_code = 2
+
 
 class StopRequestedError(LegpushError):
     """The user or the launcher asked this process to stop before its work was done."""

@@ -90,6 +90,7 @@ def run(
         PolicyError: The policy cannot be used, or raised an exception.
         UnsolvableError: The planner finds no path. Its `run` is the mission up to this error.
         ConfigError: Another argument cannot be used.
+        BrokenEpisodeError: The simulator failed in a motion, such as at numbers that physics cannot carry.
         LegpushError: The base of all of these.
         KeyboardInterrupt: The user interrupted the mission.
     """

@@ -20,14 +20,14 @@ def encode(message: msgspec.Struct) -> bytes:
     """Return the message as a MessagePack map.
 
     Raises:
-        MessageError: A number is not finite, an integer has more than 64 bits, or the message is longer than
-            `MAX_MESSAGE_BYTES`.
+        MessageError: A number is not finite, an integer has more than 64 bits, the message is longer than
+            `MAX_MESSAGE_BYTES`, or there is no memory for it.
     """
     try:
         plain = msgspec.to_builtins(message, builtin_types=(bytes,))
         _require_finite(plain, "$")
         packed: bytes = msgpack.packb(plain)
-    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+    except (TypeError, ValueError, OverflowError, RecursionError, MemoryError) as error:
         kind = type(message).__name__
         raise MessageError(f"Expected a {kind} that MessagePack can hold ({type(error).__name__}: {error})") from error
     _require_size(packed)

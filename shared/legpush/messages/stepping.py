@@ -197,7 +197,8 @@ class Refusal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
     step: Count
     cause: Literal["out_of_step", "conflict", "invalid"]
     """`out_of_step`: the step is not the next one; `next_episode` and `next_step` say which is. `conflict`: another
-    action was carried out as this step. `invalid`: the action cannot be carried out in the present state."""
+    action was carried out as this step, or the simulator works for another agent that is alive. `invalid`: the action
+    cannot be carried out in the present state, or the simulator failed in this episode."""
     reason: str
     next_episode: Count
     next_step: Count
