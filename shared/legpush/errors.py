@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable
 from typing import Any, ClassVar, Final, Literal
 
+FAILED: Final = 3
+"""The exit code of a process with a fault of its own, and of a program whose process or peer failed."""
 NO_OPENGL: Final = 4
 """Exit code of a program that cannot draw because no OpenGL library can be used."""
 DISK_FULL: Final = 5

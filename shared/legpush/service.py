@@ -8,6 +8,7 @@ import logging
 import os
 import signal
 import threading
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import FrameType
@@ -19,7 +20,7 @@ from legpush.bus import endpoints
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
 from legpush.bus.faults import Faults
-from legpush.errors import exit_code_of, one_line
+from legpush.errors import FAILED, exit_code_of, one_line
 from legpush.fields import Name, require
 from legpush.messages.common import Role
 
@@ -89,7 +90,8 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     """Parse, connect, `work`, disconnect; return the exit code. A `LegpushError` is one line on standard error.
 
     SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. The exit code
-    is the result of `work`, where None means 0.
+    is the result of `work`, where None means 0. Any other exception is a fault of this process: its traceback goes to
+    standard error, and the exit code is 3, because 1 would mean that the work was done without success.
     """
     stop = stop_on_signals()
 
@@ -102,7 +104,11 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
         return code
 
-    return exit_code_of(connect_and_work)
+    try:
+        return exit_code_of(connect_and_work)
+    except Exception:  # noqa: BLE001 - whatever it is, the launcher has to learn of it
+        traceback.print_exc()
+        return FAILED
 
 
 def run_program(name: str, work: Callable[[], int]) -> int:
