@@ -17,15 +17,13 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
-from agent_proc.policies.networks import policy_arguments
+from agent_proc.policies.sb3.arguments import policy_arguments
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfile, PpoSettings, Td3Profile
 from legpush.arrays import Floats
 from legpush.errors import ConfigError
 
 DEPTH: Final = 3
 """Index of the depth among the elements of a variable-entry action."""
-UNSAVED: Final = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
-"""Attributes in which an algorithm keeps its last steps; a policy does not need them."""
 
 
 class Rewindable(Protocol):
@@ -177,13 +175,6 @@ def restore(learner: Learner, captured: bytes) -> Learner:
     np.random.set_state(numpy)  # noqa: NPY002 - SB3 draws from it
     torch.set_rng_state(torch.from_numpy(torch_bytes))
     return Learner(model=model, normalizer=normalizer, monitor=monitor, env=learner.env)
-
-
-def policy_zip(model: BaseAlgorithm) -> bytes:
-    """The model in the format of Stable-Baselines3, without its last steps."""
-    file = io.BytesIO()
-    model.save(file, exclude=UNSAVED)
-    return file.getvalue()
 
 
 def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | None:

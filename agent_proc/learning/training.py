@@ -21,7 +21,7 @@ from agent_proc.learning.checkpoint import Checkpoint, load_checkpoint, save_che
 from agent_proc.learning.learner import Learner, capture, make_learner, restore, set_exploration, undisturbed_draws
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Check, CurvePoint, write_policy
-from agent_proc.policies.networks import use_one_thread
+from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import cast
 
 from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.learned import load_learned
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
 from legpush.errors import LegpushError, PolicyError
@@ -41,7 +42,7 @@ def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool =
 
     The name must come from the user, since some of these run code; `policy_from_data` is for names from elsewhere.
     `normalizer` belongs to a model file (`.zip`) only, which needs `trust_file`. The learning libraries are imported
-    only for a trained policy.
+    only for a model file.
 
     Raises:
         PolicyError: There is no such policy, or it cannot be used.
@@ -56,19 +57,16 @@ def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool =
         return _from_address(name)
     if kind in ("own", "plug-in"):
         return _made_by(load_plugin(GROUP, name), name)
+    if not is_file:
+        return load_learned(name)
     try:
-        if is_file:
-            from agent_proc.policies.sb3_file import load_sb3_file
-
-            return load_sb3_file(Path(name), normalizer)
-        from agent_proc.policies.learned import load_learned
+        from agent_proc.policies.sb3.model_file import load_sb3_file
     except ModuleNotFoundError as error:
         raise PolicyError(
-            f"Expected the learning libraries for the policy {name!r}, but {error.name} is not installed; "
+            f"Expected the learning libraries for the model file {name!r}, but {error.name} is not installed; "
             "pip install 'legpush[agent]' installs them"
         ) from error
-
-    return load_learned(name)
+    return load_sb3_file(Path(name), normalizer)
 
 
 def _from_address(name: str) -> Policy:
