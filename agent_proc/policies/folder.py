@@ -85,7 +85,7 @@ class Card:
     curve: tuple[CurvePoint, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PolicyFolder:
     """The content of the folder of a policy."""
 
@@ -170,6 +170,15 @@ def encode_card(card: Card) -> bytes:
         **{name: getattr(card, name) for name in ("task", "profile", *_CARD_FIELDS) if name != "command"},
     }
     return msgspec.json.format(msgspec.json.encode(whole), indent=1) + b"\n"
+
+
+def is_old_format(folder: Path) -> bool:
+    """Whether a policy folder has the earlier format.
+
+    Raises:
+        PolicyError: Its card is missing, or is no JSON.
+    """
+    return bool(decode_file(folder / CARD_FILE, dict).get("format") == OLD_FORMAT)
 
 
 def read_card(folder: Path) -> Card:

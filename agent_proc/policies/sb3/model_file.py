@@ -23,8 +23,8 @@ from stable_baselines3.common.vec_env import VecNormalize
 from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.policies.sb3.arguments import use_one_thread
+from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.spaces import action_space, observation_space
 from legpush.errors import PolicyError
 
 ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
