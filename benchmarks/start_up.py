@@ -38,7 +38,12 @@ CHECKOUT: Final = Path(__file__).parents[1]
 LEGPUSH: Final = "import sys; from legpush.cli import main; sys.exit(main())"
 POLL_S: Final = 0.005
 N_DECISIONS: Final = 5000
-IMPORT: Final = "import time; began = time.perf_counter(); import agent_proc.mission.process as _; print(time.perf_counter() - began)"
+IMPORT: Final = """
+import time
+began = time.perf_counter()
+import agent_proc.mission.process
+print(time.perf_counter() - began)
+"""
 
 
 @dataclass(frozen=True, kw_only=True)

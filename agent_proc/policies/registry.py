@@ -30,9 +30,12 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
     got = policy_sha256(name)
     # Earlier versions recorded no SHA-256 of code.
     if got != sha256 and not (sha256 == "" and policy_kind(name) in ("module:function", "plug-in")):
+        remedy = ""
+        if policy_kind(name) == "own":
+            remedy = ". Another version of legpush comes with another one: use the version that made the recording"
         raise PolicyError(
             f"Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with {got[:16]}...: what "
-            "it decided cannot be decided again"
+            f"it decided cannot be decided again{remedy}"
         )
     return make_policy(name, trust_file=trust_file)
 

@@ -27,7 +27,10 @@ ROGUES = {
     "Only the bus's session imports Zenoh": ("legpush.bus", "import zenoh"),
     "Only model, physics and pictures import MuJoCo": ("sim_proc.render", "import mujoco"),
     "Only three modules of the planner import OMPL": ("planner_proc.search", "from ompl import base"),
-    "Missions and evaluations load no learning library": ("agent_proc.evaluation", "from agent_proc.learning import env"),
+    "Missions and evaluations load no learning library": (
+        "agent_proc.evaluation",
+        "from agent_proc.learning import env",
+    ),
     "Only learning and policies.sb3 import PyTorch and Stable-Baselines3": (
         "agent_proc.policies",
         "import stable_baselines3",

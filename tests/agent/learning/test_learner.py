@@ -15,7 +15,6 @@ from agent_proc.learning.learner import (
     capture,
     make_learner,
     observation_moments,
-    policy_zip,
     restore,
     set_exploration,
     undisturbed_draws,
@@ -131,10 +130,3 @@ def test_moments_are_those_of_the_normalizer(env: PushVecEnv) -> None:
     assert mean.shape == variance.shape == (8,)
     assert (variance > 0.0).all()
     assert observation_moments(make_learner(bare, env, 3, None).normalizer) is None
-
-
-def test_a_saved_policy_keeps_nothing_of_the_last_steps(env: PushVecEnv) -> None:
-    learner = learned(small_profile(), env, 32)
-
-    assert policy_zip(learner.model)[:2] == b"PK"
-    assert len(policy_zip(learner.model)) < len(capture(learner))
