@@ -9,6 +9,7 @@ from typing import cast
 
 from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.learned import load_learned
+from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
 from legpush.errors import LegpushError, PolicyError
@@ -62,13 +63,8 @@ def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool =
         return _made_by(load_plugin(GROUP, name), name)
     if not is_file:
         return load_learned(name)
-    try:
+    with learning_libraries(f"the model file {name!r}"):
         from agent_proc.policies.sb3.model_file import load_sb3_file
-    except ModuleNotFoundError as error:
-        raise PolicyError(
-            f"Expected the learning libraries for the model file {name!r}, but {error.name} is not installed; "
-            "pip install 'legpush[agent]' installs them"
-        ) from error
     return load_sb3_file(Path(name), normalizer)
 
 

@@ -8,6 +8,7 @@ import tyro
 
 from agent_proc.policies.folder import (
     CARD_FILE,
+    OLD_FORMAT,
     README_FILE,
     PolicyFolder,
     encode_card,
@@ -18,7 +19,7 @@ from agent_proc.policies.folder import (
     shipped_policies,
     write_policy,
 )
-from agent_proc.policies.onnx_file import encode_onnx
+from agent_proc.policies.learning_libraries import learning_libraries
 from legpush.errors import PolicyError
 from legpush.files import replace_folder
 from legpush.options.policies import ExportPolicy, Policies, ShowPolicy
@@ -68,13 +69,15 @@ def read_any_policy(name: str) -> PolicyFolder:
     path = policy_path(name)
     if not is_old_format(path):
         return read_policy(path)
-    from agent_proc.policies.sb3.old_folder import read_old_policy
-
+    with learning_libraries(f"the policy {name!r} of format {OLD_FORMAT}"):
+        from agent_proc.policies.sb3.old_folder import read_old_policy
     return read_old_policy(path)
 
 
 def _write_onnx(folder: Path, policy: PolicyFolder) -> None:
     """Write the model with its card into a new folder."""
+    from agent_proc.policies.onnx_file import encode_onnx
+
     model = encode_onnx(policy)
 
     def fill(part: Path) -> None:
