@@ -9,6 +9,7 @@ import json
 import os
 import platform
 import resource
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -56,6 +57,8 @@ class Config:
     """Number of missions, with seeds from 0."""
     against: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Another checkout to compare with."""
+    label: str = "other"
+    """What the other checkout is called in the results."""
     out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/start_up.json")
     """Where the numbers go."""
 
@@ -79,7 +82,8 @@ class Mission:
 
 def main(config: Config) -> None:
     """Measure, print, and write the numbers."""
-    checkouts = {"this": CHECKOUT} | ({} if config.against is None else {"other": config.against.resolve()})
+    checkouts = {"this": CHECKOUT} | ({} if config.against is None else {config.label: config.against.resolve()})
+    load = os.getloadavg()[0]
     missions: dict[str, list[Mission]] = {name: [] for name in checkouts}
     for seed in range(config.n_runs):
         for name, checkout in checkouts.items():
@@ -95,8 +99,9 @@ def main(config: Config) -> None:
     decision_us = decisions()
     print(f"medians: {medians}; one decision, us: {decision_us}")
     result = {
-        "command": " ".join(["python -m benchmarks.start_up", *sys.argv[1:]]),
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
+        "command": f"python -m benchmarks.start_up --scenario {config.scenario} --n-runs {config.n_runs}"
+        + ("" if config.against is None else f" --against CHECKOUT --label {shlex.quote(config.label)}"),
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores, load {load:.1f} before the first run",
         "versions": {
             **installed_versions(),
             "torch": version("torch"),

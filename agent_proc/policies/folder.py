@@ -25,10 +25,10 @@ OLD_FORMAT: Final = 1
 """With the networks in a zip of Stable-Baselines3."""
 WEIGHTS_FILE: Final = "policy.safetensors"
 CARD_FILE: Final = "card.json"
+README_FILE: Final = "README.md"
 OBSERVATION: Final = "observation"
 ACTION: Final = "action"
 """Fields of the card that follow from its task."""
-README_FILE: Final = "README.md"
 
 
 class CurvePoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import cast
 
 from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.folder import OLD_FORMAT, is_old_format, policy_path
 from agent_proc.policies.learned import load_learned
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.policies.policy import Policy
@@ -30,13 +31,18 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
     require_trust(name, trust_file)
     got = policy_sha256(name)
     # Earlier versions recorded no SHA-256 of code.
-    if got != sha256 and not (sha256 == "" and policy_kind(name) in ("module:function", "plug-in")):
-        remedy = ""
-        if policy_kind(name) == "own":
-            remedy = ". Another version of legpush comes with another one: use the version that made the recording"
+    kind = policy_kind(name)
+    if got != sha256 and not (sha256 == "" and kind in ("module:function", "plug-in")):
+        reason = ""
+        if kind == "own":
+            reason = ". Another version of legpush comes with another one: use the version that made the recording"
+        elif kind == "folder" and is_old_format(policy_path(name)):
+            reason = (
+                f". It has format {OLD_FORMAT}, which this version only converts: use the one that made the recording"
+            )
         raise PolicyError(
             f"Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with {got[:16]}...: what "
-            f"it decided cannot be decided again{remedy}"
+            f"it decided cannot be decided again{reason}"
         )
     return make_policy(name, trust_file=trust_file)
 
