@@ -37,7 +37,7 @@ def test_later_training_does_not_change_layers_that_were_taken() -> None:
     before = layers[-1].bias.copy()
 
     with torch.no_grad():
-        networks.action_net.bias.add_(1.0)
+        networks.get_parameter("action_net.bias").add_(1.0)
 
     assert (layers[-1].bias == before).all()
     assert (actor_layers("ppo", networks.state_dict())[-1].bias == before + 1.0).all()
