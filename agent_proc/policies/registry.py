@@ -37,9 +37,7 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
         if kind == "own":
             reason = ". Another version of legpush comes with another one: use the version that made the recording"
         elif kind == "folder" and is_old_format(policy_path(name)):
-            reason = (
-                f". It has format {OLD_FORMAT}, which this version only converts: use the one that made the recording"
-            )
+            reason = f". It has format {OLD_FORMAT}, which this version only converts: use the one that recorded it"
         raise PolicyError(
             f"Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with {got[:16]}...: what "
             f"it decided cannot be decided again{reason}"
