@@ -30,8 +30,8 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
     require_repeated(name, repeated)
     require_trust(name, trust_file)
     got = policy_sha256(name)
-    # Earlier versions recorded no SHA-256 of code.
     kind = policy_kind(name)
+    # Earlier versions recorded no SHA-256 of code.
     if got != sha256 and not (sha256 == "" and kind in ("module:function", "plug-in")):
         reason = ""
         if kind == "own":
