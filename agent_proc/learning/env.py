@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.learning.random_state import Pcg64State, set_state, state_of
-from agent_proc.task.action import action_space, to_push
+from agent_proc.policies.sb3.spaces import action_space, observation_space
+from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import EpisodeEnding, episode_ending
-from agent_proc.task.observation import TABLES, observation_space, observe
+from agent_proc.task.observation import TABLES, observe
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import tuned_reward
 from legpush.errors import ConfigError, PeerError

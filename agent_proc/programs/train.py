@@ -17,9 +17,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.learning import training, training_plan
+from agent_proc.learning import training_plan
 from agent_proc.learning.training_plan import TrainingPlan
-from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
@@ -40,7 +40,13 @@ def main() -> int:
 
 
 def train(options: TrainOptions, console: Console) -> int:
-    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted."""
+    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted.
+
+    Raises:
+        PolicyError: A learning library is not installed.
+    """
+    with learning_libraries("a training"):
+        from agent_proc.learning import training
     folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
     try:
         return _learn(folder, plan, options, console)
@@ -52,6 +58,9 @@ def train(options: TrainOptions, console: Console) -> int:
 
 def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Console) -> int:
     """Learn in the folder until the training is done or interrupted; returns the exit code."""
+    from agent_proc.learning import training
+    from agent_proc.learning.vec_env import PushVecEnv
+
     stop, links_stop = stop_on_signals(), threading.Event()
     with (
         own_folder(folder),

@@ -14,6 +14,7 @@ from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.maps import MapOptions
+from legpush.options.policies import Policies
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
@@ -32,6 +33,7 @@ PROGRAMS: Final[dict[type, Program]] = {
     EvaluateOptions: "agent_proc.programs.evaluate",
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
+    Policies: "agent_proc.programs.policy",
     ExportOptions: "sim_proc.export",
     ViewOptions: "sim_proc.view",
 }
@@ -45,6 +47,7 @@ Command = (
     | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[MapOptions, tyro.conf.subcommand("map")]
+    | Annotated[Policies, tyro.conf.subcommand("policy")]
     | Annotated[RenderOptions, tyro.conf.subcommand("render")]
     | Annotated[RecordOptions, tyro.conf.subcommand("record")]
     | Annotated[InfoOptions, tyro.conf.subcommand("info")]
@@ -78,6 +81,7 @@ def _parse_and_run(argv: Sequence[str]) -> int:
         | PlanCheckOptions
         | Scenarios
         | MapOptions
+        | Policies
         | RenderOptions
         | RecordOptions
         | InfoOptions

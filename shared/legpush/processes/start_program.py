@@ -12,6 +12,7 @@ Program = Literal[
     "agent_proc.programs.evaluate",
     "agent_proc.programs.calibrate",
     "agent_proc.programs.draw_room",
+    "agent_proc.programs.policy",
     "agent_proc.programs.show_map",
     "planner_proc.conformance",
     "sim_proc.export",
