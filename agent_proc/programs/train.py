@@ -25,6 +25,7 @@ from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
 from legpush.errors import INTERRUPTED, ConfigError
 from legpush.files import write_whole
+from legpush.numerics.entry import enter_profile
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
@@ -160,5 +161,6 @@ def _shown(console: Console) -> Iterator[Any]:
 
 
 if __name__ == "__main__":
+    enter_profile()
     logging.captureWarnings(True)
     sys.exit(main())
