@@ -17,6 +17,8 @@ log = logging.getLogger(__name__)
 
 PACKAGES: Final = ("numpy", "scipy", "mujoco", "ompl")
 """Their versions decide about bits, besides that of glibc."""
+NUMERICS_FILE: Final = "numerics.json"
+"""Attachment of recordings in which a simulator notes its numerics."""
 
 
 class Numerics(Struct, frozen=True, kw_only=True):
@@ -39,6 +41,10 @@ class Numerics(Struct, frozen=True, kw_only=True):
     def name(self) -> str:
         """Profile and identity, such as `x86-64-v3/1a2b3c4d`, as reports, journals and recordings have it."""
         return f"{self.profile}/{self.identity}"
+
+    def as_json(self) -> bytes:
+        """Return all fields and the name as JSON."""
+        return msgspec.json.encode({"name": self.name, **msgspec.to_builtins(self)})
 
 
 @cache

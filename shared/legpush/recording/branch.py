@@ -9,7 +9,9 @@ from legpush.errors import MotionError, RecordingError
 from legpush.fields import episode_and_step
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
+from legpush.numerics.current import current, told_as_other
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
+from legpush.recording.facts import recorded_numerics
 from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.plans import query_bytes, read_plans
 from legpush.recording.play import RecordedPlanner, instead
@@ -56,6 +58,7 @@ class RecordedPast:
             raise RecordingError(f"Expected a step {_range(1, n_done)} of episode {at.episode} for --at, got {at.step}")
         self.n_steps = at.step
         self.alter = alter
+        self.numerics = recorded_numerics(recording)
         records = read_plans(recording)
         self._plans = {query_bytes(record.query): record.plans for record in records}
         self._planner = RecordedPlanner(records)
@@ -71,8 +74,12 @@ class RecordedPast:
         asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
         if asked is None:
             raise RecordingError(
-                f"step {step} of the recording: {instead([self._episode], step, motion)}; the recorded decision "
-                "depended on something that is not in the recording, such as another version of legpush"
+                f"step {step} of the recording: {instead([self._episode], step, motion)}; "
+                + (
+                    told_as_other(self.numerics, current().name)
+                    or "the recorded decision depended on something that is not in the recording, such as another "
+                    "version of legpush"
+                )
             )
         outcome = asked.outcome
         if outcome is None:
@@ -95,7 +102,8 @@ class RecordedPast:
         """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
-            raise RecordingError(self._planner.instead(query))
+            other = told_as_other(self.numerics, current().name)
+            raise RecordingError(self._planner.instead(query) + (f"; {other}" if other else ""))
         return plans[min(revision, max(plans))]
 
     def _with_trace(self, step: int, asked: Asked, outcome: Outcome) -> Outcome:
