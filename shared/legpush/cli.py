@@ -14,6 +14,7 @@ from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.maps import MapOptions
+from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
@@ -34,6 +35,7 @@ PROGRAMS: Final[dict[type, Program]] = {
     MapOptions: "agent_proc.programs.show_map",
     ExportOptions: "sim_proc.export",
     ViewOptions: "sim_proc.view",
+    CanaryOptions: "legpush.canary",
 }
 """Programs that run in a process of their own, by the options of their command."""
 
@@ -53,6 +55,9 @@ Command = (
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
     | Annotated[ExportOptions, tyro.conf.subcommand("export")]
     | Annotated[ViewOptions, tyro.conf.subcommand("view")]
+    | Annotated[PythonOptions, tyro.conf.subcommand("python")]
+    | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
+    | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
 )
 
 
@@ -61,6 +66,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     argv = sys.argv[1:] if argv is None else argv
     if list(argv[:1]) == ["plan-check"]:
         return _plan_check(argv[1:])
+    if list(argv[:1]) == ["python"] and not {"-h", "--help"} & set(argv[1:2]):
+        from legpush.launch.python import start_python
+
+        start_python(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
@@ -81,6 +90,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             | BranchOptions
             | ExportOptions
             | ViewOptions
+            | PythonOptions
+            | KernelOptions
+            | CanaryOptions
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -206,3 +218,10 @@ def _branch(command: BranchOptions) -> int:
     from legpush.launch.branch import branch
 
     return branch(command)
+
+
+@execute.register
+def _kernel(command: KernelOptions) -> int:
+    from legpush.launch.python import install_kernel
+
+    return install_kernel(command)

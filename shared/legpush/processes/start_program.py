@@ -1,4 +1,4 @@
-"""Replaces this process by a program of the planner, the simulator or the agent."""
+"""Replaces this process by a program of legpush."""
 
 import os
 import sys
@@ -16,6 +16,7 @@ Program = Literal[
     "planner_proc.conformance",
     "sim_proc.export",
     "sim_proc.view",
+    "legpush.canary",
 ]
 """A module that Python runs as a program."""
 
