@@ -20,7 +20,7 @@ def computed() -> Canary:
 
 
 def test_it_is_the_published_one(computed: Canary) -> None:
-    """Fails where a change moves a bit: `legpush canary` tells the numbers for `canaries.json`, and the changelog why."""
+    """Where a change moves a bit on purpose, `legpush canary` has the numbers for `canaries.json`."""
     expected = published(current().name)
     if expected is None:
         pytest.skip(f"no canary was published for {current().name}")

@@ -17,6 +17,9 @@ from tests.processors import emulated, python, qemu
 CANARY: Final = "import sys, msgspec, legpush.canary as c; sys.stdout.buffer.write(msgspec.json.encode(c.compute()))"
 BLAS: Final = "from legpush.numerics.current import current; print(*current().kernels.blas)"
 
+NATIVE: Final = {VARIABLE: "native", "OPENBLAS_CORETYPE": "", "NPY_DISABLE_CPU_FEATURES": "", "GLIBC_TUNABLES": ""}
+"""Without the profile, whatever the environment of the tests has."""
+
 pytestmark = pytest.mark.skipif(
     qemu() is None and not os.environ.get("CI"), reason="no qemu-x86_64: Debian's package qemu-user has it"
 )
@@ -24,9 +27,6 @@ pytestmark = pytest.mark.skipif(
 
 def test_the_emulated_processor_is_another_one_to_the_libraries() -> None:
     assert emulated("EPYC", "-c", BLAS, environment={**os.environ, **NATIVE}).split() == ["Zen"]
-
-
-NATIVE: Final = {VARIABLE: "native", "OPENBLAS_CORETYPE": "", "NPY_DISABLE_CPU_FEATURES": "", "GLIBC_TUNABLES": ""}
 
 
 @pytest.mark.timeout(600)

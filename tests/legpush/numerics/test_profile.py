@@ -1,5 +1,6 @@
 """The variables of the profile: from NumPy's own list, beside what the user set, and only where they can be kept."""
 
+import json
 import os
 import sys
 
@@ -9,7 +10,7 @@ from legpush.numerics import profile
 from legpush.numerics.profile import VARIABLE, profile_variables, simd, why_not_here, with_profile
 from tests.processors import python
 
-USED = "import numpy; print(numpy.show_config(mode='dicts')['SIMD Extensions'])"
+USED = "import json, numpy; print(json.dumps(numpy.show_config(mode='dicts')['SIMD Extensions']))"
 NO_AVX512 = "glibc.cpu.hwcaps=-AVX512F,-AVX512CD,-AVX512BW,-AVX512DQ,-AVX512VL"
 OLD = (("SSE", "SSE2", "SSE3"), ("SSSE3", "AVX", "F16C", "FMA3", "AVX2", "AVX512F", "AVX512_SKX"), ("AVX512_ICL",))
 """What NumPy 2.2 says of itself."""
@@ -19,7 +20,7 @@ def test_numpy_knows_every_name_even_if_warnings_are_errors() -> None:
     environment = with_profile({"PATH": os.environ["PATH"]})
     done = python("-W", "error", "-c", USED, environment=environment)
     assert done.returncode == 0, done.stderr
-    used = eval(done.stdout)
+    used = json.loads(done.stdout)
     assert "X86_V4" not in used["found"]
     assert {*used["baseline"], *used["found"], *used["not found"]} == {name for names in simd() for name in names}
 
