@@ -20,7 +20,7 @@ from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.view import ViewOptions
-from legpush.processes.start_program import Program, start_program
+from legpush.processes.start_program import Program, start_program, start_python
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -67,8 +67,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     if list(argv[:1]) == ["plan-check"]:
         return _plan_check(argv[1:])
     if list(argv[:1]) == ["python"] and not {"-h", "--help"} & set(argv[1:2]):
-        from legpush.launch.python import start_python
-
         start_python(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
@@ -222,6 +220,6 @@ def _branch(command: BranchOptions) -> int:
 
 @execute.register
 def _kernel(command: KernelOptions) -> int:
-    from legpush.launch.python import install_kernel
+    from legpush.launch.kernel import install_kernel
 
     return install_kernel(command)

@@ -1,4 +1,4 @@
-"""`legpush python` and `legpush kernel` start Python under the numerics profile."""
+"""`legpush kernel` installs a kernel that starts Python under the numerics profile."""
 
 import json
 import sys
@@ -7,25 +7,10 @@ from pathlib import Path
 import pytest
 
 from legpush import cli
-from legpush.launch.python import jupyter_folder
+from legpush.launch.kernel import jupyter_folder
 from tests.processors import plain_environment, python
 
-LEGPUSH = ("-c", "import sys; from legpush.cli import main; sys.exit(main())")
 NAME = "from legpush.numerics.current import current; print(current().profile)"
-
-
-def test_python_gets_its_own_arguments_and_the_profile() -> None:
-    done = python(*LEGPUSH, "python", "-W", "error", "-c", f"import sys; print(sys.argv[1:]); {NAME}", "--help", "x y")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "['--help', 'x y']\nx86-64-v3\n"
-
-
-def test_its_exit_code_is_that_of_python() -> None:
-    assert python(*LEGPUSH, "python", "-c", "raise SystemExit(7)").returncode == 7
-
-
-def test_help_is_about_the_command() -> None:
-    assert "Start Python under the numerics profile" in python(*LEGPUSH, "python", "--help").stdout
 
 
 def test_a_kernel_starts_this_python_under_the_profile(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

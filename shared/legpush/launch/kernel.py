@@ -1,24 +1,15 @@
-"""`legpush python` and `legpush kernel`: Python and Jupyter under the numerics profile."""
+"""`legpush kernel`: installs a Jupyter kernel under the numerics profile."""
 
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import NoReturn
 
 from legpush.errors import ConfigError
 from legpush.files import write_whole
-from legpush.numerics.profile import X86_64_V3, profile_variables, why_not_here, with_profile
+from legpush.numerics.profile import X86_64_V3, profile_variables, why_not_here
 from legpush.options.numerics import KernelOptions
-
-
-def start_python(arguments: Sequence[str]) -> NoReturn:
-    """Become Python with these arguments; a machine that cannot keep the profile is told, and goes on without it."""
-    if why := why_not_here():
-        sys.stderr.write(f"numerics profile native: {why}\n")
-        sys.stderr.flush()
-    os.execve(sys.executable, [sys.executable, *arguments], with_profile(os.environ))  # noqa: S606 - no shell is wanted
 
 
 def install_kernel(options: KernelOptions) -> int:
