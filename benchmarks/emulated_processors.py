@@ -8,6 +8,7 @@ emulator cannot show.
 import json
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
@@ -20,6 +21,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.numerics.profile import VARIABLE, with_profile
+from legpush.policy_names import DEFAULT_POLICY
 from legpush.processes.environment import ONE_THREAD
 from legpush.versions import installed_versions
 
@@ -29,9 +31,9 @@ import json, sys, msgspec, legpush
 from legpush import canary
 from legpush.numerics.current import current
 crcs = {"canary": canary.compute().crc}
-for mission in sys.argv[1:]:
+for mission in sys.argv[2:]:
     scenario, seed = mission.split(":")
-    crcs[mission] = legpush.run(scenario, seed=int(seed)).state_crc
+    crcs[mission] = legpush.run(scenario, seed=int(seed), policy=sys.argv[1]).state_crc
 print(json.dumps({"numerics": current().name, "crcs": crcs}))
 """
 KERNELS = """
@@ -49,6 +51,8 @@ class Config:
     """Models of qemu; `qemu-x86_64 -cpu help` lists them."""
     missions: tuple[str, ...] = ("push:0", "default:0")
     """Scenario and seed of each mission. An emulator is about forty times slower."""
+    policy: str = DEFAULT_POLICY
+    """The policy of the missions."""
     out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/emulated_processors.json")
     """Where the numbers go."""
 
@@ -64,14 +68,14 @@ def main(config: Config) -> int:
     rows: dict[str, Any] = {}
     for processor, command in {"here": [], **{each: [QEMU, "-cpu", each] for each in config.processors}}.items():
         began = perf_counter()
-        computed = _python(command, COMPUTE, config.missions, profile)
+        computed = _python(command, COMPUTE, (config.policy, *config.missions), profile)
         wall_s = perf_counter() - began
         rows[processor] = {**computed, "wall_s": round(wall_s, 1), "unforced": _python(command, KERNELS, (), native)}
         print(f"{processor}: {computed['crcs']}, {computed['numerics']}, {wall_s:.0f} s", flush=True)
     n_differing = sum(row["crcs"] != rows["here"]["crcs"] for row in rows.values())
     print(f"{n_differing} of {len(config.processors)} emulated processors differ")
     result = {
-        "command": f"python -m benchmarks.emulated_processors --missions {' '.join(config.missions)}",
+        "command": shlex.join(["python", "-m", "benchmarks.emulated_processors", *sys.argv[1:]]),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
         "processors": rows,

@@ -8,6 +8,7 @@ so seconds are divided by simulated seconds.
 import json
 import os
 import platform
+import shlex
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
@@ -79,7 +80,7 @@ def main(config: Config) -> None:
         f"[{estimate.low:.3f}, {estimate.high:.3f}] (95 %, bootstrap), n {len(ratios)}"
     )
     result = {
-        "command": f"python -m benchmarks.numerics_cost --scenario {config.scenario} --n-pairs {config.n_pairs}",
+        "command": shlex.join(["python", "-m", "benchmarks.numerics_cost", *sys.argv[1:]]),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
         "ratios": ratios,

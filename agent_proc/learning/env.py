@@ -17,7 +17,7 @@ from agent_proc.task.ending import EpisodeEnding, episode_ending
 from agent_proc.task.observation import TABLES, observation_space, observe
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import tuned_reward
-from legpush.errors import ConfigError, PeerError
+from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
@@ -136,7 +136,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Continue from a snapshot by repeating its episode up to there; returns the observation.
 
         Raises:
-            PeerError: The repeated episode leads to another state.
+            DivergedError: The repeated episode leads to another state.
         """
         super().reset(seed=0)
         self.np_random.bit_generator.state = dict(snapshot.generator)
@@ -144,7 +144,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         for push in snapshot.pushes:
             episode.advance(push, self._world.step(push))
         if episode.state_crc != snapshot.state_crc:
-            raise PeerError(
+            raise DivergedError(
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
                 f"{episode.state_crc:08x}: the simulator computes something else"
             )

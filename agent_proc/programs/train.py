@@ -23,14 +23,15 @@ from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import INTERRUPTED, ConfigError, DivergedError
 from legpush.files import write_whole
+from legpush.numerics.current import explained
 from legpush.numerics.entry import enter_profile
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
-from legpush.versions import installed_versions
+from legpush.versions import NUMERICS, installed_versions
 
 CONFIG_FILE: Final = "config.json"
 
@@ -56,7 +57,7 @@ def train(options: TrainOptions, console: Console) -> int:
         try:
             job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=show)
             if resumed:
-                job.resume()
+                _resume(job, plan)
             result = job.run()
         finally:
             env.close()
@@ -66,6 +67,18 @@ def train(options: TrainOptions, console: Console) -> int:
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
     return 0
+
+
+def _resume(job: training.Training, plan: TrainingPlan) -> None:
+    """Continue from the last checkpoint.
+
+    Raises:
+        DivergedError: The simulators compute something else than before; says so if the numerics are others.
+    """
+    try:
+        job.resume()
+    except DivergedError as error:
+        raise DivergedError(explained(str(error), plan.versions.get(NUMERICS))) from error
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:

@@ -22,7 +22,7 @@ from legpush.history.steps import words_of
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
-from legpush.numerics.current import current, told_as_other
+from legpush.numerics.current import explained
 from legpush.plans.client import PlanLink
 from legpush.versions import NUMERICS
 
@@ -220,5 +220,4 @@ class Episode:
         """Return the text of a difference, after other numerics if they explain it."""
         versions = self._journal.opened.versions
         recorded = versions.get(NUMERICS) if self._origin is None else self._origin.numerics
-        other = told_as_other(recorded, current().name)
-        return f"{other}; {difference}" if other else difference
+        return explained(difference, recorded)

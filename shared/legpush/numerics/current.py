@@ -85,3 +85,9 @@ def told_as_other(recorded: str | None, here: str) -> str:
     if recorded == here:
         return ""
     return f"other numerics: recorded with {recorded or 'numerics that were not noted'}, here {here}"
+
+
+def explained(difference: str, recorded: str | None) -> str:
+    """Return the text of a difference, after other numerics if this process has others than were recorded."""
+    other = told_as_other(recorded, current().name)
+    return f"{other}; {difference}" if other else difference

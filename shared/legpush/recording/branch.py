@@ -9,7 +9,7 @@ from legpush.errors import MotionError, RecordingError
 from legpush.fields import episode_and_step
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
-from legpush.numerics.current import current, told_as_other
+from legpush.numerics.current import explained
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
 from legpush.recording.facts import recorded_numerics
 from legpush.recording.mcap_file.contents import Recording
@@ -73,14 +73,11 @@ class RecordedPast:
         """
         asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
         if asked is None:
-            raise RecordingError(
-                f"step {step} of the recording: {instead([self._episode], step, motion)}; "
-                + (
-                    told_as_other(self.numerics, current().name)
-                    or "the recorded decision depended on something that is not in the recording, such as another "
-                    "version of legpush"
-                )
+            difference = (
+                f"step {step} of the recording: {instead([self._episode], step, motion)}; the recorded decision "
+                "depended on something that is not in the recording, such as another version of legpush"
             )
+            raise RecordingError(explained(difference, self.numerics))
         outcome = asked.outcome
         if outcome is None:
             raise MotionError(asked.refusal or "not answered")
@@ -102,8 +99,7 @@ class RecordedPast:
         """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
-            other = told_as_other(self.numerics, current().name)
-            raise RecordingError(self._planner.instead(query) + (f"; {other}" if other else ""))
+            raise RecordingError(explained(self._planner.instead(query), self.numerics))
         return plans[min(revision, max(plans))]
 
     def _with_trace(self, step: int, asked: Asked, outcome: Outcome) -> Outcome:
