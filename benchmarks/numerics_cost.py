@@ -1,8 +1,8 @@
 """`python -m benchmarks.numerics_cost`: CPU seconds of whole missions under the numerics profile, over native ones.
 
-Pairs of one mission each, in one process, in turn with the order reversed from pair to pair; CPU seconds are those of
-the mission alone, without the start of the interpreter. Native missions compute other bits and may take other pushes,
-so seconds are divided by simulated seconds.
+Two processes, one under the profile and one without, do the same mission in turn, in an order that changes from pair to
+pair. CPU seconds are those of the mission alone, after a first one. Native missions compute other bits and may take
+other pushes, so seconds are divided by simulated seconds.
 """
 
 import json
@@ -11,9 +11,11 @@ import platform
 import shlex
 import subprocess
 import sys
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from types import TracebackType
+from typing import Annotated, Any, Self
 
 import numpy as np
 import tyro
@@ -23,15 +25,17 @@ from legpush.numerics.profile import VARIABLE, X86_64_V3, with_profile
 from legpush.processes.environment import ONE_THREAD
 from legpush.versions import installed_versions
 
-MISSION = """
+WORKER = """
 import json, sys, time, legpush
 from legpush.numerics.current import current
-scenario, seed = sys.argv[1], int(sys.argv[2])
-legpush.run(scenario, seed=seed)
-began = time.process_time()
-run = legpush.run(scenario, seed=seed)
-cpu_s = time.process_time() - began
-print(json.dumps({"numerics": current().name, "cpu_s": cpu_s, "sim_s": run.report.sim_time_s, "crc": run.state_crc}))
+scenario = sys.argv[1]
+legpush.run(scenario, seed=0)
+print(json.dumps({"numerics": current().name}), flush=True)
+for line in sys.stdin:
+    began = time.process_time()
+    run = legpush.run(scenario, seed=int(line))
+    cpu_s = time.process_time() - began
+    print(json.dumps({"cpu_s": cpu_s, "sim_s": run.report.sim_time_s, "state_crc": run.state_crc}), flush=True)
 """
 
 
@@ -39,9 +43,9 @@ print(json.dumps({"numerics": current().name, "cpu_s": cpu_s, "sim_s": run.repor
 class Config:
     """How much to measure."""
 
-    scenario: str = "default"
+    scenario: str = "push"
     """The mission."""
-    n_pairs: int = 8
+    n_pairs: int = 12
     """Pairs, each with a seed of its own, from 0."""
     out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/numerics_cost.json")
     """Where the numbers go."""
@@ -51,15 +55,45 @@ class Config:
 class Measured:
     """One mission."""
 
-    numerics: str
     cpu_s: float
     sim_s: float
-    crc: str
+    state_crc: str
 
     @property
     def cost(self) -> float:
         """CPU seconds per simulated second."""
         return self.cpu_s / self.sim_s
+
+
+class Worker:
+    """A process that carries out missions when it is asked to; a context manager."""
+
+    def __init__(self, scenario: str, environment: dict[str, str]) -> None:
+        """Start it, and wait for its first mission."""
+        argv = [sys.executable, "-P", "-c", WORKER, scenario]
+        self._process = subprocess.Popen(
+            argv, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        self.numerics: str = self._answer()["numerics"]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._process.communicate()
+
+    def mission(self, seed: int) -> Measured:
+        """Carry out the mission with this seed."""
+        if self._process.stdin is None:
+            raise RuntimeError("The process has no standard input")
+        self._process.stdin.write(f"{seed}\n")
+        self._process.stdin.flush()
+        return Measured(**self._answer())
+
+    def _answer(self) -> dict[str, Any]:
+        line = self._process.stdout.readline() if self._process.stdout is not None else ""
+        answer: dict[str, Any] = json.loads(line)
+        return answer
 
 
 def main(config: Config) -> None:
@@ -68,11 +102,13 @@ def main(config: Config) -> None:
     plain = {**{name: value for name, value in os.environ.items() if name not in ours}, **ONE_THREAD}
     environments = {X86_64_V3: with_profile(plain), "native": {**plain, VARIABLE: "native"}}
     pairs: list[dict[str, Measured]] = []
-    for seed in range(config.n_pairs):
-        order = list(environments) if seed % 2 else list(reversed(environments))
-        pairs.append({name: _mission(config.scenario, seed, environments[name]) for name in order})
-        costs = ", ".join(f"{name} {pairs[-1][name].cost:.4f}" for name in environments)
-        print(f"seed {seed}: CPU seconds per simulated second: {costs}", flush=True)
+    with ExitStack() as stack:
+        workers = {name: stack.enter_context(Worker(config.scenario, env)) for name, env in environments.items()}
+        for seed in range(config.n_pairs):
+            order = list(workers) if seed % 2 else list(reversed(workers))
+            pairs.append({name: workers[name].mission(seed) for name in order})
+            costs = ", ".join(f"{name} {pairs[-1][name].cost:.4f}" for name in workers)
+            print(f"seed {seed}: CPU seconds per simulated second: {costs}", flush=True)
     ratios = [pair[X86_64_V3].cost / pair["native"].cost for pair in pairs]
     estimate = mean_interval(ratios)
     print(
@@ -83,19 +119,13 @@ def main(config: Config) -> None:
         "command": shlex.join(["python", "-m", "benchmarks.numerics_cost", *sys.argv[1:]]),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
+        "numerics": {name: worker.numerics for name, worker in workers.items()},
         "ratios": ratios,
         "pairs": [
             {"seed": seed, **{name: asdict(one) for name, one in pair.items()}} for seed, pair in enumerate(pairs)
         ],
     }
     config.out.write_text(json.dumps(result, indent=1) + "\n")
-
-
-def _mission(scenario: str, seed: int, environment: dict[str, str]) -> Measured:
-    """Run a mission twice in a process of its own, and measure the second."""
-    argv = [sys.executable, "-P", "-c", MISSION, scenario, str(seed)]
-    done = subprocess.run(argv, env=environment, check=True, capture_output=True, text=True)
-    return Measured(**json.loads(done.stdout))
 
 
 if __name__ == "__main__":
