@@ -1,7 +1,7 @@
 """`python -m benchmarks.emulated_processors`: equal bits here and on emulated processors, under the profile.
 
 Canary and whole missions run in one process each, here and under `qemu-x86_64 -cpu MODEL`. What the libraries choose
-without the profile is noted for each, which shows that the emulation takes effect. `docs/numerics.md` says what an
+without the profile is noted for each, which shows what the profile changes. `docs/numerics.md` says what an
 emulator cannot show.
 """
 

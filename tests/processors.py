@@ -8,8 +8,8 @@ from typing import Final, Literal
 
 from legpush.numerics.profile import VARIABLE
 
-Processor = Literal["Haswell", "EPYC"]
-"""Models of qemu with AVX2 and without AVX-512; OpenBLAS has code of its own for each."""
+Processor = Literal["Haswell", "EPYC", "Nehalem"]
+"""Models of qemu: two with AVX2 and without AVX-512, and one without AVX2."""
 QEMU: Final = "qemu-x86_64"
 
 

@@ -15,18 +15,18 @@ from legpush.numerics.profile import VARIABLE, with_profile
 from tests.processors import emulated, python, qemu
 
 CANARY: Final = "import sys, msgspec, legpush.canary as c; sys.stdout.buffer.write(msgspec.json.encode(c.compute()))"
-BLAS: Final = "from legpush.numerics.current import current; print(*current().kernels.blas)"
-
-NATIVE: Final = {VARIABLE: "native", "OPENBLAS_CORETYPE": "", "NPY_DISABLE_CPU_FEATURES": "", "GLIBC_TUNABLES": ""}
-"""Without the profile, whatever the environment of the tests has."""
+WHY: Final = "from legpush.numerics.current import current as c; print(f'{c().profile}: {c().why_native}')"
 
 pytestmark = pytest.mark.skipif(
     qemu() is None and not os.environ.get("CI"), reason="no qemu-x86_64: Debian's package qemu-user has it"
 )
 
 
-def test_the_emulated_processor_is_another_one_to_the_libraries() -> None:
-    assert emulated("EPYC", "-c", BLAS, environment={**os.environ, **NATIVE}).split() == ["Zen"]
+def test_an_emulated_processor_without_avx2_cannot_keep_the_profile() -> None:
+    """It shows as well that the libraries look at the emulated processor."""
+    without = {"OPENBLAS_CORETYPE": "", "NPY_DISABLE_CPU_FEATURES": "", "GLIBC_TUNABLES": ""}
+    told = emulated("Nehalem", "-c", WHY, environment={**os.environ, VARIABLE: "x86-64-v3", **without})
+    assert told == "native: NumPy finds no AVX2 and FMA on this processor, only X86_V2\n"
 
 
 @pytest.mark.timeout(600)
