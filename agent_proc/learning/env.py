@@ -19,7 +19,7 @@ from agent_proc.task.ending import EpisodeEnding, episode_ending
 from agent_proc.task.observation import TABLES, observe
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import tuned_reward
-from legpush.errors import ConfigError, PeerError
+from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
@@ -137,7 +137,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Continue from a snapshot by repeating its episode up to there; returns the observation.
 
         Raises:
-            PeerError: The repeated episode leads to another state.
+            DivergedError: The repeated episode leads to another state.
         """
         super().reset(seed=0)
         set_state(self.np_random, snapshot.generator)
@@ -145,7 +145,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         for push in snapshot.pushes:
             episode.advance(push, self._world.step(push))
         if episode.state_crc != snapshot.state_crc:
-            raise PeerError(
+            raise DivergedError(
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
                 f"{episode.state_crc:08x}: the simulator computes something else"
             )
