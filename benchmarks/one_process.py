@@ -19,6 +19,7 @@ import numpy as np
 import tyro
 
 from agent_proc.statistics import mean_interval
+from legpush.processes.environment import child_environment
 from legpush.versions import installed_versions
 
 IN_ONE = """
@@ -86,7 +87,8 @@ def in_one_process(scenario: str, seed: int) -> Measured:
     """One whole program with the mission in it."""
     before = _cpu_of_children_s()
     argv = [sys.executable, "-c", IN_ONE, scenario, str(seed)]
-    done = subprocess.run(argv, check=True, capture_output=True, text=True)
+    environment = child_environment(os.environ)
+    done = subprocess.run(argv, env=environment, check=True, capture_output=True, text=True)
     return Measured(cpu_s=_cpu_of_children_s() - before, **json.loads(done.stdout))
 
 

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.learning.random_state import Pcg64State, set_state, state_of
-from agent_proc.task.action import action_space, to_push
+from agent_proc.policies.sb3.spaces import action_space, observation_space
+from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import EpisodeEnding, episode_ending
-from agent_proc.task.observation import TABLES, observation_space, observe
+from agent_proc.task.observation import TABLES, observe
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import tuned_reward
-from legpush.errors import ConfigError, PeerError
+from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
@@ -136,7 +137,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Continue from a snapshot by repeating its episode up to there; returns the observation.
 
         Raises:
-            PeerError: The repeated episode leads to another state.
+            DivergedError: The repeated episode leads to another state.
         """
         super().reset(seed=0)
         set_state(self.np_random, snapshot.generator)
@@ -144,7 +145,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         for push in snapshot.pushes:
             episode.advance(push, self._world.step(push))
         if episode.state_crc != snapshot.state_crc:
-            raise PeerError(
+            raise DivergedError(
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
                 f"{episode.state_crc:08x}: the simulator computes something else"
             )

@@ -1,6 +1,5 @@
 """Builds the learning algorithms from a profile, and takes their policies out of them."""
 
-import io
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -16,15 +15,13 @@ from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
 from agent_proc.learning.env import EnvSnapshot
-from agent_proc.policies.networks import policy_arguments
+from agent_proc.policies.sb3.arguments import policy_arguments
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfile, PpoSettings, Td3Profile
 from legpush.arrays import Floats
 from legpush.errors import ConfigError
 
 DEPTH: Final = 3
 """Index of the depth among the elements of a variable-entry action."""
-UNSAVED: Final = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
-"""Attributes in which an algorithm keeps its last steps; a policy does not need them."""
 
 
 class Rewindable(Protocol):
@@ -135,13 +132,6 @@ def _off_policy(
         noise = NormalActionNoise(np.zeros(shape), np.full(shape, profile.settings.action_noise))
         return TD3("MlpPolicy", env, action_noise=noise, **shared)
     return SAC("MlpPolicy", env, **shared)
-
-
-def policy_zip(model: BaseAlgorithm) -> bytes:
-    """The model in the format of Stable-Baselines3, without its last steps."""
-    file = io.BytesIO()
-    model.save(file, exclude=UNSAVED)
-    return file.getvalue()
 
 
 def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | None:

@@ -22,7 +22,7 @@ from agent_proc.learning.learner import Learner, make_learner, set_exploration, 
 from agent_proc.learning.learner_state import capture, restore
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Check, CurvePoint, write_policy
-from agent_proc.policies.networks import use_one_thread
+from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 

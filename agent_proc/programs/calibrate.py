@@ -16,6 +16,7 @@ from agent_proc.push_model.calibration import calibrate, cells
 from agent_proc.push_model.map import PushMap, make_push_map, measured_faces, write_push_map
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
+from legpush.numerics.entry import enter_profile
 from legpush.options.learning import CalibrateOptions
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Box
@@ -99,4 +100,5 @@ def _bar(console: Console) -> Progress:
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(main())

@@ -14,6 +14,7 @@ from agent_proc.pushing.queries import query_for_box
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
 from legpush.messages.planning import Plan, PlanQuery
+from legpush.numerics.entry import enter_profile
 from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
@@ -79,4 +80,5 @@ def solvable_by(plan: Callable[[PlanQuery], Plan], seed: int) -> Callable[[Scena
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(main())

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 import tyro
@@ -17,19 +17,24 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.learning import training, training_plan
+from agent_proc.learning import training_plan
 from agent_proc.learning.training_plan import TrainingPlan
-from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
-from legpush.errors import INTERRUPTED, ConfigError, LegpushError, is_disk_full
+from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
+from legpush.numerics.current import explained
+from legpush.numerics.entry import enter_profile
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
-from legpush.versions import installed_versions
+from legpush.versions import NUMERICS, installed_versions
+
+if TYPE_CHECKING:
+    from agent_proc.learning.training import Training
 
 CONFIG_FILE: Final = "config.json"
 
@@ -40,7 +45,13 @@ def main() -> int:
 
 
 def train(options: TrainOptions, console: Console) -> int:
-    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted."""
+    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted.
+
+    Raises:
+        PolicyError: A learning library is not installed.
+    """
+    with learning_libraries("a training"):
+        from agent_proc.learning import training
     folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
     try:
         return _learn(folder, plan, options, console)
@@ -52,6 +63,9 @@ def train(options: TrainOptions, console: Console) -> int:
 
 def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Console) -> int:
     """Learn in the folder until the training is done or interrupted; returns the exit code."""
+    from agent_proc.learning import training
+    from agent_proc.learning.vec_env import PushVecEnv
+
     stop, links_stop = stop_on_signals(), threading.Event()
     with (
         own_folder(folder),
@@ -64,7 +78,7 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         try:
             job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=show)
             if options.resume is not None:
-                job.resume()
+                _resume(job, plan)
             result = job.run()
         finally:
             env.close()
@@ -78,6 +92,18 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
 def _again(folder: Path) -> str:
     """The command that goes on with the training in the folder."""
     return shlex.join(["legpush", "train", "--resume", str(folder)])
+
+
+def _resume(job: "Training", plan: TrainingPlan) -> None:
+    """Continue from the last checkpoint.
+
+    Raises:
+        DivergedError: The simulators compute something else than before; says so if the numerics are others.
+    """
+    try:
+        job.resume()
+    except DivergedError as error:
+        raise DivergedError(explained(str(error), plan.versions.get(NUMERICS))) from error
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
@@ -173,5 +199,6 @@ def _shown(console: Console) -> Iterator[Any]:
 
 
 if __name__ == "__main__":
+    enter_profile()
     logging.captureWarnings(True)
     sys.exit(main())

@@ -14,12 +14,14 @@ from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.maps import MapOptions
+from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
+from legpush.options.policies import Policies
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.view import ViewOptions
-from legpush.processes.start_program import Program, start_program
+from legpush.processes.start_program import Program, start_program, start_python
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -32,8 +34,10 @@ PROGRAMS: Final[dict[type, Program]] = {
     EvaluateOptions: "agent_proc.programs.evaluate",
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
+    Policies: "agent_proc.programs.policy",
     ExportOptions: "sim_proc.export",
     ViewOptions: "sim_proc.view",
+    CanaryOptions: "legpush.canary",
 }
 """Programs that run in a process of their own, by the options of their command."""
 
@@ -45,6 +49,7 @@ Command = (
     | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[MapOptions, tyro.conf.subcommand("map")]
+    | Annotated[Policies, tyro.conf.subcommand("policy")]
     | Annotated[RenderOptions, tyro.conf.subcommand("render")]
     | Annotated[RecordOptions, tyro.conf.subcommand("record")]
     | Annotated[InfoOptions, tyro.conf.subcommand("info")]
@@ -53,12 +58,17 @@ Command = (
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
     | Annotated[ExportOptions, tyro.conf.subcommand("export")]
     | Annotated[ViewOptions, tyro.conf.subcommand("view")]
+    | Annotated[PythonOptions, tyro.conf.subcommand("python")]
+    | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
+    | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
 )
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` and return the exit code; an error is one line on standard error."""
     argv = sys.argv[1:] if argv is None else argv
+    if list(argv[:1]) == ["python"] and not {"-h", "--help"} & set(argv[1:2]):
+        start_python(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
@@ -78,6 +88,7 @@ def _parse_and_run(argv: Sequence[str]) -> int:
         | PlanCheckOptions
         | Scenarios
         | MapOptions
+        | Policies
         | RenderOptions
         | RecordOptions
         | InfoOptions
@@ -86,6 +97,9 @@ def _parse_and_run(argv: Sequence[str]) -> int:
         | BranchOptions
         | ExportOptions
         | ViewOptions
+        | PythonOptions
+        | KernelOptions
+        | CanaryOptions
     ) = tyro.cli(
         Command,
         prog="legpush",
@@ -202,3 +216,10 @@ def _branch(command: BranchOptions) -> int:
     from legpush.launch.branch import branch
 
     return branch(command)
+
+
+@execute.register
+def _kernel(command: KernelOptions) -> int:
+    from legpush.launch.kernel import install_kernel
+
+    return install_kernel(command)

@@ -77,6 +77,10 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class DivergedError(PeerError):
+    """A simulator that led equal motions to another state than before; names the step and both states."""
+
+
 class JournalError(LegpushError):
     """An episode journal that does not belong to this run or contradicts it; names the entry."""
 

@@ -23,6 +23,7 @@ from legpush.bus.faults import Faults
 from legpush.errors import FAILED, exit_code_of, one_line
 from legpush.fields import Name, require
 from legpush.messages.common import Role
+from legpush.numerics.current import tell_if_native
 
 log = logging.getLogger(__name__)
 
@@ -98,6 +99,7 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     def connect_and_work() -> int:
         config = parse(role, kind)
         start_log(f"{role}/{config.name}", config.log_level)
+        tell_if_native()
         at = config.endpoints()
         with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded) as bus:
             code = work(config, bus, stop) or 0

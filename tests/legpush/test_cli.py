@@ -37,7 +37,19 @@ def legpush(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedPro
 def test_help_names_the_subcommands() -> None:
     result = legpush("--help")
     assert result.returncode == 0
-    for name in ("run", "scenarios", "map", "render", "record", "info", "recover", "replay", "branch", "export"):
+    for name in (
+        "run",
+        "scenarios",
+        "map",
+        "policy",
+        "render",
+        "record",
+        "info",
+        "recover",
+        "replay",
+        "branch",
+        "export",
+    ):
         assert f"• {name}" in result.stdout
 
 

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from legpush.errors import one_line
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
+from legpush.versions import NUMERICS
 
 
 def _recorded(recording: dict[str, Any]) -> str:
@@ -43,6 +44,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
     "state_crc": ("state CRC", str),
     "seed": ("seed", str),
+    "versions": ("numerics", lambda versions: versions.get(NUMERICS, "-")),
     "recording": ("recording", _recorded),
 }
 """Fields of the report in the order of the table, each with its title and its format."""

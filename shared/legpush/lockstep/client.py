@@ -10,7 +10,7 @@ from legpush.bounds import MAX_COUNT
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.exchange import Exchange, OnWait, no_report
-from legpush.errors import BrokenEpisodeError, MotionError, PeerError
+from legpush.errors import BrokenEpisodeError, DivergedError, MotionError, PeerError
 from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Answer, Motion, Outcome, Refusal
 from legpush.messages.telemetry import Reward, RewardTerm
@@ -77,7 +77,8 @@ class SimLink:
         Raises:
             MotionError: The simulator cannot carry the motion out.
             BrokenEpisodeError: It failed in this motion, or in one of `past`.
-            PeerError: It does not answer, refuses the step, or computes something else than before.
+            PeerError: It does not answer, or refuses the step.
+            DivergedError: It computes something else than before.
         """
         led: set[str] = set()
         while True:
@@ -123,7 +124,7 @@ class SimLink:
                 return
             self._in_step = answer.header.incarnation
             if answer.outcome.state_crc != step.state_crc:
-                raise PeerError(
+                raise DivergedError(
                     f"Expected state {step.state_crc:08x} after step {index} of the journal, got "
                     f"{answer.outcome.state_crc:08x} from {self._exchange.peer}: it computes something else"
                 )

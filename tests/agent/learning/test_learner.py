@@ -1,8 +1,5 @@
 """Learners: built as a profile says, and policies are taken out of them."""
 
-import io
-import json
-import zipfile
 from collections.abc import Iterator
 
 import msgspec
@@ -14,10 +11,8 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agent_proc.learning.learner import (
     DEPTH,
-    UNSAVED,
     make_learner,
     observation_moments,
-    policy_zip,
     set_exploration,
     undisturbed_draws,
 )
@@ -110,11 +105,3 @@ def test_moments_are_those_of_the_normalizer(env: PushVecEnv) -> None:
     assert mean.shape == variance.shape == (8,)
     assert (variance > 0.0).all()
     assert observation_moments(make_learner(bare, env, 3, None).normalizer) is None
-
-
-def test_a_saved_policy_keeps_nothing_of_the_last_steps(env: PushVecEnv) -> None:
-    learner = learned(small_profile(), env, 32)
-
-    assert policy_zip(learner.model)[:2] == b"PK"
-    with zipfile.ZipFile(io.BytesIO(policy_zip(learner.model))) as archive:
-        assert not json.loads(archive.read("data")).keys() & set(UNSAVED)

@@ -2,7 +2,7 @@
 
 import torch
 
-from agent_proc.policies.networks import policy_arguments, use_one_thread
+from agent_proc.policies.sb3.arguments import policy_arguments, use_one_thread
 from agent_proc.profiles.profile import PpoProfile, load_profile
 
 

@@ -7,22 +7,24 @@ anything is unpickled. That text says only what the file claims, so this check i
 
 import json
 import pickle
+import threading
 import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
-from agent_proc.policies.folder import Normalizer
+from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.learned import NetworkPolicy
-from agent_proc.policies.networks import use_one_thread
-from agent_proc.task.action import action_space
+from agent_proc.policies.sb3.arguments import use_one_thread
+from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import observation_space
 from legpush.errors import PolicyError
 
 ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
@@ -41,6 +43,21 @@ TASKS: Final = tuple(
 """The tasks that a model can have learned; its spaces decide which one."""
 
 
+class ModelNetwork:
+    """The network of a model, as Stable-Baselines3 evaluates it."""
+
+    def __init__(self, networks: BasePolicy) -> None:
+        self._networks = networks
+        # Networks of Stable-Baselines3 keep the distribution of their last action: one thread at a time.
+        self._lock = threading.Lock()
+
+    def act(self, observation: Float32s) -> NDArray[Any]:
+        """The action for a normalized observation, (n,)."""
+        with self._lock:
+            action, _ = self._networks.predict(observation, deterministic=True)
+        return action
+
+
 def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
     """Load the policy of a model; its observations and actions follow from its spaces.
 
@@ -53,7 +70,8 @@ def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
     use_one_thread()
     networks = _networks(path)
     task = _task(networks, path)
-    return NetworkPolicy(task, networks, None if normalizer is None else _normalizer(normalizer), str(normalizer))
+    moments = None if normalizer is None else _normalizer(normalizer)
+    return NetworkPolicy(task, ModelNetwork(networks), moments, str(normalizer))
 
 
 def _networks(path: Path) -> BasePolicy:
@@ -121,8 +139,8 @@ def _normalizer(path: Path) -> Normalizer:
         raise PolicyError(f"{path}: expected a `VecNormalize` with norm_obs, got {type(loaded).__name__}")
     rms: Any = loaded.obs_rms
     return Normalizer(
-        mean=tuple(rms.mean.tolist()),
-        variance=tuple(rms.var.tolist()),
+        mean=rms.mean.astype(np.float64),
+        variance=rms.var.astype(np.float64),
         clip=float(loaded.clip_obs),
         epsilon=float(loaded.epsilon),
     )
