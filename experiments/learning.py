@@ -3,8 +3,8 @@
 `results/learning_curves.png` is the counterpart of Figs. 14 and 15: the return of episodes as a moving average over 30,
 as mean over the training seeds with its 95 % interval, for the published and the tuned profile and for fixed and
 variable entry. `results/learning_comparison.png` compares network sizes, algorithms and randomization by the errors at
-the ends of episodes. `results/learning_speed.csv` says how fast each training of the tuned profile learns, and `results/learning_end.csv` how
-well the trainings of each variant do in their last `WINDOW` episodes, as mean over the training seeds.
+the ends of episodes. `results/learning_speed.csv` says how fast each training of the tuned profile learns, and
+`results/learning_end.csv` how large the errors in the last episodes of the trainings are, as mean over the seeds.
 """
 
 from collections.abc import Mapping, Sequence
@@ -95,7 +95,7 @@ def end_rows(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> 
     for variant, seeds in by_variant.items():
         ends = [episodes[-WINDOW:] for episodes in seeds.values()]
         row: dict[str, Any] = {"variant": variant, "episodes_each": WINDOW}
-        for key, n_digits in (("success", 4), ("position_error_m", 5), ("angle_error_deg", 3)):
+        for key, n_digits in (("position_error_m", 5), ("angle_error_deg", 3)):
             row |= mean_of_groups([[one[key] for one in end] for end in ends]).columns(key, n_digits)
         rows.append(row)
     return rows
