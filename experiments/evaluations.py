@@ -17,6 +17,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from agent_proc.statistics.estimate import kinds_in_words
 from agent_proc.statistics.intervals import mean, share
 from legpush.arrays import Floats
 
@@ -125,7 +126,7 @@ def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float = 1.0) -> t
 
 def kinds_of(rows: Sequence[dict[str, Any]], key: str) -> str:
     """Name the kinds of the intervals of a measure."""
-    return " or ".join(dict.fromkeys(row[f"{key}_interval"] for row in rows))
+    return kinds_in_words(row[f"{key}_interval"] for row in rows)
 
 
 def plain_ticks(axis: Axes) -> None:

@@ -16,7 +16,7 @@ import tyro
 from matplotlib.figure import Figure
 from rich.progress import Progress
 
-from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.estimate import Estimate, kinds_in_words
 from agent_proc.statistics.intervals import mean, share
 from agent_proc.statistics.paired import paired_difference
 from experiments.evaluations import RESULTS, read_table, write_table
@@ -87,7 +87,7 @@ def _by_seed(rows: list[dict[str, Any]], name: str) -> dict[int, float]:
 def draw(here: dict[float, list[dict[str, Any]]]) -> None:
     """Draw each measure over the distance: missions as dots, means with intervals."""
     figure = Figure(figsize=(10.0, 5.6), layout="constrained")
-    kinds: dict[str, None] = {}
+    kinds: list[str] = []
     for axis, (name, label, scale) in zip(figure.subplots(2, 2).ravel(), MEASURES, strict=True):
         jitter = np.random.default_rng(0)
         for distance_m, rows in here.items():
@@ -95,13 +95,13 @@ def draw(here: dict[float, list[dict[str, Any]]]) -> None:
             at = distance_m + jitter.uniform(-0.1, 0.1, len(values))
             axis.plot(at, values, "o", ms=3, color=BLUE, alpha=0.3, mew=0)
         means = [_mean(rows, name).scaled(scale) for rows in here.values()]
-        kinds |= dict.fromkeys(one.kind for one in means)
+        kinds += [one.kind for one in means]
         middle, ends = np.array([one.value for one in means]), np.array([one.ends for one in means]).T
         axis.errorbar(list(here), middle, np.abs(ends - middle), fmt="o-", color=BLUE, capsize=3, ms=4)
         axis.set(xlabel="distance to the box at hand-over, at most [m]", ylabel=label)
         axis.set_ylim(bottom=0.0)
     n = len(next(iter(here.values())))
-    figure.suptitle(f"Hand-over distance, the same {n} random rooms: missions, and means with {' or '.join(kinds)}")
+    figure.suptitle(f"Hand-over distance, the same {n} random rooms: missions, and means with {kinds_in_words(kinds)}")
     figure.savefig(RESULTS / "handover.png", dpi=110)
 
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from agent_proc.evaluation.episodes import Row
 from agent_proc.evaluation.sweep import Sweep
+from agent_proc.statistics.estimate import kinds_in_words
 from agent_proc.statistics.intervals import mean
 from legpush.arrays import Floats
 
@@ -41,7 +42,7 @@ def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
         axis.plot(at + scatter, values, ".", color="tab:blue", alpha=0.5, label="episode")
         means = [mean(values[at == index].tolist()) for index in range(len(cases))]
         middle, ends = np.array([one.value for one in means]), np.array([one.ends for one in means]).T
-        kinds = " or ".join(dict.fromkeys(one.kind for one in means))
+        kinds = kinds_in_words(one.kind for one in means)
         reach = np.abs(ends - middle)
         axis.errorbar(range(len(cases)), middle, reach, fmt="o", color="tab:red", capsize=4, label=f"mean, {kinds}")
         axis.set_ylabel(label)

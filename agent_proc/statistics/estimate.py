@@ -1,8 +1,13 @@
 """An estimate: a number, its 95 % interval, and how the interval was computed."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import nan
-from typing import Any
+from typing import Any, Final
+
+EQUAL: Final = "all values equal"
+NO_INTERVAL: Final = "no interval"
+"""Begin of the kinds of estimates without an interval; the reason follows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,3 +59,9 @@ class Estimate:
     def text(self, spec: str) -> str:
         """Such as `0.19 [0.17, 0.22] (Student's t 95 %, n 20)`."""
         return f"{self:{spec}} ({self.kind}, n {self.n})"
+
+
+def kinds_in_words(kinds: Iterable[str]) -> str:
+    """The kinds of the intervals of a table or picture, each once, without those that have no length."""
+    named = dict.fromkeys(kind for kind in kinds if kind != EQUAL and not kind.startswith(NO_INTERVAL))
+    return " or ".join(named) or NO_INTERVAL

@@ -12,7 +12,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from scipy import stats
 
-from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.estimate import EQUAL, NO_INTERVAL, Estimate
 from legpush.arrays import Floats
 
 CONFIDENCE: Final = 0.95
@@ -22,12 +22,11 @@ OVER_GROUPS: Final = "Student's t over groups 95 %"
 ORDER_STATISTICS: Final = "order statistics 95 %"
 BCA: Final = "BCa bootstrap 95 %"
 PERCENTILE: Final = "percentile bootstrap 95 %, as BCa is degenerate"
-EQUAL: Final = "all values equal"
-NO_VALUES: Final = "no interval: no values"
-ONE_VALUE: Final = "no interval: n 1"
-NOT_FINITE: Final = "no interval: a value is not finite"
-TOO_FEW: Final = "no interval: the median needs n 6 or more"
-DEGENERATE: Final = "no interval: the bootstrap is degenerate"
+NO_VALUES: Final = f"{NO_INTERVAL}: no values"
+ONE_VALUE: Final = f"{NO_INTERVAL}: n 1"
+NOT_FINITE: Final = f"{NO_INTERVAL}: a value is not finite"
+TOO_FEW: Final = f"{NO_INTERVAL}: the median needs n 6 or more"
+DEGENERATE: Final = f"{NO_INTERVAL}: the bootstrap is degenerate"
 FEWEST_FOR_BOOTSTRAP: Final = 30
 """With fewer values, BCa intervals of means are too short: of exponential values their coverage is 80 % at n 5 and 88 %
 at n 10, that of Student's t 88 % and 90 %; from n 30 on both are above 91 %."""

@@ -2,7 +2,7 @@
 
 from math import isnan
 
-from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.estimate import Estimate, kinds_in_words
 
 SOME = Estimate(value=0.12345, low=0.1, high=0.15678, kind="Wilson 95 %", n=20)
 WITHOUT = Estimate(value=0.12345, low=None, high=None, kind="no interval: n 1", n=1)
@@ -35,3 +35,8 @@ def test_another_unit_changes_value_and_interval() -> None:
 def test_a_plot_gets_no_bar_without_an_interval() -> None:
     assert SOME.ends == (0.1, 0.15678)
     assert all(map(isnan, WITHOUT.ends))
+
+
+def test_a_picture_names_each_kind_that_it_draws_once() -> None:
+    assert kinds_in_words(["a 95 %", "all values equal", "b 95 %", "no interval: n 1", "a 95 %"]) == "a 95 % or b 95 %"
+    assert kinds_in_words(["no interval: n 1"]) == "no interval"
