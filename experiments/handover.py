@@ -2,7 +2,8 @@
 
 The paper leaves open at which distance the robot should stop following the map and use the measured box instead. The
 rooms are the first ones of `python -m experiments.random_rooms`, whose own missions hand over at 3 m. A row per mission
-goes to `results/handover.csv`, the picture to `results/handover.png`. Missions in the table are not run again.
+goes to `results/handover.csv`, the differences from 3 m in the same rooms to `results/handover_differences.csv`, the
+picture to `results/handover.png`. Missions in the table are not run again.
 """
 
 import sys
@@ -62,9 +63,8 @@ def main(config: Config) -> int:
         print(f"{distance_m} m: success {success.text('.0%')}")
         for name, label, scale in MEASURES:
             print(f"  {label}: {_mean(some, name).scaled(scale).text('.2f')}")
-            if distance_m != USUAL_M:
-                more = paired_difference(_by_seed(some, name), _by_seed(here[USUAL_M], name)).scaled(scale)
-                print(f"    minus that at {USUAL_M} m in the same rooms: {more.text('.2f')}")
+    differences = [difference_row(distance_m, here) for distance_m in DISTANCES_M if distance_m != USUAL_M]
+    write_table(differences, RESULTS / "handover_differences.csv")
     draw(here)
     return 0
 
@@ -73,6 +73,15 @@ def _row(key: tuple[float, int]) -> dict[str, Any]:
     distance_m, seed = key
     row, _ = run_mission(seed, distance_m)
     return {"handover_m": distance_m, **row}
+
+
+def difference_row(distance_m: float, here: dict[float, list[dict[str, Any]]]) -> dict[str, Any]:
+    """Return by how much each measure differs from that at the usual distance, in the same rooms."""
+    row: dict[str, Any] = {"handover_m": distance_m, "minus_that_at_m": USUAL_M}
+    for name, _, _ in MEASURES:
+        some, usual = (_by_seed(here[each], name) for each in (distance_m, USUAL_M))
+        row |= paired_difference(some, usual).columns(name, 5)
+    return row
 
 
 def _mean(rows: list[dict[str, Any]], name: str) -> Estimate:
