@@ -85,7 +85,7 @@ def main(config: Config) -> None:
     print(f"wall time of sleeping cells over plain processes: {wall.value:.4f} [{wall.low:.4f}, {wall.high:.4f}]")
     print(f"CPU of the head: {1e3 * head.value:.1f} ms per cell [{1e3 * head.low:.1f}, {1e3 * head.high:.1f}]")
     result = {
-        "command": "python -m benchmarks.study_overhead",
+        "command": f"python -m benchmarks.study_overhead --n-pairs {config.n_pairs} --n-cells {config.n_cells}",
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
         "cpu_ratio": asdict(ratio),
