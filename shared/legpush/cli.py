@@ -20,6 +20,7 @@ from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
+from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
 from legpush.processes.start_program import Program, start_program, start_python
 
@@ -61,6 +62,7 @@ Command = (
     | Annotated[PythonOptions, tyro.conf.subcommand("python")]
     | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
     | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
+    | Annotated[Studies, tyro.conf.subcommand("study")]
 )
 
 
@@ -100,6 +102,7 @@ def _parse_and_run(argv: Sequence[str]) -> int:
         | PythonOptions
         | KernelOptions
         | CanaryOptions
+        | Studies
     ) = tyro.cli(
         Command,
         prog="legpush",
@@ -223,3 +226,54 @@ def _kernel(command: KernelOptions) -> int:
     from legpush.launch.kernel import install_kernel
 
     return install_kernel(command)
+
+
+@execute.register
+def _studies(command: Studies) -> int:
+    try:
+        return execute(command.action)
+    except ModuleNotFoundError as error:
+        raise ConfigError(
+            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
+        ) from error
+
+
+@execute.register
+def _run_study(command: RunStudy) -> int:
+    from rich.console import Console
+
+    from legpush.study.run import run_study
+
+    return run_study(command, Console())
+
+
+@execute.register
+def _study_status(command: StudyStatus) -> int:
+    from legpush.study.folder import StudyFolder
+    from legpush.study.status import status_lines
+
+    sys.stdout.write("".join(f"{line}\n" for line in status_lines(StudyFolder(command.folder))))
+    return 0
+
+
+@execute.register
+def _study_table(command: StudyTable) -> int:
+    start_program("agent_proc.programs.study_table", command.flags())
+
+
+@execute.register
+def _verify_study(command: VerifyStudy) -> int:
+    from rich.console import Console
+
+    from legpush.study.verify import verify_study
+
+    return verify_study(command, Console())
+
+
+@execute.register
+def _merge_studies(command: MergeStudies) -> int:
+    from legpush.study.merge import merge_studies
+
+    n_rows, n_cells = merge_studies(command.folders, command.folder)
+    sys.stdout.write(f"{n_rows} of {n_cells} cells; written to {command.folder}\n")
+    return 0

@@ -1,17 +1,18 @@
-"""Finds planners, simulators, policies and missions by name, through the entry points of installed packages."""
+"""Finds planners, simulators, policies and other plug-ins by name, through the entry points of installed packages."""
 
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final, Literal
 
 from legpush.errors import PluginError
 
-Group = Literal["legpush.planners", "legpush.simulators", "legpush.policies", "legpush.missions"]
+Group = Literal["legpush.planners", "legpush.simulators", "legpush.policies", "legpush.missions", "legpush.cells"]
 
 _NOUNS: Final[dict[Group, str]] = {
     "legpush.planners": "planner",
     "legpush.simulators": "simulator",
     "legpush.policies": "policy",
     "legpush.missions": "mission",
+    "legpush.cells": "kind of cell",
 }
 
 

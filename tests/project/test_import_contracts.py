@@ -38,7 +38,7 @@ ROGUES = {
     "Only learning, policies.sb3 and legpush.gym import Gymnasium": ("agent_proc.task", "import gymnasium"),
     "Only the file of weights imports safetensors": ("agent_proc.policies", "from safetensors.numpy import load"),
     "Only agent_proc.policies.onnx_file imports ONNX": ("agent_proc.policies", "import onnx"),
-    "Only reporting and the plot of an evaluation import matplotlib": (
+    "Only reporting and the pictures of evaluations and studies import matplotlib": (
         "agent_proc.evaluation",
         "from matplotlib import pyplot",
     ),
