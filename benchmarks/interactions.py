@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.simulators import own_simulators
+from agent_proc.statistics.intervals import median
+from agent_proc.statistics.paired import paired_ratio
 from agent_proc.task.config import TaskConfig
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
@@ -31,7 +33,7 @@ class Config:
     n_steps: int = 60
     """Push cycles of each simulator in a round."""
     n_rounds: int = 7
-    """Number of rounds, each with all three settings in turn; medians are reported."""
+    """Number of rounds, each with all three settings in turn."""
 
 
 def main(config: Config) -> None:
@@ -52,12 +54,12 @@ def main(config: Config) -> None:
                 rates[name] += [rate] if round_seed >= 0 else []
             if not np.array_equal(seen["in one process"], seen["bus, 1 simulator"]):
                 raise RuntimeError("The observations on the bus and in one process differ: the comparison is void")
-    local = np.array(rates["in one process"])
-    one = np.array(rates["bus, 1 simulator"])
+    by_round = {name: dict(enumerate(values)) for name, values in rates.items()}
     for name, values in rates.items():
-        spread = f"n {len(values)}, {min(values):.1f} to {max(values):.1f}"
-        ratios = f"{np.median(values / local):.2f} x one process, {np.median(values / one):.2f} x bus with 1"
-        print(f"{name:18s} {np.median(values):6.1f} interactions/s ({spread}), {ratios}")
+        print(f"{name}: median {median(values).text('.1f')} interactions/s")
+        for other in ("in one process", "bus, 1 simulator"):
+            if other != name:
+                print(f"  over {other}: geometric mean {paired_ratio(by_round[name], by_round[other]).text('.2f')}")
 
 
 def measure(worlds: Sequence[SteppingWorld], seed: int, n_steps: int) -> tuple[float, NDArray[np.float32]]:

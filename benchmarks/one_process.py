@@ -11,14 +11,16 @@ import resource
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import tyro
 
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.intervals import median
+from agent_proc.statistics.paired import common, paired_ratio
 from legpush.versions import installed_versions
 
 IN_ONE = """
@@ -49,21 +51,18 @@ def main(config: Config) -> None:
             raise RuntimeError(f"Seed {seed}: {one.state_crc} in one process, {three.state_crc} in three")
         pairs.append((one, three))
         print(f"seed {seed}: CPU {one.cpu_s:.1f} s and {three.cpu_s:.1f} s, CRC {one.state_crc}", flush=True)
-    ratios = {
-        "cpu": [one.cpu_s / three.cpu_s for one, three in pairs],
-        "steps_per_second": [three.wall_time_s / one.wall_time_s for one, three in pairs],
-    }
-    for name, values in ratios.items():
-        estimate = mean_interval(values)
-        print(
-            f"{name}, one process over three: median {np.median(values):.2f}, mean {estimate.value:.2f} "
-            f"[{estimate.low:.2f}, {estimate.high:.2f}] (95 %, bootstrap), n {len(values)}"
-        )
+    ratios = ratios_of(pairs)
+    for name, statistics in ratios.items():
+        for statistic, estimate in statistics.items():
+            print(f"{name}, one process over three: {statistic} {estimate.text('.2f')}")
     result = {
         "command": f"python -m benchmarks.one_process --scenario {config.scenario} --n-pairs {config.n_pairs}",
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
-        "ratios": ratios,
+        "ratios": {
+            name: {statistic: asdict(estimate.rounded(4)) for statistic, estimate in statistics.items()}
+            for name, statistics in ratios.items()
+        },
         "pairs": [
             {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
         ],
@@ -80,6 +79,19 @@ class Measured:
     wall_time_s: float
     """Of the mission alone."""
     state_crc: str
+
+
+def ratios_of(pairs: Sequence[tuple[Measured, Measured]]) -> dict[str, dict[str, Estimate]]:
+    """CPU time and speed of one process over those of three, by seeds: median and geometric mean."""
+    cpu_s = [dict(enumerate(run.cpu_s for run in runs)) for runs in zip(*pairs, strict=True)]
+    speed_hz = [dict(enumerate(1.0 / run.wall_time_s for run in runs)) for runs in zip(*pairs, strict=True)]
+    return {
+        name: {
+            "median": median([first / second for first, second in common(one, three)]),
+            "geometric_mean": paired_ratio(one, three),
+        }
+        for name, (one, three) in (("cpu", cpu_s), ("steps_per_second", speed_hz))
+    }
 
 
 def in_one_process(scenario: str, seed: int) -> Measured:

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import tyro
 
+from agent_proc.statistics.intervals import median
 from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
@@ -60,7 +61,7 @@ def main(config: Config) -> None:
         n_ticks.append(sum(len(part) for part in controls))
     ratio = np.array(cycle_s) / np.array(bare_s)
     real_time = np.array(n_ticks) * CONTROL_PERIOD_S / np.array(cycle_s)
-    print(f"push cycle / bare mj_step: median {np.median(ratio):.2f} (n {len(ratio)}, 5-95 % {_spread(ratio)})")
+    print(f"push cycle / bare mj_step: median {median(ratio).text('.2f')}, 5 to 95 % of the cycles {_spread(ratio)}")
     simulated_s = np.median(n_ticks) * CONTROL_PERIOD_S
     print(f"push cycle: {np.median(cycle_s) * 1e3:.1f} ms for {simulated_s:.2f} simulated seconds")
     print(f"that is {np.median(real_time):.0f} x real time on one core")

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import tyro
 
+from agent_proc.statistics.paired import paired_ratio
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
 from legpush.lockstep.client import PastStep, SimLink
@@ -66,10 +67,10 @@ def measure_missions(n: int, scenario: str) -> None:
                 if recorded and not report["recording"]["complete"]:
                     raise RuntimeError(f"The recording is not complete: {report['recording']['notes']}")
     without, with_ = (statistics.median(seconds[recorded]) for recorded in (False, True))
-    ratios = [one / other for one, other in zip(seconds[True], seconds[False], strict=True)]
+    ratio = paired_ratio(dict(enumerate(seconds[True])), dict(enumerate(seconds[False])))
     print(
-        f"mission {scenario}, n {n}: {without:.2f} s without, {with_:.2f} s with recording; ratio "
-        f"{statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f}); {len(crcs)} end state(s)"
+        f"mission {scenario}, n {n}: median {without:.2f} s without, {with_:.2f} s with recording; geometric mean of "
+        f"the ratios {ratio.text('.3f')}; {len(crcs)} end state(s)"
     )
 
 

@@ -20,6 +20,7 @@ from urllib.parse import urlsplit
 
 import tyro
 
+from agent_proc.statistics.paired import paired_ratio
 from legpush.runs.report import read_report
 from tests.chromium import Browser, Page, browser, until
 
@@ -96,13 +97,13 @@ def measure_missions(folder: Path, config: Config, niceness: int) -> None:
                 seen = seen_by.result()
             pairs.append((alone["wall_time_s"], seen["wall_time_s"]))
             crcs |= {alone["state_crc"], seen["state_crc"]}
-    ratios = [seen / alone for alone, seen in pairs]
-    without, with_ = (statistics.median(seconds) for seconds in zip(*pairs, strict=True))
+    alone_s, seen_s = zip(*pairs, strict=True)
+    ratio = paired_ratio(dict(enumerate(seen_s)), dict(enumerate(alone_s)))
     print(
         f"mission {config.scenario}, a browser with niceness {niceness}, n {config.missions}: "
         f"{statistics.median(rates):.1f} frames/s while it moves ({min(rates):.1f} to {max(rates):.1f}); "
-        f"{without:.2f} s without, {with_:.2f} s with a page, ratio {statistics.median(ratios):.3f} "
-        f"({min(ratios):.3f} to {max(ratios):.3f}); {len(crcs)} end state(s)"
+        f"median {statistics.median(alone_s):.2f} s without, {statistics.median(seen_s):.2f} s with a page, geometric "
+        f"mean of the ratios {ratio.text('.3f')}; {len(crcs)} end state(s)"
     )
 
 

@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from agent_proc.statistics import Estimate, mean_interval, wilson
+from agent_proc.statistics.estimate import kinds_in_words
+from agent_proc.statistics.intervals import mean, share
+from legpush.arrays import Floats
 
 RESULTS: Final = Path(__file__).parent / "results"
 EVALUATIONS: Final = RESULTS / "evaluations"
@@ -77,25 +80,20 @@ def _value(text: str) -> float | str | bool:
         return text
 
 
-def summary_columns(episodes: Sequence[dict[str, Any]]) -> dict[str, float]:
-    """Summarize the episodes of one case: means with 95 % intervals, counts and extremes."""
+def summary_columns(episodes: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Summarize the episodes of one case: means with 95 % intervals and their kinds, counts and extremes."""
     n = len(episodes)
     return {
         "n": n,
-        **_estimate("position_error_m", mean_interval([row["position_error_m"] for row in episodes]), 5),
-        **_estimate("angle_error_deg", mean_interval([row["angle_error_deg"] for row in episodes]), 3),
-        **_estimate("success_rate", wilson(sum(row["success"] for row in episodes), n), 4),
+        **mean([row["position_error_m"] for row in episodes]).columns("position_error_m", 5),
+        **mean([row["angle_error_deg"] for row in episodes]).columns("angle_error_deg", 3),
+        **share(sum(row["success"] for row in episodes), n).columns("success_rate", 4),
         "falls": sum(row["ending"] == "fell" for row in episodes),
         "cycles": round(sum(row["n_cycles"] for row in episodes) / n, 2),
         "max_abs_roll_deg": round(max(row["max_abs_roll_deg"] for row in episodes), 2),
         "max_abs_pitch_deg": round(max(row["max_abs_pitch_deg"] for row in episodes), 2),
         "min_support_margin_m": round(min(row["min_support_margin_m"] for row in episodes), 4),
     }
-
-
-def _estimate(name: str, estimate: Estimate, n_digits: int) -> dict[str, float]:
-    low, high = round(estimate.low, n_digits), round(estimate.high, n_digits)
-    return {name: round(estimate.value, n_digits), f"{name}_low": low, f"{name}_high": high}
 
 
 def write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
@@ -117,13 +115,18 @@ def read_table(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
-def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float) -> tuple[list[float], list[list[float]]]:
-    """Return the means of a measure, and how far its interval reaches below and above them, as `errorbar` takes
-    them."""
-    mean = [scale * row[key] for row in rows]
-    low = [scale * (row[key] - row[f"{key}_low"]) for row in rows]
-    high = [scale * (row[f"{key}_high"] - row[key]) for row in rows]
-    return mean, [low, high]
+def errors_of(rows: Sequence[dict[str, Any]], key: str, scale: float = 1.0) -> tuple[Floats, Floats]:
+    """Return the estimates of a measure, (n,), and how far their intervals reach below and above them, (2, n), as
+    `errorbar` takes them; nan, which is not drawn, without an interval."""
+    middle, low, high = (
+        scale * np.array([row[name] for row in rows], dtype=np.float64) for name in (key, f"{key}_low", f"{key}_high")
+    )
+    return middle, np.stack([middle - low, high - middle])
+
+
+def kinds_of(rows: Sequence[dict[str, Any]], key: str) -> str:
+    """Name the kinds of the intervals of a measure."""
+    return kinds_in_words(row[f"{key}_interval"] for row in rows)
 
 
 def plain_ticks(axis: Axes) -> None:

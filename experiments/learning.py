@@ -3,19 +3,19 @@
 `results/learning_curves.png` is the counterpart of Figs. 14 and 15: the return of episodes as a moving average over 30,
 as mean over the training seeds with its 95 % interval, for the published and the tuned profile and for fixed and
 variable entry. `results/learning_comparison.png` compares network sizes, algorithms and randomization by the errors at
-the ends of episodes. `results/learning_speed.csv` says how fast each training of the tuned profile learns.
+the ends of episodes. `results/learning_speed.csv` says how fast each training of the tuned profile learns, and
+`results/learning_end.csv` how large the errors in the last episodes of the trainings are, as mean over the seeds.
 """
 
-import csv
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy import stats
 
-from experiments.evaluations import RESULTS, plain_ticks
+from agent_proc.statistics.intervals import mean_curve, mean_of_groups
+from experiments.evaluations import RESULTS, plain_ticks, write_table
 from experiments.trainings import read_episodes
 from legpush.arrays import Floats
 
@@ -42,15 +42,12 @@ COMPARED: Final = {
 
 
 def main() -> None:
-    """Write the table and draw both pictures."""
+    """Write the tables and draw both pictures."""
     by_variant = _by_variant()
-    speeds = speed_rows(by_variant)
-    with (RESULTS / "learning_speed.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(speeds[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(speeds)
-    for row in speeds:
-        print(row)
+    for rows, name in ((speed_rows(by_variant), "learning_speed.csv"), (end_rows(by_variant), "learning_end.csv")):
+        write_table(rows, RESULTS / name)
+        for row in rows:
+            print(row)
     draw_curves(by_variant)
     draw_comparison(by_variant)
 
@@ -92,6 +89,18 @@ def speed_rows(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -
     return rows
 
 
+def end_rows(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> list[dict[str, Any]]:
+    """Return, for each variant, the means over the training seeds of the means over the last `WINDOW` episodes."""
+    rows = []
+    for variant, seeds in by_variant.items():
+        ends = [episodes[-WINDOW:] for episodes in seeds.values()]
+        row: dict[str, Any] = {"variant": variant, "episodes_each": WINDOW}
+        for key, n_digits in (("position_error_m", 5), ("angle_error_deg", 3)):
+            row |= mean_of_groups([[one[key] for one in end] for end in ends]).columns(key, n_digits)
+        rows.append(row)
+    return rows
+
+
 def draw_curves(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> None:
     """Draw a panel for each profile and entry."""
     figure = Figure(figsize=(10.0, 6.4), layout="constrained")
@@ -103,7 +112,7 @@ def draw_curves(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) 
             axis.set_xlabel("episode")
             axis.set_ylabel("return")
             axis.grid(alpha=0.25)
-    figure.suptitle(f"Moving average over {WINDOW} episodes: each seed, mean and its 95 % interval")
+    figure.suptitle(f"Moving average over {WINDOW} episodes: each seed, mean with Student's t 95 %")
     figure.savefig(RESULTS / "learning_curves.png", dpi=110)
 
 
@@ -115,10 +124,10 @@ def _draw_panel(axis: Axes, seeds: Mapping[int, list[dict[str, float]]]) -> None
         return
     shortest = min(map(len, averages))
     stacked = np.stack([average[:shortest] for average in averages])
-    mean, half = _mean_interval(stacked)
+    mean, low, high = mean_curve(stacked)
     episode = np.arange(shortest) + WINDOW
     axis.plot(episode, mean, color="tab:blue", linewidth=2)
-    axis.fill_between(episode, mean - half, mean + half, color="tab:blue", alpha=0.2)
+    axis.fill_between(episode, low, high, color="tab:blue", alpha=0.2)
 
 
 def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]]]) -> None:
@@ -137,10 +146,9 @@ def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]
                 seeds = by_variant.get(COMPARED[label], {})
                 if seeds:
                     steps, curves = _over_steps(seeds, key, scale)
-                    mean, half = _mean_interval(np.log(curves))
-                    (line,) = axis.plot(steps, np.exp(mean), label=f"{label}, {len(seeds)} seeds")
+                    mean, low, high = np.exp(mean_curve(np.log(curves)))
+                    (line,) = axis.plot(steps, mean, label=f"{label}, {len(seeds)} seeds")
                     if len(seeds) >= LEAST_SEEDS:
-                        low, high = np.exp(mean - half), np.exp(mean + half)
                         axis.fill_between(steps, low, high, color=line.get_color(), alpha=0.15)
             axis.set_yscale("log")
             axis.set_ylim(*SHOWN[key])
@@ -151,7 +159,7 @@ def draw_comparison(by_variant: Mapping[str, Mapping[int, list[dict[str, float]]
         axes[0, column].legend(fontsize=8)
         axes[1, column].set_xlabel("push cycles")
     figure.suptitle(
-        f"Errors while learning: median of {WINDOW} episodes, geometric mean of seeds and its 95 % interval"
+        f"Errors while learning: median of {WINDOW} episodes, geometric mean of seeds with Student's t 95 %"
     )
     figure.savefig(RESULTS / "learning_comparison.png", dpi=110)
 
@@ -167,15 +175,6 @@ def _over_steps(seeds: Mapping[int, list[dict[str, float]]], key: str, scale: fl
         ends.append(steps[-1])
     grid = np.arange(max(begins), min(ends), GRID, dtype=np.float64)
     return grid, np.stack([np.interp(grid, steps, values) for steps, values in curves])
-
-
-def _mean_interval(curves: Floats) -> tuple[Floats, Floats]:
-    """Return the mean over the rows, and the half width of its 95 % interval by Student's t."""
-    n = len(curves)
-    if n < len(("a", "b")):
-        return curves.mean(axis=0), np.zeros(curves.shape[1])
-    half = stats.t.ppf(0.975, n - 1) * curves.std(axis=0, ddof=1) / np.sqrt(n)
-    return curves.mean(axis=0), half
 
 
 if __name__ == "__main__":

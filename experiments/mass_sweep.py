@@ -18,6 +18,7 @@ from experiments.evaluations import (
     RESULTS,
     Evaluation,
     errors_of,
+    kinds_of,
     plain_ticks,
     read_rows,
     run_missing,
@@ -100,7 +101,7 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
         axis.set_ylabel(label)
         axis.grid(which="both", alpha=0.25)
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=8)
-    figure.suptitle("Straight push of 1 m, mean and 95 % interval")
+    figure.suptitle(f"Straight push of 1 m, mean with {kinds_of(rows, 'position_error_m')}")
     figure.savefig(path, dpi=120)
 
 

@@ -1,7 +1,8 @@
 """`python experiments/missions.py`: runs whole missions with many seeds, each in three processes.
 
 Each seed is one `legpush run`. A row per mission goes to `results/missions_<scenario>_<policy>.csv`, and the summary
-(mean, 95 % interval by Student's t, worst value) to a JSON file beside it.
+(share of success, mean of each measure, both with 95 % intervals and their kinds, worst values) to a JSON file beside
+it.
 """
 
 import csv
@@ -9,14 +10,15 @@ import json
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import tyro
 from rich.progress import track
-from scipy import stats
+
+from agent_proc.statistics.intervals import mean, share
 
 RESULTS: Final = Path(__file__).parent / "results"
 MEASURES: Final = (
@@ -32,7 +34,7 @@ MEASURES: Final = (
     "real_time_factor",
 )
 COLUMNS: Final = ("seed", "success", "reason", "handover_distance_m", *MEASURES, "state_crc")
-LARGEST: Final = {"min_support_margin_m": np.min, "real_time_factor": np.min}
+WORST: Final = {"min_support_margin_m": np.min, "real_time_factor": np.min}
 """The worst value is the largest one, except for these measures."""
 
 
@@ -80,24 +82,20 @@ def _mission(config: Config, seed: int) -> dict[str, Any]:
 
 
 def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return counts, and the mean, its 95 % interval and the worst value of each measure."""
+    """Return counts, the share of success, and the mean and the worst value of each measure."""
+    n_good = sum(str(row["success"]) == "True" for row in rows)
     summary: dict[str, Any] = {
         "n": len(rows),
         "seeds": [int(row["seed"]) for row in rows],
-        "successes": sum(str(row["success"]) == "True" for row in rows),
+        "successes": n_good,
+        "success_rate": asdict(share(n_good, len(rows)).rounded(4)),
         "falls": sum(row["reason"] == "fell" for row in rows),
     }
     for name in MEASURES:
-        values = np.array([float(row[name]) for row in rows if row[name] not in (None, "")])
-        if not values.size:
-            continue
-        half = float(stats.t.ppf(0.975, len(values) - 1) * stats.sem(values)) if len(values) > 1 else float("nan")
-        mean = float(values.mean())
-        summary[name] = {
-            "mean": round(mean, 5),
-            "interval_95": [round(mean - half, 5), round(mean + half, 5)],
-            "worst": round(float(LARGEST.get(name, np.max)(values)), 5),
-        }
+        values = [float(row[name]) for row in rows if row[name] not in (None, "")]
+        if values:
+            worst = round(float(WORST.get(name, np.max)(values)), 5)
+            summary[name] = {"mean": asdict(mean(values).rounded(5)), "worst": worst}
     return summary
 
 

@@ -18,6 +18,7 @@ from experiments.evaluations import (
     RESULTS,
     Evaluation,
     errors_of,
+    kinds_of,
     read_rows,
     run_missing,
     summary_columns,
@@ -92,7 +93,8 @@ def _draw(rows: list[dict[str, Any]], policies: tuple[str, ...], path: Path) -> 
     axes[0].set_yticks(range(len(cases)), cases)
     axes[0].invert_yaxis()
     axes[0].legend()
-    figure.suptitle(f"Out of distribution: mean and 95 % interval of {EPISODES} episodes each")
+    kinds = kinds_of(rows, "position_error_m")
+    figure.suptitle(f"Out of distribution: mean of {EPISODES} episodes each with {kinds}")
     figure.savefig(path, dpi=110)
 
 

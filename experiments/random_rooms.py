@@ -11,15 +11,14 @@ import json
 import sys
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, Final
 
-import numpy as np
 import tyro
 from rich.progress import Progress
 
-from agent_proc.statistics import mean_interval, wilson
+from agent_proc.statistics.intervals import mean, median, share
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.plots.random_rooms import draw
 from experiments.room_missions import drawn_room, run_mission
@@ -73,25 +72,21 @@ def main(config: Config) -> int:
 
 
 def summarize(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Summarize missions: share of success with its interval, errors, and the reasons of failures."""
+    """Summarize missions: share of success and errors with their intervals, and the reasons of failures."""
     n = len(rows)
-    success = wilson(sum(_is_true(row["success"]) for row in rows), n)
     good = [row for row in rows if _is_true(row["success"])]
     summary: dict[str, Any] = {
         "n": n,
-        "success_rate": round(success.value, 4),
-        "success_rate_95": [round(success.low, 4), round(success.high, 4)],
+        "success_rate": asdict(share(len(good), n).rounded(4)),
         "rooms_drawn_anew": sum(int(row["n_unsolvable"]) for row in rows),
         "falls": sum(row["reason"] == "fell" for row in rows),
         "causes": dict(Counter(row["reason"] for row in rows if not _is_true(row["success"]))),
     }
     for name in MEASURES:
         values = [float(row[name]) for row in good]
-        mean = mean_interval(values)
         summary[name] = {
-            "median": round(float(np.median(values)), 5),
-            "mean": round(mean.value, 5),
-            "mean_95": [round(mean.low, 5), round(mean.high, 5)],
+            "median": asdict(median(values).rounded(5)),
+            "mean": asdict(mean(values).rounded(5)),
             "worst": round(max(values), 5),
         }
     summary["min_support_margin_m"] = min(float(row["min_support_margin_m"]) for row in rows)

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from msgspec.structs import replace
 from rich.progress import Progress
 
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.intervals import mean, share
 from experiments.evaluations import RESULTS, read_table, write_table
 from experiments.mission_runs import run_scenario
 from legpush.messages.poses import planar_pose
@@ -74,11 +74,11 @@ def main(config: Config) -> int:
             bar.advance(task)
     for scenario, composition in product(SCENARIOS, COMPOSITIONS):
         some = [rows[scenario, composition, seed] for seed in seeds]
-        print(f"{scenario}, {composition}: {sum(str(row['success']) == 'True' for row in some)} of {len(some)}")
+        success = share(sum(str(row["success"]) == "True" for row in some), len(some))
+        print(f"{scenario}, {composition}: success {success.text('.0%')}")
         for name in ("box_path_rms_m", "box_position_error_m", "box_angle_error_deg"):
             values = [float(row[name]) for row in some]
-            mean = mean_interval(values)
-            print(f"  {name}: {mean.value:.4f} [{mean.low:.4f}, {mean.high:.4f}], worst {max(values):.4f}")
+            print(f"  {name}: {mean(values).text('.4f')}, worst {max(values):.4f}")
     draw(tracks)
     return 0
 

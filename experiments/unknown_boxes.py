@@ -19,7 +19,7 @@ from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import make_push_map, measured_faces
 from agent_proc.push_model.model import NOMINAL
 from agent_proc.pushing.calibrating import CALIBRATION_LEGS
-from experiments.evaluations import RESULTS, write_table
+from experiments.evaluations import RESULTS, errors_of, kinds_of, write_table
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.poses import planar_pose
@@ -53,8 +53,8 @@ def main() -> int:
     draw(rows)
     for one in rows:
         print(
-            f"{one['box']}, {one['face']} face: radius {one['radius_m']:.3f} m [{one['radius_low_m']:.3f}, "
-            f"{one['radius_high_m']:.3f}], guessed {one['guessed_m']:.3f}, after four pushes {one['own_m']:.3f} "
+            f"{one['box']}, {one['face']} face: radius {one['radius_m']:.3f} m [{one['radius_m_low']:.3f}, "
+            f"{one['radius_m_high']:.3f}], guessed {one['guessed_m']:.3f}, after four pushes {one['own_m']:.3f} "
             f"± {one['own_sd_m']:.3f}"
         )
     return 0
@@ -69,9 +69,7 @@ def row(name: str, box: Box, face: Face) -> dict[str, Any]:
     return {
         "box": name,
         "face": face,
-        "radius_m": circle.radius_m.value,
-        "radius_low_m": circle.radius_m.low,
-        "radius_high_m": circle.radius_m.high,
+        **circle.radius_m.columns("radius_m", 4),
         "axle_m": circle.axle_m.value,
         "guessed_m": round(PushEstimate(pushed_box(box, face)).turning_radius_m, 4),
         "own_m": round(float(np.mean(own_m)), 4),
@@ -97,16 +95,16 @@ def draw(rows: list[dict[str, Any]]) -> None:
     figure = Figure(figsize=(8.6, 0.36 * len(rows) + 1.2), layout="constrained")
     axis = figure.subplots()
     at = np.arange(len(rows))[::-1]
-    radius, low, high = (np.array([one[key] for one in rows]) for key in ("radius_m", "radius_low_m", "radius_high_m"))
+    radius, reach = errors_of(rows, "radius_m")
     axis.errorbar(
         radius,
         at,
-        xerr=[radius - low, high - radius],
+        xerr=reach,
         fmt="s",
         ms=5,
         capsize=3,
         color=COLORS["measured"],
-        label="measured by 24 pushes, 95 %",
+        label=f"measured by 24 pushes, {kinds_of(rows, 'radius_m')}",
     )
     axis.plot([one["guessed_m"] for one in rows], at, "x", ms=7, color=COLORS["guessed"], label="guessed")
     own, sd = np.array([one["own_m"] for one in rows]), np.array([one["own_sd_m"] for one in rows])

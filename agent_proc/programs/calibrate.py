@@ -81,12 +81,10 @@ def _show(push_map: PushMap, console: Console) -> None:
         )
     console.print(table)
     for circle in push_map.circles:
-        radius, axle = circle.radius_m, circle.axle_m
         console.print(
             Text(
-                f"{circle.face} face, one foot: turns on a radius of {radius.value:.3f} m [{radius.low:.3f}, "
-                f"{radius.high:.3f}] about a point beside one {axle.value:.3f} m [{axle.low:.3f}, {axle.high:.3f}] "
-                "behind the centre"
+                f"{circle.face} face, one foot: turns on a radius of {circle.radius_m.text('.3f')} m about a point "
+                f"beside one {circle.axle_m.text('.3f')} m behind the centre"
             ),
             soft_wrap=True,
         )

@@ -2,14 +2,14 @@
 
 import json
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import inf
 from time import perf_counter
 from typing import Final
 
 import numpy as np
 
-from agent_proc.statistics import wilson
+from agent_proc.statistics.intervals import median, share
 from benchmarks.planners.random_requests import random_request
 from benchmarks.planners.tables import RESULTS, Row, fill, numbers
 from legpush.scene.clearance import clearance
@@ -31,14 +31,15 @@ class Collisions:
 def main(config: Collisions) -> None:
     """Judge the requests that are not in the table yet, and summarize all."""
     rows = fill(TABLE, ("number",), [(number,) for number in range(config.n)], judged)
-    collided = [row["number"] for row in rows if int(row["n_colliding"])]
+    n_planned = sum(int(row["n_paths"]) > 0 for row in rows)
+    n_collided = sum(int(row["n_colliding"]) > 0 for row in rows)
     n_paths = sum(int(row["n_paths"]) for row in rows)
     other = [f"{row['number']}: {row['faults']}" for row in rows if row["faults"]]
     summary = {
         "requests": len(rows),
         "paths": n_paths,
         "colliding_paths": sum(int(row["n_colliding"]) for row in rows),
-        "colliding_share_95_at_most": wilson(len(collided), max(1, n_paths)).high,
+        "colliding_share_of_requests": asdict(share(n_collided, n_planned).rounded(6)),
         "least_margin_m": min(numbers(rows, "least_margin_m")),
         "other_faults": other,
         "statuses": dict(Counter(row["status"] for row in rows)),
@@ -46,7 +47,7 @@ def main(config: Collisions) -> None:
             name: dict(Counter(row["status"] for row in rows if f"{row['planner']}, {row['steering']}" == name))
             for name in sorted({f"{row['planner']}, {row['steering']}" for row in rows})
         },
-        "planning_s_median": round(float(np.median(numbers(rows, "planning_s"))), 4),
+        "planning_s_median": asdict(median(numbers(rows, "planning_s")).rounded(4)),
         "planning_s_longest": max(numbers(rows, "planning_s")),
     }
     SUMMARY.write_text(json.dumps(summary, indent=1) + "\n")

@@ -6,15 +6,14 @@ from itertools import product
 from time import perf_counter
 from typing import Any, Final
 
-import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.statistics import mean_interval, wilson
+from agent_proc.statistics.intervals import mean, median, share
 from benchmarks.planners.compare_plot import draw
 from benchmarks.planners.maps import MAPS, question
 from benchmarks.planners.measures import measured, points_of
 from benchmarks.planners.random_requests import PLANNERS
-from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
+from benchmarks.planners.tables import RESULTS, Row, fill, numbers, spread
 from experiments.evaluations import write_table
 from legpush.messages.planning import Plan
 from legpush.scene.scenario import Anytime
@@ -99,40 +98,30 @@ def _summary(planner: str, steering: str, name: str, rows: list[Row]) -> Row:
         row for row in rows if (row["planner"], row["steering"]) == (planner, steering) and name in ("all", row["map"])
     ]
     good = [row for row in here if row["status"] == "exact"]
-    share = wilson(len(good), len(here))
     found: Row = {
         "planner": planner,
         "steering": steering,
         "map": name,
         "n": len(here),
-        "success": round(share.value, 4),
-        "success_low": round(share.low, 4),
-        "success_high": round(share.high, 4),
+        **share(len(good), len(here)).columns("success", 4),
         "colliding": sum(row["keeps_clearance"] == "False" for row in good),
     }
     for key, statistic in (
-        ("first_s", median_interval),
-        ("final_s", median_interval),
-        ("first_length_m", _mean),
-        ("length_m", _mean),
-        ("times_shortest", _mean),
-        ("clearance_m", _mean),
-        ("curvature_rms_per_m", _mean),
+        ("first_s", median),
+        ("final_s", median),
+        ("first_length_m", mean),
+        ("length_m", mean),
+        ("times_shortest", mean),
+        ("clearance_m", mean),
+        ("curvature_rms_per_m", mean),
     ):
-        values = numbers(good, key)
-        middle, low, high = statistic(values) if values else (np.nan, np.nan, np.nan)
-        found |= {key: round(middle, 5), f"{key}_low": round(low, 5), f"{key}_high": round(high, 5)}
+        found |= statistic(numbers(good, key)).columns(key, 5)
     return found
 
 
 def _shortest_m(rows: list[Row]) -> dict[str, float]:
     """Return, for each map, the length of the shortest path that any planner found with any seed."""
     return {name: min(numbers((row for row in rows if row["map"] == name), "length_m")) for name in MAPS}
-
-
-def _mean(values: list[float]) -> tuple[float, float, float]:
-    mean = mean_interval(values)
-    return mean.value, mean.low, mean.high
 
 
 def _print(rows: list[Row]) -> None:
@@ -148,7 +137,7 @@ def _print(rows: list[Row]) -> None:
             f"{len(good)}/{len(here)}".rjust(7),
             spread(numbers(good, "first_s"), 1e3).ljust(22),
             spread(numbers(good, "final_s"), 1e3, 0).ljust(22),
-            "{:.3f} [{:.3f}, {:.3f}]".format(*_mean(relative)).ljust(22),
+            f"{mean(relative):.3f}".ljust(22),
             spread(numbers(good, "curvature_rms_per_m"), digits=2),
         )
         print(" ".join(columns))

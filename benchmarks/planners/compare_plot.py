@@ -6,6 +6,8 @@ from typing import Any, Final
 
 from matplotlib.figure import Figure
 
+from experiments.evaluations import errors_of, kinds_of
+
 PANELS: Final = (
     ("success", "exact paths, share", False),
     ("first_s", "time to the first exact path [s], median", True),
@@ -32,15 +34,11 @@ def draw(summary: list[dict[str, Any]], path: Path) -> None:
     figure = Figure(figsize=(15.0, 13.0), layout="constrained")
     axes = figure.subplots(2, 3, sharey=True)
     for axis, (key, label, logarithmic) in zip(axes.flat, PANELS, strict=True):
+        shown = [row for row in summary if row["map"] != "all" and isfinite(row[key])]
         for place, (planner, steering) in enumerate(variants):
-            rows = [row for row in summary if (row["planner"], row["steering"]) == (planner, steering)]
-            rows = [row for row in rows if row["map"] != "all" and isfinite(row[key])]
+            rows = [row for row in shown if (row["planner"], row["steering"]) == (planner, steering)]
             at = [maps.index(row["map"]) + 0.8 * (place / (len(variants) - 1) - 0.5) for row in rows]
-            middle = [row[key] for row in rows]
-            reach = [
-                [row[key] - row[f"{key}_low"] for row in rows],
-                [row[f"{key}_high"] - row[key] for row in rows],
-            ]
+            middle, reach = errors_of(rows, key)
             axis.errorbar(
                 middle,
                 at,
@@ -52,7 +50,7 @@ def draw(summary: list[dict[str, Any]], path: Path) -> None:
                 linewidth=1.0,
                 label=planner if steering == "straight" else f"{planner}, {steering}",
             )
-        axis.set_xlabel(label)
+        axis.set_xlabel(f"{label}\n{kinds_of(shown, key)}")
         if logarithmic:
             axis.set_xscale("log")
         elif key != "times_shortest":

@@ -14,10 +14,12 @@ from typing import Final
 
 from msgspec.structs import replace
 
+from agent_proc.statistics.intervals import ORDER_STATISTICS
+from agent_proc.statistics.paired import common
 from benchmarks.planners.maps import question
 from benchmarks.planners.measures import measured, points_of
 from benchmarks.planners.peers_plot import draw
-from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
+from benchmarks.planners.tables import RESULTS, Row, fill, numbers, spread
 from experiments.evaluations import read_table, write_table
 from legpush.arrays import Floats
 from legpush.messages.planning import TrunkPathQuery
@@ -124,12 +126,9 @@ def _ours(
 
 def _summary(label: str, name: str, rows: list[Row]) -> Row:
     """Summarize one planner on one map, with its times and lengths over those of the reference with the same seed."""
-    here = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (label, name)}
-    ours = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (REFERENCE, name)}
-    found = [row for row in here.values() if row["found"] == "True"]
-    pairs = [(row, ours[row["seed"]]) for row in found if row["seed"] in ours and ours[row["seed"]]["found"] == "True"]
-    slower = [float(row["seconds"]) / float(other["seconds"]) for row, other in pairs]
-    longer = [float(row["length_m"]) / float(other["length_m"]) for row, other in pairs]
+    here = [row for row in rows if (row["planner"], row["map"]) == (label, name)]
+    found = [row for row in here if row["found"] == "True"]
+    ours = [row for row in rows if (row["planner"], row["map"], row["found"]) == (REFERENCE, name, "True")]
     return {
         "map": name,
         "planner": label,
@@ -137,8 +136,15 @@ def _summary(label: str, name: str, rows: list[Row]) -> Row:
         "found": len(found),
         "keeps_clearance": sum(row["keeps_clearance"] == "True" for row in found),
         "ms": spread(numbers(found, "seconds"), 1e3),
-        "times_as_slow": spread(slower),
+        "times_as_slow": spread(_ratios(found, ours, "seconds")),
         "length_m": spread(numbers(found, "length_m"), digits=2),
-        "times_as_long": spread(longer, digits=3),
-        "curvature_rms_per_m": round(median_interval(numbers(found, "curvature_rms_per_m"))[0], 2) if found else "",
+        "times_as_long": spread(_ratios(found, ours, "length_m"), digits=3),
+        "curvature_rms_per_m": spread(numbers(found, "curvature_rms_per_m"), digits=2),
+        "interval": f"of medians, {ORDER_STATISTICS}",
     }
+
+
+def _ratios(rows: list[Row], others: list[Row], key: str) -> list[float]:
+    """Return the ratios of a measure of the seeds that both have."""
+    first, second = ({row["seed"]: float(row[key]) for row in some} for some in (rows, others))
+    return [one / other for one, other in common(first, second)]

@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
@@ -17,8 +17,9 @@ import numpy as np
 import psutil
 from msgspec.structs import replace
 
+from agent_proc.statistics.intervals import median
 from benchmarks.planners.maps import HUGE, LARGE, question
-from benchmarks.planners.tables import RESULTS, Row, median_interval
+from benchmarks.planners.tables import RESULTS, Row
 from legpush.bus.bus import Bus
 from legpush.messages import codec
 from legpush.messages.planning import Plan, TrunkPathQuery
@@ -141,11 +142,9 @@ def _require_exact(plan: Plan) -> None:
 
 
 def _ms(times_s: list[float]) -> Row:
-    median, low, high = (1e3 * value for value in median_interval(times_s))
     best, worst = 1e3 * min(times_s), 1e3 * max(times_s)
     return {
-        "median_ms": round(median, 2),
-        "median_95_ms": [round(low, 2), round(high, 2)],
+        "median_ms": asdict(median(times_s).scaled(1e3).rounded(2)),
         "fastest_ms": round(best, 2),
         "slowest_ms": round(worst, 2),
     }

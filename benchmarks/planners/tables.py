@@ -1,13 +1,13 @@
-"""Tables of results that grow, and intervals of medians."""
+"""Tables of results that grow, and medians in them as text."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from time import monotonic
 from typing import Any, Final
 
-import numpy as np
 from rich.progress import track
 
+from agent_proc.statistics.intervals import median
 from experiments.evaluations import read_table, write_table
 
 RESULTS: Final = Path(__file__).parent.parent / "results"
@@ -39,17 +39,6 @@ def numbers(rows: Iterable[Row], key: str) -> list[float]:
     return [float(row[key]) for row in rows if row[key] not in ("", "None")]
 
 
-def median_interval(values: Sequence[float]) -> tuple[float, float, float]:
-    """Return a median and its 95 % percentile bootstrap interval, drawn with a fixed seed."""
-    data = np.array(values)
-    drawn = np.random.default_rng(0).integers(len(data), size=(2000, len(data)))
-    low, high = np.quantile(np.median(data[drawn], axis=1), (0.025, 0.975)).tolist()
-    return float(np.median(data)), low, high
-
-
 def spread(values: Sequence[float], scale: float = 1.0, digits: int = 1) -> str:
-    """Format a median and its interval for printing."""
-    if not values:
-        return "-"
-    median, low, high = (scale * value for value in median_interval(values))
-    return f"{median:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+    """Format a median and its interval between order statistics for printing; `-` without values."""
+    return f"{median(values).scaled(scale):.{digits}f}" if values else "-"

@@ -133,3 +133,4 @@ def test_journal_and_recording_have_the_same_outcomes(recording: Recording, fold
 def test_a_push_map_is_loaded() -> None:
     push_map = load_push_map(HERE / "push_map.json", load_scenario("default").box)
     assert len(push_map.effects) == 4
+    assert {circle.radius_m.kind for circle in push_map.circles} == {"percentile bootstrap 95 %"}
