@@ -25,7 +25,10 @@ EVERY_TICKS: Final = 5
 """A recorded push has every n-th control tick."""
 
 COLUMNS: Final = (
-    *(Column(name=f"box_{name}", unit=unit, about="of the box, by time") for name, unit in (("x_m", "m"), ("y_m", "m"))),
+    *(
+        Column(name=f"box_{name}", unit=unit, about="of the box, by time")
+        for name, unit in (("x_m", "m"), ("y_m", "m"))
+    ),
     Column(name="box_yaw_deg", unit="deg", about="of the box, by time"),
     Column(name="roll_deg", unit="deg", about="of the trunk, by time"),
     Column(name="pitch_deg", unit="deg", about="of the trunk, by time"),
