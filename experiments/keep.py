@@ -27,6 +27,8 @@ class Config:
 
     folders: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="DIR")]
     """Folders of studies; the rows get the name of the study."""
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = ROWS
+    """Folder of rows, such as `benchmarks/results/rows` for benchmarks."""
 
 
 def main(config: Config) -> int:
@@ -36,12 +38,12 @@ def main(config: Config) -> int:
         ConfigError: A study is not complete.
     """
     for path in config.folders:
-        print(f"kept {keep(StudyFolder(path))}")
+        print(f"kept {keep(StudyFolder(path), config.out)}")
     return 0
 
 
-def keep(folder: StudyFolder) -> Path:
-    """Keep the rows of one study; return their file.
+def keep(folder: StudyFolder, out: Path) -> Path:
+    """Keep the rows of one study in a folder of rows; return their file.
 
     Raises:
         ConfigError: It is not a study, or cells have no row.
@@ -59,8 +61,8 @@ def keep(folder: StudyFolder) -> Path:
         versions=record.versions,
         code=record.code,
     )
-    write_rows(table.drop_columns([name for name in TOO_LARGE if name in table.column_names]), record.name, made)
-    return ROWS / f"{record.name}.parquet"
+    small = table.drop_columns([name for name in TOO_LARGE if name in table.column_names])
+    return write_rows(small, record.name, made, out)
 
 
 def commit() -> str:

@@ -51,13 +51,13 @@ class Rows:
         return [row for row in self.rows if all(row[name] == value for name, value in values.items())]
 
 
-def read_rows(name: str) -> Rows:
-    """Read the rows of a study.
+def read_rows(name: str, folder: Path = ROWS) -> Rows:
+    """Read the rows of a study in a folder of rows.
 
     Raises:
         ConfigError: There are none.
     """
-    file = ROWS / f"{name}{SUFFIX}"
+    file = folder / f"{name}{SUFFIX}"
     try:
         table = parquet.ParquetFile(file).read()
         made = msgspec.json.decode((table.schema.metadata or {})[METADATA], type=Made)
@@ -68,12 +68,14 @@ def read_rows(name: str) -> Rows:
     return Rows(rows=table.to_pylist(), made=made)
 
 
-def write_rows(table: pyarrow.Table, name: str, made: Made) -> None:
-    """Write the rows of a study, in place of the previous ones.
+def write_rows(table: pyarrow.Table, name: str, made: Made, folder: Path = ROWS) -> Path:
+    """Write the rows of a study, in place of the previous ones; return their file.
 
     Raises:
         DiskError: The file cannot be written.
     """
-    ROWS.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name}{SUFFIX}"
     metadata = {**(table.schema.metadata or {}), METADATA: msgspec.json.encode(made)}
-    write_table(table.replace_schema_metadata(metadata), ROWS / f"{name}{SUFFIX}")
+    write_table(table.replace_schema_metadata(metadata), path)
+    return path

@@ -15,11 +15,11 @@ from typing import Final
 
 import numpy as np
 import psutil
+from benchmarks.planners.tables import RESULTS, Row
 from msgspec.structs import replace
 
 from agent_proc.statistics.intervals import median
 from benchmarks.planners.maps import HUGE, LARGE, question
-from benchmarks.planners.tables import RESULTS, Row
 from legpush.bus.bus import Bus
 from legpush.messages import codec
 from legpush.messages.planning import Plan, TrunkPathQuery

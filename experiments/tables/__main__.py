@@ -5,8 +5,9 @@ with which version and commit its rows were made. `python -m docs.generate` puts
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Final
 
 import tyro
@@ -72,20 +73,30 @@ class Config:
 
 
 def main(config: Config) -> int:
-    """Make tables and pictures.
+    """Make tables and pictures."""
+    make(config, TEXTS, PICTURES, RESULTS)
+    return 0
+
+
+def make(
+    config: Config,
+    texts: Mapping[str, Callable[[], dict[str, str]]],
+    pictures: Mapping[str, Callable[[], dict[str, Figure]]],
+    folder: Path,
+) -> None:
+    """Write tables and pictures into a folder.
 
     Raises:
         ConfigError: There is no such table, or it has no rows.
     """
-    if unknown := [name for name in config.names if name not in TEXTS]:
-        raise ConfigError(f"Expected tables among {', '.join(TEXTS)}, got {', '.join(unknown)}")
-    for name in track(config.names or tuple(TEXTS), description="tables"):
-        for file, text in TEXTS[name]().items():
-            write_whole(RESULTS / file, text.encode())
-        if config.pictures and name in PICTURES:
-            for file, figure in PICTURES[name]().items():
-                figure.savefig(RESULTS / file)
-    return 0
+    if unknown := [name for name in config.names if name not in texts]:
+        raise ConfigError(f"Expected tables among {', '.join(texts)}, got {', '.join(unknown)}")
+    for name in track(config.names or tuple(texts), description="tables"):
+        for file, text in texts[name]().items():
+            write_whole(folder / file, text.encode())
+        if config.pictures and name in pictures:
+            for file, figure in pictures[name]().items():
+                figure.savefig(folder / file)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """Draws the comparison with other projects: time over length, a panel per map, runs faint and medians strong."""
 
 from math import ceil
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+
+from experiments.rows import Row
 
 N_COLUMNS: Final = 3
 COLORS: Final = {
@@ -22,11 +23,11 @@ COLORS: Final = {
 }
 
 
-def draw(runs: list[dict[str, Any]], path: Path) -> None:
+def draw(runs: list[Row]) -> Figure:
     """Draw the runs that found a path with the required clearance."""
-    good = [row for row in runs if row["keeps_clearance"] == "True"]
+    good = [row for row in runs if row["keeps_clearance"]]
     maps = list(dict.fromkeys(row["map"] for row in runs))
-    figure = Figure(figsize=(14.0, 4.4 * ceil(len(maps) / N_COLUMNS) + 1.2), layout="constrained")
+    figure = Figure(figsize=(14.0, 4.4 * ceil(len(maps) / N_COLUMNS) + 1.2), layout="constrained", dpi=80)
     axes = figure.subplots(ceil(len(maps) / N_COLUMNS), N_COLUMNS, squeeze=False).ravel()
     for axis, name in zip(axes, maps, strict=False):
         for label, color in COLORS.items():
@@ -43,4 +44,4 @@ def draw(runs: list[dict[str, Any]], path: Path) -> None:
         axis.set_axis_off()
     handles = {label: handle for axis in axes for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)}
     figure.legend(handles.values(), handles.keys(), loc="outside upper center", ncols=3)
-    figure.savefig(path, dpi=80)
+    return figure

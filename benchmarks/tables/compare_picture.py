@@ -1,12 +1,12 @@
 """Draws the comparison of planners: a panel per measure, a row per map, a mark per planner."""
 
 from math import isfinite
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from matplotlib.figure import Figure
 
-from experiments.evaluations import errors_of, kinds_of
+from experiments.rows import Row
+from experiments.tables.parts import errors_of, kinds_of
 
 PANELS: Final = (
     ("success", "exact paths, share", False),
@@ -27,11 +27,11 @@ COLORS: Final = {
 MARKS: Final = {"straight": "o", "dubins": "^", "reeds_shepp": "D"}
 
 
-def draw(summary: list[dict[str, Any]], path: Path) -> None:
+def draw(summary: list[Row]) -> Figure:
     """Draw every map separately, with 95 % intervals."""
     maps = [name for name in dict.fromkeys(row["map"] for row in summary) if name != "all"]
     variants = list(dict.fromkeys((row["planner"], row["steering"]) for row in summary))
-    figure = Figure(figsize=(15.0, 13.0), layout="constrained")
+    figure = Figure(figsize=(15.0, 13.0), layout="constrained", dpi=80)
     axes = figure.subplots(2, 3, sharey=True)
     for axis, (key, label, logarithmic) in zip(axes.flat, PANELS, strict=True):
         shown = [row for row in summary if row["map"] != "all" and isfinite(row[key])]
@@ -63,4 +63,4 @@ def draw(summary: list[dict[str, Any]], path: Path) -> None:
     axes[0, 0].set_ylim(len(maps) - 0.5, -0.5)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=5)
-    figure.savefig(path, dpi=80)
+    return figure
