@@ -1,10 +1,9 @@
 """`python -m benchmarks.interrupted_study`: a study of stub cells whose head and workers are killed at random.
 
-After each kill every file must be whole; in the end every cell must have one row, with the right numbers. The result is
-printed as JSON.
+After each kill every file must be whole; in the end every cell must have one row, with the right numbers. The
+result goes to `results/interrupted_study.json`.
 """
 
-import json
 import os
 import random
 import signal
@@ -19,6 +18,7 @@ from typing import Any, Final
 import psutil
 import tyro
 
+from benchmarks.report import write_report
 from legpush.study.folder import StudyFolder
 
 CELL: Final = "tests.legpush.study.stub:STUB"
@@ -122,4 +122,4 @@ def _wait_for_end(workers: list[psutil.Process]) -> None:
 
 
 if __name__ == "__main__":
-    print(json.dumps(main(tyro.cli(Config)), indent=1))
+    write_report("interrupted_study", main(tyro.cli(Config)))
