@@ -1,6 +1,6 @@
 """`python -m experiments.keep runs/NAME`: keeps the rows of a complete study in `results/rows/`, with its commit.
 
-Packed policies are left out, since they are large.
+Packed policies are left out, since they are large, and so are the names of hosts.
 """
 
 import os
@@ -18,7 +18,7 @@ from experiments.rows import ROWS, Made, write_rows
 from legpush.errors import ConfigError
 from legpush.study.folder import StudyFolder
 
-TOO_LARGE: Final = ("policy_zip",)
+LEFT_OUT: Final = ("policy_zip", "host")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ def keep(folder: StudyFolder, out: Path) -> Path:
         versions=record.versions,
         code=record.code,
     )
-    small = table.drop_columns([name for name in TOO_LARGE if name in table.column_names])
+    small = table.drop_columns([name for name in LEFT_OUT if name in table.column_names])
     return write_rows(small, record.name, made, out)
 
 

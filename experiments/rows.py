@@ -76,6 +76,5 @@ def write_rows(table: pyarrow.Table, name: str, made: Made, folder: Path = ROWS)
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}{SUFFIX}"
-    metadata = {**(table.schema.metadata or {}), METADATA: msgspec.json.encode(made)}
-    write_table(table.replace_schema_metadata(metadata), path)
+    write_table(table.replace_schema_metadata({METADATA: msgspec.json.encode(made)}), path)
     return path

@@ -13,17 +13,18 @@ from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of
 from legpush.arrays import Floats
 
-INPUTS: Final = ("box.size_m", "box.mass_kg", "box.friction", "w1", "w2", "depth_m")
+PUSHES: Final = ("box.size_m", "box.mass_kg", "box.friction", "w1", "w2")
+"""Inputs apart from depth and seed."""
 
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
     study = read_rows("push_effect")
-    groups: dict[str, list[Row]] = {}
+    groups: dict[str, dict[float, list[Row]]] = {}
     for row in study.rows:
-        groups.setdefault(repr([row[name] for name in INPUTS]), []).append(row)
-    table = [_row(rows) for rows in groups.values()]
-    table.sort(key=lambda row: [abs(row["w1"] - 0.5), row["w1"], row["length_m"]])
+        by_depth = groups.setdefault(repr([row[name] for name in PUSHES]), {})
+        by_depth.setdefault(row["depth_m"], []).append(row)
+    table = [_row(rows) for by_depth in groups.values() for rows in by_depth.values()]
     numbers = {
         "n": len(study.rows),
         "shortest_s": min(row["longest_s"] for row in table),
