@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.planners.collisions import judged
+from benchmarks.planners.collisions import RandomRequest, judged
 from benchmarks.planners.measures import curvature_rms
 from benchmarks.planners.random_requests import random_request
 
@@ -29,7 +29,7 @@ def test_a_random_request_depends_on_its_number_alone() -> None:
 
 
 def test_a_few_random_requests_end_without_a_collision_or_another_fault() -> None:
-    rows = [judged(number) for number in range(20_000, 20_024)]
+    rows = [judged(RandomRequest(number=number)) for number in range(20_000, 20_024)]
 
     assert [row["faults"] for row in rows] == [""] * 24
     assert sum(row["n_paths"] for row in rows) > 12
