@@ -2,8 +2,9 @@
 
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
-studies and benchmarks and the templates in `templates/`; and the list of studies in `experiments/README.md`. Everything between the lines `<!-- generated: NAME -->` and
-`<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a generated part is stale.
+studies and benchmarks and the templates in `templates/`; and the list of studies in `experiments/README.md`. Everything
+between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
+test fails when a generated part is stale.
 """
 
 import ast

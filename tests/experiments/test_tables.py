@@ -44,7 +44,7 @@ def test_every_picture_belongs_to_a_table() -> None:
 
 
 def test_an_unknown_table_is_an_error_with_the_valid_ones() -> None:
-    with pytest.raises(ConfigError, match="Expected tables among circles, .*, got squares"):
+    with pytest.raises(ConfigError, match=r"Expected tables among circles, .*, got squares"):
         make(Config(names=("squares",)), TEXTS, {}, RESULTS)
 
 
