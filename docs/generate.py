@@ -141,12 +141,12 @@ def architecture_parts() -> dict[str, str]:
 
 def measured_parts() -> dict[str, str]:
     """The generated parts of `measured.md` and of the README: tables of measured numbers."""
-    return {name: f"\n{numbers.filled_template(name)}" for name in TEMPLATES}
+    return {name: numbers.filled_template(name) for name in TEMPLATES}
 
 
 def experiments_parts() -> dict[str, str]:
     """The generated parts of the README of the experiments: the lists of studies."""
-    return {folder.partition("/")[0]: f"\n{study_list.study_list(folder)}\n" for folder in study_list.FOLDERS}
+    return {folder.partition("/")[0]: f"{study_list.study_list(folder)}\n" for folder in study_list.FOLDERS}
 
 
 def schemas() -> dict[str, str]:

@@ -10,6 +10,7 @@ import json
 import re
 from functools import cache
 from pathlib import Path
+from textwrap import fill
 from typing import Any, Final
 
 DOCS: Final = Path(__file__).parent
@@ -25,6 +26,7 @@ UNITS: Final = {
     "x": (1.0, ""),
 }
 """Factor and text of each unit; `ms` is of values in milliseconds."""
+WIDTH: Final = 120
 _PLACE: Final = re.compile(r"\{(?P<source>\w+):(?P<path>[^|}]+)(?:\|(?P<unit>\w+)\.(?P<digits>\d)(?P<bare>!?))?\}")
 
 
@@ -50,7 +52,7 @@ def made_words(sources: list[str]) -> str:
     for name, how in made.items():
         by_commit.setdefault((how["version"], how["commit"]), []).append(f"`{name}`")
     parts = [f"{', '.join(names)} with {version}, commit {commit}" for (version, commit), names in by_commit.items()]
-    return f"Made: {'; '.join(parts)}."
+    return fill(f"Made: {'; '.join(parts)}.", WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
 @cache
@@ -88,7 +90,12 @@ def _shown(value: Any, factor: float, n_digits: int, unit: str, *, with_interval
     """Return a number, or an estimate with its interval, in a unit."""
     estimate = value if isinstance(value, dict) else {"value": value}
     middle, low, high = (estimate.get(key) for key in ("value", "low", "high"))
-    text = f"{factor * middle:.{n_digits}f}{unit}"
+    text = f"{_rounded(factor * middle, n_digits)}{unit}"
     if not with_interval or low is None or high is None:
         return text
-    return f"{text} [{factor * low:.{n_digits}f}, {factor * high:.{n_digits}f}]"
+    return f"{text} [{_rounded(factor * low, n_digits)}, {_rounded(factor * high, n_digits)}]"
+
+
+def _rounded(value: float, n_digits: int) -> str:
+    """Return a number with these digits; zero has no sign."""
+    return f"{round(value, n_digits) + 0.0:.{n_digits}f}"

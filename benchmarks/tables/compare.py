@@ -63,7 +63,7 @@ def texts() -> dict[str, str]:
         by_variant[planner if steering == "straight" else f"{planner}, {steering}"] = {
             "n": len(here),
             "exact": len(good),
-            **{key: plain(statistic(numbers(good, key)), 5) for key, statistic in STATISTICS},
+            **{key: plain(statistic(numbers(good, key)), 7) for key, statistic in STATISTICS},
         }
     made = made_of(planner_compare=study)
     return {

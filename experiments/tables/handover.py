@@ -42,13 +42,13 @@ def texts() -> dict[str, str]:
         "least_angle_error_deg": min(means_deg),
         "largest_angle_error_deg": max(means_deg),
         "minus_usual": {
-            f"{distance_m:g} m": {name: plain(_difference(distance_m, here, name), 5) for name, _, _ in MEASURES}
+            f"{distance_m:g} m": {name: plain(_difference(distance_m, here, name), 7) for name, _, _ in MEASURES}
             for distance_m in here
             if distance_m != USUAL_M
         },
         "largest_difference": {
             name: max(
-                (plain(_difference(distance_m, here, name), 5) for distance_m in here if distance_m != USUAL_M),
+                (plain(_difference(distance_m, here, name), 7) for distance_m in here if distance_m != USUAL_M),
                 key=lambda one: abs(one["value"]),
             )
             for name, _, _ in MEASURES

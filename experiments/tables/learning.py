@@ -61,6 +61,7 @@ def texts() -> dict[str, str]:
     studies = read_trainings()
     by_variant = variants(studies)
     numbers = {variant: _numbers(list(seeds.values())) for variant, seeds in by_variant.items()}
+    numbers["paper"] = _numbers(studies["training_paper"].rows)
     speed = [row["episodes_to_90_percent"] for row in _speed_rows(by_variant) if row["variant"] == "tuned-fixed"]
     return {
         "learning_speed.csv": as_csv(_speed_rows(by_variant)),

@@ -48,5 +48,5 @@ def summarize(rows: list[Row]) -> Row:
     for name in MEASURES:
         values = [row[name] for row in rows if row[name] is not None]
         if values:
-            summary[name] = {"mean": plain(mean(values), 5), "worst": round(float(WORST.get(name, np.max)(values)), 5)}
+            summary[name] = {"mean": plain(mean(values), 7), "worst": round(float(WORST.get(name, np.max)(values)), 5)}
     return summary

@@ -59,8 +59,8 @@ def summarize(rows: list[Row]) -> Row:
     for name in MEASURES:
         values = [row[name] for row in good]
         summary[name] = {
-            "median": plain(median(values), 5),
-            "mean": plain(mean(values), 5),
+            "median": plain(median(values), 7),
+            "mean": plain(mean(values), 7),
             "worst": round(max(values), 5),
         }
     return summary

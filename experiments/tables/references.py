@@ -27,7 +27,7 @@ def texts() -> dict[str, str]:
             numbers[scenario][composition] = {
                 "n": len(rows),
                 "successes": sum(row["success"] for row in rows),
-                **{name: plain(mean([row[name] for row in rows]), 5) for name in MEASURES},
+                **{name: plain(mean([row[name] for row in rows]), 7) for name in MEASURES},
                 **{f"worst_{name}": max(row[name] for row in rows) for name in MEASURES},
             }
     table = [{key: value for key, value in row.items() if not isinstance(value, list)} for row in study.rows]

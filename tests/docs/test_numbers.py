@@ -8,7 +8,12 @@ import pytest
 from docs import generate, numbers
 
 NUMBERS = {"made": {"walks": {"version": "0.1.0", "commit": "abcdef0"}}, "n": 3, "names": ["a", "b"]}
-NUMBERS |= {"error_m": {"value": 0.0123, "low": 0.01, "high": 0.015}, "worst_m": 0.02, "alone": {"value": 2.0}}
+NUMBERS |= {
+    "error_m": {"value": 0.0123, "low": 0.01, "high": 0.015},
+    "worst_m": 0.02,
+    "alone": {"value": 2.0},
+    "below_zero": -1e-5,
+}
 
 
 @pytest.fixture
@@ -59,6 +64,7 @@ def test_no_table_of_the_measurements_is_written_by_hand() -> None:
         ("{walks:worst_m|cm.0}", "2 cm"),
         ("{walks:worst_m|percent.0}", "2 %"),
         ("{walks:alone|x.1}", "2.0"),
+        ("{walks:below_zero|x.2}", "0.00"),
     ],
 )
 def test_a_place_shows_its_number(walks: Path, place: str, text: str) -> None:
