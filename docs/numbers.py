@@ -89,7 +89,7 @@ def _value(found: re.Match[str]) -> str:
 def _shown(value: Any, factor: float, n_digits: int, unit: str, *, with_interval: bool) -> str:
     """Return a number, or an estimate with its interval, in a unit."""
     estimate = value if isinstance(value, dict) else {"value": value}
-    middle, low, high = (estimate.get(key) for key in ("value", "low", "high"))
+    middle, low, high = estimate["value"], estimate.get("low"), estimate.get("high")
     text = f"{_rounded(factor * middle, n_digits)}{unit}"
     if not with_interval or low is None or high is None:
         return text

@@ -5,7 +5,7 @@ from typing import Final
 from matplotlib.figure import Figure
 
 from agent_proc.statistics.intervals import mean
-from experiments.rows import read_rows
+from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
 from legpush.scenarios.file import load_scenario
 from legpush.scene.reference import reference_curve
@@ -19,7 +19,7 @@ MEASURES: Final = ("box_path_rms_m", "box_position_error_m", "box_angle_error_de
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
     study = read_rows("references")
-    numbers = {}
+    numbers: dict[str, dict[str, Row]] = {}
     for scenario in SCENARIOS:
         numbers[scenario] = {}
         for composition in COLORS:
