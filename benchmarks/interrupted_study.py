@@ -87,6 +87,7 @@ def main(config: Config) -> dict[str, Any]:
         leftover = [path.name for path in out.rglob("*") if path.suffix == ".part"]
         return {
             "cells": config.cells,
+            "n_kills": len(killed),
             "killed": killed,
             "exit_code": code,
             "rows": len(rows),
