@@ -1,8 +1,8 @@
 """`python -m benchmarks.mission_cell`: missions in random rooms as cells of a study against `legpush run` for each.
 
 Both draw the same rooms and end with the same `state_crc`, without picture and film. CPU seconds are those of all
-processes, from the start of the programs to their end; those of the study that belong to no cell are shared out evenly. The
-numbers go to `results/mission_cell.json`.
+processes, from the start of the programs to their end; those of the study that belong to no cell are shared out evenly.
+The numbers go to `results/mission_cell.json`.
 """
 
 import json
