@@ -20,6 +20,12 @@ def test_a_training_returns_its_best_policy(tmp_path: Path) -> None:
     columns = columns_of(TRAINING, small)
     assert columns["best_step"] <= columns["steps_done"] == 16
     assert list(columns) == [column.name for column in TRAINING.columns]
+    episodes = [columns[f"episode_{name}"] for name in ("step", "return", "success", "position_error_m")]
+    assert {len(values) for values in episodes} == {len(columns["episode_angle_error_deg"])}
+    assert len(episodes[0]) >= 4
+    assert episodes[0] == sorted(episodes[0])
+    assert columns["last_position_error_m"] >= columns["position_error_m"]
+    assert columns["n_evaluated"] == 1
     with zipfile.ZipFile(io.BytesIO(base64.b64decode(columns["policy_zip"]))) as archive:
         archive.extractall(tmp_path / "policy")
     card = read_policy(tmp_path / "policy").card
@@ -29,6 +35,11 @@ def test_a_training_returns_its_best_policy(tmp_path: Path) -> None:
 def test_a_resolved_cell_comes_back_from_plain_values() -> None:
     resolved = resolve(TrainingCell(profile="sac", mass_kg=(0.1, 0.5)), ())
     assert msgspec.convert(msgspec.to_builtins(resolved), TRAINING.resolved) == resolved
+
+
+def test_other_widths_replace_those_of_the_profile() -> None:
+    usual, wide = (resolve(TrainingCell(hidden=hidden), ()).profile for hidden in (None, (128, 128)))
+    assert wide["network"] == {**usual["network"], "hidden": [128, 128]}
 
 
 def test_an_unknown_profile_is_refused() -> None:
