@@ -143,13 +143,17 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         "angle_error_deg": best.angle_error_deg,
         "falls": best.falls,
         "cycles": best.cycles,
-        **_of_last(card),
+        **of_last(card),
         "policy_zip": packed,
     }
 
 
-def _of_last(card: Card) -> dict[str, Any]:
-    """Return the evaluation of the last policy, and the episodes of the training."""
+def of_last(card: Card) -> dict[str, Any]:
+    """Return the evaluation of the last policy, and the episodes of the training.
+
+    Raises:
+        ConfigError: The card has no evaluation.
+    """
     check = card.check
     if check is None:
         raise ConfigError("Expected the evaluation of the last policy on its card, got none")
