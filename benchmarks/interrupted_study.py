@@ -37,7 +37,12 @@ class Config:
     workers: int = 2
 
 
-def main(config: Config) -> dict[str, Any]:
+def main(config: Config) -> None:
+    """Run the study with its kills, and report what was seen."""
+    write_report("interrupted_study", interrupted(config))
+
+
+def interrupted(config: Config) -> dict[str, Any]:
     """Run the study with its kills, check it, and return what was seen."""
     draw = random.Random(config.seed)
     with TemporaryDirectory(prefix="legpush-interrupted-") as scratch:
@@ -123,4 +128,4 @@ def _wait_for_end(workers: list[psutil.Process]) -> None:
 
 
 if __name__ == "__main__":
-    write_report("interrupted_study", main(tyro.cli(Config)))
+    main(tyro.cli(Config))
