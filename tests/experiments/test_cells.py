@@ -8,6 +8,7 @@ import pytest
 
 from experiments.cells.circle import closing_m, fit_circle, fit_sine
 from experiments.cells.own_estimate import OWN_ESTIMATE
+from experiments.cells.straight_push import STRAIGHT_PUSH
 from experiments.cells.walk import WALK, path_of
 from legpush.study.cells import CellKind, columns_of
 
@@ -66,3 +67,13 @@ def test_four_pushes_bring_the_estimate_much_closer_to_what_was_measured() -> No
     found = result(OWN_ESTIMATE, seed=50_100, face="rear", **box)
 
     assert abs(found["own_m"] - measured_m) < 0.6 * abs(found["guessed_m"] - measured_m)
+
+
+def test_a_straight_push_has_the_box_and_the_trunk_at_the_same_times() -> None:
+    found = result(STRAIGHT_PUSH, seed=20_000, policy="scripted")
+
+    by_time = ("box_x_m", "box_y_m", "box_yaw_deg", "roll_deg", "pitch_deg")
+    assert {len(found[name]) for name in by_time} == {len(found["roll_deg"])}
+    assert found["box_x_m"][-1] - found["box_x_m"][0] == pytest.approx(1.0, abs=0.1)
+    assert found["error_m"][0] > 0.8 > 0.03 > found["error_m"][-1]
+    assert len(found["error_m"]) == len(found["error_deg"]) > 10
