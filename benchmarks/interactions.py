@@ -1,7 +1,8 @@
-"""`python benchmarks/interactions.py`: interactions per second in one process, and on the bus with 1 and 2 simulators.
+"""`python -m benchmarks.interactions`: interactions per second in one process, and on the bus with 1 and 2 simulators.
 
 An interaction is one push cycle, including the resets between episodes. All three settings take turns with the same
 actions in the same episodes, so that other work on the machine affects them equally. The observations must be equal.
+The numbers go to `results/interactions.json`.
 """
 
 import tempfile
@@ -21,6 +22,8 @@ from agent_proc.simulators import own_simulators
 from agent_proc.statistics.intervals import median
 from agent_proc.statistics.paired import paired_ratio
 from agent_proc.task.config import TaskConfig
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from sim_proc.simulator import Simulator
@@ -37,7 +40,7 @@ class Config:
 
 
 def main(config: Config) -> None:
-    """Measure all settings and print their rates."""
+    """Measure all settings and report their rates."""
     with ExitStack() as stack:
         logs = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="legpush-interactions-")))
         bus_worlds = stack.enter_context(own_simulators(2, logs, threading.Event()))
@@ -55,11 +58,17 @@ def main(config: Config) -> None:
             if not np.array_equal(seen["in one process"], seen["bus, 1 simulator"]):
                 raise RuntimeError("The observations on the bus and in one process differ: the comparison is void")
     by_round = {name: dict(enumerate(values)) for name, values in rates.items()}
-    for name, values in rates.items():
-        print(f"{name}: median {median(values).text('.1f')} interactions/s")
-        for other in ("in one process", "bus, 1 simulator"):
-            if other != name:
-                print(f"  over {other}: geometric mean {paired_ratio(by_round[name], by_round[other]).text('.2f')}")
+    one, bus_one, bus_two = (by_round[name] for name in rates)
+    write_report(
+        "interactions",
+        {
+            "n_rounds": config.n_rounds,
+            "n_steps": config.n_steps,
+            "per_second": {name: plain(median(values), 2) for name, values in rates.items()},
+            "bus_over_one_process": plain(paired_ratio(bus_one, one), 4),
+            "two_simulators_over_one": plain(paired_ratio(bus_two, bus_one), 4),
+        },
+    )
 
 
 def measure(worlds: Sequence[SteppingWorld], seed: int, n_steps: int) -> tuple[float, NDArray[np.float32]]:

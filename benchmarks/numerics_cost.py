@@ -7,23 +7,20 @@ other pushes, so seconds are divided by simulated seconds.
 
 import json
 import os
-import platform
-import shlex
 import subprocess
 import sys
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from types import TracebackType
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
-import numpy as np
 import tyro
 
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.intervals import median
+from agent_proc.statistics.paired import paired_ratio
+from benchmarks.report import write_report
 from legpush.numerics.profile import VARIABLE, X86_64_V3, with_profile
 from legpush.processes.environment import ONE_THREAD
-from legpush.versions import installed_versions
 
 WORKER = """
 import json, sys, time, legpush
@@ -47,8 +44,6 @@ class Config:
     """The mission."""
     n_pairs: int = 12
     """Pairs, each with a seed of its own, from 0."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/numerics_cost.json")
-    """Where the numbers go."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,23 +104,19 @@ def main(config: Config) -> None:
             pairs.append({name: workers[name].mission(seed) for name in order})
             costs = ", ".join(f"{name} {pairs[-1][name].cost:.4f}" for name in workers)
             print(f"seed {seed}: CPU seconds per simulated second: {costs}", flush=True)
+    costs_by_name = {name: {seed: pair[name].cost for seed, pair in enumerate(pairs)} for name in environments}
     ratios = [pair[X86_64_V3].cost / pair["native"].cost for pair in pairs]
-    estimate = mean_interval(ratios)
-    print(
-        f"CPU under the profile over native: median {np.median(ratios):.3f}, mean {estimate.value:.3f} "
-        f"[{estimate.low:.3f}, {estimate.high:.3f}] (95 %, bootstrap), n {len(ratios)}"
-    )
-    result = {
-        "command": shlex.join(["python", "-m", "benchmarks.numerics_cost", *sys.argv[1:]]),
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
+    numbers = {
         "numerics": {name: worker.numerics for name, worker in workers.items()},
-        "ratios": ratios,
+        "cpu_ratio": {
+            "median": asdict(median(ratios)),
+            "geometric_mean": asdict(paired_ratio(costs_by_name[X86_64_V3], costs_by_name["native"])),
+        },
         "pairs": [
             {"seed": seed, **{name: asdict(one) for name, one in pair.items()}} for seed, pair in enumerate(pairs)
         ],
     }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
+    write_report("numerics_cost", numbers)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
 """`python -m benchmarks.one_process`: a mission in one process against the same mission in three.
 
 Both are whole programs, from the start of the interpreter to the result, without picture and film, in turn. CPU seconds
-are those of the program and its children; steps per second are simulated steps per second of the mission itself.
+are those of the program and its children; steps per second are simulated steps per second of the mission itself. The
+numbers go to `results/one_process.json`.
 """
 
 import json
 import os
-import platform
 import resource
 import subprocess
 import sys
@@ -14,15 +14,15 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
 
 import tyro
 
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.statistics.intervals import median
 from agent_proc.statistics.paired import common, paired_ratio
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.processes.environment import child_environment
-from legpush.versions import installed_versions
 
 IN_ONE = """
 import json, sys, legpush
@@ -39,12 +39,10 @@ class Config:
     """The mission."""
     n_pairs: int = 8
     """Pairs, each with a seed of its own, from 0."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/one_process.json")
-    """Where the numbers go."""
 
 
 def main(config: Config) -> None:
-    """Measure, print, and write the numbers."""
+    """Measure and report the numbers."""
     pairs: list[tuple[Measured, Measured]] = []
     for seed in range(config.n_pairs):
         one, three = in_one_process(config.scenario, seed), in_three(config.scenario, seed)
@@ -52,23 +50,19 @@ def main(config: Config) -> None:
             raise RuntimeError(f"Seed {seed}: {one.state_crc} in one process, {three.state_crc} in three")
         pairs.append((one, three))
         print(f"seed {seed}: CPU {one.cpu_s:.1f} s and {three.cpu_s:.1f} s, CRC {one.state_crc}", flush=True)
-    ratios = ratios_of(pairs)
-    for name, statistics in ratios.items():
-        for statistic, estimate in statistics.items():
-            print(f"{name}, one process over three: {statistic} {estimate.text('.2f')}")
-    result = {
-        "command": f"python -m benchmarks.one_process --scenario {config.scenario} --n-pairs {config.n_pairs}",
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
-        "ratios": {
-            name: {statistic: asdict(estimate.rounded(4)) for statistic, estimate in statistics.items()}
-            for name, statistics in ratios.items()
+    write_report(
+        "one_process",
+        {
+            "scenario": config.scenario,
+            "ratios": {
+                name: {statistic: plain(estimate, 4) for statistic, estimate in statistics.items()}
+                for name, statistics in ratios_of(pairs).items()
+            },
+            "pairs": [
+                {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
+            ],
         },
-        "pairs": [
-            {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
-        ],
-    }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,8 +1,10 @@
 """`python docs/generate.py`: writes the generated parts of the documentation.
 
-These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types, and the tables
-of `architecture.md`, from docstrings and import contracts. Everything between the lines `<!-- generated: NAME -->` and
-`<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a generated part is stale.
+These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
+`architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
+studies and benchmarks and the templates in `templates/`; and the list of studies in `experiments/README.md`. Everything
+between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
+test fails when a generated part is stale.
 """
 
 import ast
@@ -17,7 +19,7 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import source_tree
+from docs import numbers, source_tree, study_list
 from legpush import bounds, geometry
 from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
@@ -27,6 +29,9 @@ from legpush.scene import footprints, occupancy, reference, scenario
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
 ARCHITECTURE: Final = DOCS / "architecture.md"
+MEASURED: Final = DOCS / "measured.md"
+README: Final = DOCS.parent / "README.md"
+EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     "planning": (
@@ -96,12 +101,21 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     ),
 }
 """Records of each generated part of `protocol.md`, in the order of their tables."""
+TEMPLATES: Final = tuple(sorted(path.stem for path in numbers.TEMPLATES.glob("*.md")))
+"""Names of the generated parts with numbers."""
 _BLOCK: Final = re.compile(r"(?<=<!-- generated: )(?P<name>\w+)(?P<open> -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
 def main() -> None:
     """Write all generated parts."""
-    for page, parts in ((PROTOCOL, protocol_parts()), (ARCHITECTURE, architecture_parts())):
+    measured = measured_parts()
+    for page, parts in (
+        (PROTOCOL, protocol_parts()),
+        (ARCHITECTURE, architecture_parts()),
+        (MEASURED, measured),
+        (README, measured),
+        (EXPERIMENTS, experiments_parts()),
+    ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)
     for name, text in schemas().items():
@@ -123,6 +137,16 @@ def architecture_parts() -> dict[str, str]:
     """The generated parts of `architecture.md`: a table of each package, and the imports that are forbidden."""
     tables = {name: source_tree.package_table(name) for name in source_tree.FOLDERS}
     return {"rules": source_tree.shared_rules(), **tables}
+
+
+def measured_parts() -> dict[str, str]:
+    """The generated parts of `measured.md` and of the README: tables of measured numbers."""
+    return {name: numbers.filled_template(name) for name in TEMPLATES}
+
+
+def experiments_parts() -> dict[str, str]:
+    """The generated parts of the README of the experiments: the lists of studies."""
+    return {folder.partition("/")[0]: f"{study_list.study_list(folder)}\n" for folder in study_list.FOLDERS}
 
 
 def schemas() -> dict[str, str]:

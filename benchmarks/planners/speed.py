@@ -1,13 +1,15 @@
-"""Measures the time to the first exact path, in the process, over the bus and on large maps, and the memory it
-takes."""
+"""`python -m benchmarks.planners.speed`: measures the time to the first exact path, and the memory it takes.
 
-import json
+Plans are asked for in this process and over the bus, on the published map and on large ones. The numbers go to
+`results/planner_speed.json`.
+"""
+
 import re
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
@@ -15,11 +17,14 @@ from typing import Final
 
 import numpy as np
 import psutil
+import tyro
 from msgspec.structs import replace
 
 from agent_proc.statistics.intervals import median
 from benchmarks.planners.maps import HUGE, LARGE, question
-from benchmarks.planners.tables import RESULTS, Row
+from benchmarks.report import write_report
+from experiments.rows import Row
+from experiments.tables.parts import plain
 from legpush.bus.bus import Bus
 from legpush.messages import codec
 from legpush.messages.planning import Plan, TrunkPathQuery
@@ -29,7 +34,6 @@ from planner_proc.conformance.client import RUN, PlannerProcess
 from planner_proc.planning import make_plan
 from planner_proc.search.registry import routes
 
-SUMMARY: Final = RESULTS / "planner_speed.json"
 MB: Final = 1e6
 
 
@@ -44,8 +48,7 @@ class Speed:
 
 
 def main(config: Speed) -> None:
-    """Measure, save and print."""
-    SUMMARY.parent.mkdir(exist_ok=True)
+    """Measure and report."""
     sizes = (("published", config.n), (LARGE, config.n_large), (HUGE, config.n_large))
     summary: dict[str, Row] = {name: {"n": n} for name, n in sizes}
     plans: dict[tuple[str, int], bytes] = {}
@@ -67,8 +70,7 @@ def main(config: Speed) -> None:
             summary[name]["over the bus, first request"] = round(1e3 * times_s[0], 2)
             summary[name]["equal to the plan of this process, bit for bit"] = equal
             summary[name]["peak memory of the planner's process [MB]"] = round(_peak_bytes(process) / MB, 1)
-    SUMMARY.write_text(json.dumps(summary, indent=1) + "\n")
-    print(json.dumps(summary, indent=1))
+    write_report("planner_speed", {"maps": summary})
 
 
 def _in_process(question_: TrunkPathQuery, n: int) -> tuple[Row, list[bytes]]:
@@ -144,7 +146,11 @@ def _require_exact(plan: Plan) -> None:
 def _ms(times_s: list[float]) -> Row:
     best, worst = 1e3 * min(times_s), 1e3 * max(times_s)
     return {
-        "median_ms": asdict(median(times_s).scaled(1e3).rounded(2)),
+        "median_ms": plain(median(times_s).scaled(1e3), 2),
         "fastest_ms": round(best, 2),
         "slowest_ms": round(worst, 2),
     }
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Speed))
