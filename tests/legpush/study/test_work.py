@@ -1,5 +1,9 @@
+import pytest
 from msgspec.structs import replace
 
+from legpush.canary import Canary
+from legpush.study import work as module
+from legpush.study.identity import code_version
 from legpush.study.jobs import Answer, Job, decode_answer, encode
 from legpush.study.work import work
 
@@ -58,3 +62,12 @@ def test_another_canary_is_refused() -> None:
     assert answer.refused is not None
     assert answer.refused.startswith("expected the canary 00000000")
     assert answer.rows == ()
+
+
+def test_a_worker_that_computes_other_bits_than_were_published_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_canary", lambda: "11111111")
+    monkeypatch.setattr(module, "published", lambda _: Canary(plan="a", walk="b", push="c"))
+    job = replace(job_of("[axes]\nseed = [1]\n"), kind="plan", tasks=())
+    answer = done(replace(job, code=code_version("plan")))
+    assert answer.refused is not None
+    assert answer.refused.startswith("expected the published canary ")
