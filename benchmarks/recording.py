@@ -114,10 +114,12 @@ def measure_lockstep(n_steps: int, folder: Path) -> dict[str, Any]:
         "alone_hz": round(alone_hz),
         "recorded_hz": round(recorded_hz),
         "frozen_hz": round(frozen_hz),
+        "recorded_over_alone": round(recorded_hz / alone_hz, 3),
+        "frozen_over_alone": round(frozen_hz / alone_hz, 3),
         "frozen_longest_step_s": round(longest_s, 4),
         "n_messages": n_expected,
         "n_in_file": n_found,
-        "n_missing_by_its_own_account": recording.completeness["n_missing"],
+        "n_missing_by_its_own_account": int(recording.completeness["n_missing"]),
         "file_mb": round(file.stat().st_size / 1e6, 1),
     }
 

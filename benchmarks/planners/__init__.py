@@ -1,1 +1,1 @@
-"""Compares all planners with each other and with planners of other projects: time, length and clearance."""
+"""Cells that compare planners by time, length and clearance, and the measurement of their speed."""
