@@ -18,6 +18,7 @@ from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
+from legpush.options.study import RunStudy, Studies
 from legpush.options.view import ViewOptions
 from legpush.processes.start_program import Program, start_program
 
@@ -53,6 +54,7 @@ Command = (
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
     | Annotated[ExportOptions, tyro.conf.subcommand("export")]
     | Annotated[ViewOptions, tyro.conf.subcommand("view")]
+    | Annotated[Studies, tyro.conf.subcommand("study")]
 )
 
 
@@ -81,6 +83,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             | BranchOptions
             | ExportOptions
             | ViewOptions
+            | Studies
         ) = tyro.cli(
             Command,
             prog="legpush",
@@ -206,3 +209,17 @@ def _branch(command: BranchOptions) -> int:
     from legpush.launch.branch import branch
 
     return branch(command)
+
+
+@execute.register
+def _studies(command: Studies) -> int:
+    return execute(command.action)
+
+
+@execute.register
+def _run_study(command: RunStudy) -> int:
+    from rich.console import Console
+
+    from legpush.study.run import run_study
+
+    return run_study(command, Console())

@@ -39,8 +39,12 @@ def code_version(kind: str) -> str:
 @cache
 def versions_hash() -> str:
     """Return a hash of the versions of Python, of its packages that decide about results, and of the C library."""
-    versions = {**installed_versions(), "libc": " ".join(platform.libc_ver())}
-    return hashlib.sha256(msgspec.json.encode(versions, order="sorted")).hexdigest()[:N_DIGITS]
+    return hashlib.sha256(msgspec.json.encode(study_versions(), order="sorted")).hexdigest()[:N_DIGITS]
+
+
+def study_versions() -> dict[str, str | None]:
+    """Return what is installed here, with the C library, whose functions decide about last digits."""
+    return {**installed_versions(), "libc": " ".join(platform.libc_ver()) or None}
 
 
 def cell_identity(kind: str, specification: Mapping[str, Any], code: str) -> str:

@@ -1,0 +1,141 @@
+"""Options of `legpush study`."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from legpush.errors import ConfigError
+from legpush.fields import Seed, require
+from legpush.options.checks import require_new_file
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineOptions:
+    """Where cells are run, and what code they may run."""
+
+    on: Annotated[str, tyro.conf.arg(metavar="ENGINE")] = "local"
+    """Where to run the cells: `local`, in processes on this machine."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Number of worker processes; if not given, one per core."""
+    cell: Annotated[str | None, tyro.conf.arg(metavar="MODULE:FUNCTION")] = None
+    """Run cells of this kind, which is your own code. A study file alone never names code."""
+    policy: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME")] = ()
+    """Allow this policy of the study file, which runs code; may be given several times."""
+
+    def __post_init__(self) -> None:
+        if self.workers is not None and self.workers < 1:
+            raise ConfigError(f"Expected at least 1 for --workers, got {self.workers}")
+
+    @property
+    def n_workers(self) -> int:
+        """Number of worker processes."""
+        return self.workers if self.workers is not None else len(os.sched_getaffinity(0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunStudy(EngineOptions):
+    """Run the cells of a study, or go on with it in its folder.
+
+    Ctrl-C keeps every finished cell; the same command goes on. Exit codes: 0 all cells have a row, 1 some cells failed,
+    2 bad input, 3 the engine failed, 5 the disk is full, 130 interrupted.
+    """
+
+    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    """The study: a TOML file."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the study; `runs/` and the name of the file if not given. A study in this folder continues."""
+    retry_failed: bool = False
+    """Run again the cells that failed by themselves; without it, only those whose workers were lost."""
+    yes: bool = False
+    """Run more than a million cells."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the study."""
+        return self.out or Path("runs") / self.file.stem
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyStatus:
+    """Show how far a study is, and why cells failed."""
+
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    """Folder of the study."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerifyStudy(EngineOptions):
+    """Run a random share of the cells again and compare every number.
+
+    Exit codes: 0 equal, 1 a cell differs, 2 bad input, 3 the engine failed, 130 interrupted.
+    """
+
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    """Folder of the study."""
+    share: float = 0.05
+    """Share of the cells to run again, at least one."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Seed of the choice of cells."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(Seed, self.seed, "--seed")
+        if not 0.0 < self.share <= 1.0:
+            raise ConfigError(f"Expected more than 0 and at most 1 for --share, got {self.share}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MergeStudies:
+    """Write the rows of several folders of one kind of cell into one table."""
+
+    folders: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="DIR")]
+    """Folders of studies with equal code."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """New folder for all of them; the name of the first one with `-merged` if not given."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the merged study."""
+        first = self.folders[0]
+        return self.out or first.with_name(f"{first.name}-merged")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyTable:
+    """Print a table of a study: means with 95 % intervals, by the axes."""
+
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    """Folder of the study."""
+    by: Annotated[tuple[str, ...], tyro.conf.arg(metavar="AXIS")] = ()
+    """Columns whose values make the groups; if not given, every axis with at most 20 values."""
+    measure: Annotated[tuple[str, ...], tyro.conf.arg(metavar="COLUMN")] = ()
+    """Columns to summarize; if not given, every column of numbers or truth values."""
+    paired: Annotated[str | None, tyro.conf.arg(metavar="AXIS=VALUE")] = None
+    """Show differences from the cells in which this axis has this value and all other axes are the same."""
+    csv: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Write the table into this new file."""
+    plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Draw the table into this new PNG file."""
+
+    def __post_init__(self) -> None:
+        for path, flag in ((self.csv, "--csv"), (self.plot, "--plot")):
+            if path is not None:
+                require_new_file(path, flag)
+        if self.paired is not None and "=" not in self.paired:
+            raise ConfigError(f"Expected AXIS=VALUE for --paired, such as policy=scripted, got {self.paired!r}")
+
+
+@dataclass(frozen=True)
+class Studies:
+    """Run a study, look at it, check it, or put several together."""
+
+    action: (
+        Annotated[RunStudy, tyro.conf.subcommand("run")]
+        | Annotated[StudyStatus, tyro.conf.subcommand("status")]
+        | Annotated[StudyTable, tyro.conf.subcommand("table")]
+        | Annotated[VerifyStudy, tyro.conf.subcommand("verify")]
+        | Annotated[MergeStudies, tyro.conf.subcommand("merge")]
+    )
