@@ -33,7 +33,7 @@ def run_study(options: RunStudy, console: Console) -> int:
         DiskFullError: The disk is full; what was written before is kept.
         LegpushError: The engine failed.
     """
-    require_engine(options.on)
+    require_engine(options.on, options.slurm_options)
     study = load_study(options.file, own_cell=options.cell, allowed_policies=options.policy, many=options.yes)
     cells = [task.cell for task in study.tasks()]
     _require_different(study, cells)
@@ -114,7 +114,7 @@ def _run_missing(
         )
         with shown(console) as show:
             Runner(
-                make_engine(options.on, options.n_workers),
+                make_engine(options.on, options.n_workers, folder.path, options.slurm_options),
                 folder,
                 job=job,
                 task=study.task,

@@ -19,12 +19,8 @@ from legpush.study.rows import write_part
 
 log = logging.getLogger(__name__)
 
-JOBS_PER_SLOT: Final = 2
-"""Jobs in flight per slot: one runs while the next one waits."""
-BATCH_S: Final = 1.5
-"""Cells are sent in batches that take about this long; a cell that takes longer is sent alone."""
-MOST_CELLS: Final = 256
-"""Most cells of a batch, and most rows that wait to be written."""
+MOST_ROWS: Final = 256
+"""Most rows that wait to be written."""
 FLUSH_S: Final = 1.0
 """Longest time that a row waits to be written."""
 TURN_S: Final = 0.2
@@ -122,7 +118,7 @@ class Runner:
     def _send(self) -> None:
         """Keep every slot busy."""
         n_slots = self._engine.n_slots()
-        while len(self._running) < JOBS_PER_SLOT * n_slots:
+        while len(self._running) < self._engine.pace.jobs_per_slot * n_slots:
             indices = self._next(n_slots)
             if not indices:
                 return
@@ -138,8 +134,9 @@ class Runner:
             # The first answers say how long a cell takes.
             n = 1 if len(self._running) < n_slots else 0
         else:
-            fair = -(-len(self._waiting) // (JOBS_PER_SLOT * n_slots))
-            n = max(1, min(round(BATCH_S / max(self._cell_s, 1e-6)), MOST_CELLS, fair))
+            pace = self._engine.pace
+            fair = -(-len(self._waiting) // (pace.jobs_per_slot * n_slots))
+            n = max(1, min(round(pace.batch_s / max(self._cell_s, 1e-6)), pace.most_cells, fair))
         return [self._waiting.popleft() for _ in range(min(n, len(self._waiting)))]
 
     def _take(self, future: "Future[bytes]", sent: dict[str, tuple[int, Task]]) -> None:
@@ -158,9 +155,9 @@ class Runner:
             return
         self._n_refusals = 0
         for row in answer.rows:
-            if not self._rows:
-                self._oldest_s = monotonic()
-            self._rows.append(row.columns)
+            if not self._engine.workers_keep_rows:
+                self._oldest_s = self._oldest_s if self._rows else monotonic()
+                self._rows.append(row.columns)
             self._cell_s = row.wall_s if self._cell_s is None else 0.8 * self._cell_s + 0.2 * row.wall_s
             self._tally.n_done += 1
         for failure in answer.failures:
@@ -168,7 +165,7 @@ class Runner:
             self._fail(task, own=True, error=failure.error, traceback=failure.traceback, host=answer.host)
         self._tally.n_new += len(answer.rows)
         if self._cell_s is None and answer.failures:
-            self._cell_s = BATCH_S
+            self._cell_s = self._engine.pace.batch_s
 
     def _other_canary(self, answer: Answer) -> str | None:
         """Return why an answer cannot count that was begun before the canary of the study was known."""
@@ -206,6 +203,6 @@ class Runner:
 
     def _flush(self, *, now: bool = False) -> None:
         """Write the rows that wait, if it is time to."""
-        if self._rows and (now or len(self._rows) >= MOST_CELLS or monotonic() - self._oldest_s >= FLUSH_S):
+        if self._rows and (now or len(self._rows) >= MOST_ROWS or monotonic() - self._oldest_s >= FLUSH_S):
             rows, self._rows = self._rows, []
             write_part(self._folder.parts, rows)

@@ -13,7 +13,7 @@ from typing import Any, Final
 import msgspec
 
 from legpush.errors import ConfigError
-from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.engines.ray_token import read_token, require_authentication
 
 PREFIX: Final = "ray"
@@ -73,6 +73,8 @@ class RayEngine:
     """
 
     name = PREFIX
+    pace = Pace()
+    workers_keep_rows = False
 
     def __init__(self, on: str, *, n_workers: int, environment: Mapping[str, str]) -> None:
         """Start or join the cluster.

@@ -23,7 +23,7 @@ from submitit.core.utils import FailedJobError, UncompletedJobError
 from submitit.slurm.slurm import SlurmExecutor
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.engines.kept_work import work_and_keep
 from legpush.study.folder import PARTS
 from legpush.study.jobs import decode_answer
@@ -78,6 +78,8 @@ class SlurmEngine:
     """
 
     name = "slurm"
+    pace = Pace(batch_s=300.0, most_cells=10_000, jobs_per_slot=1)
+    workers_keep_rows = True
 
     def __init__(self, study: Path, *, n_jobs: int, options: Mapping[str, str], environment: Mapping[str, str]) -> None:
         """Check the options, and cancel jobs that an earlier head of this study left in the queue.
