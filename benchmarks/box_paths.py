@@ -15,7 +15,7 @@ import tyro
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.programs.draw_room import solvable_by
+from agent_proc.pushing.solvable import solvable_by
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.queries import query_for_box
 from legpush.messages.planning import BoxPathQuery, Plan

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.programs.draw_room import solvable_by
+from agent_proc.pushing.solvable import solvable_by
 from agent_proc.reporting.mission_record import MissionRecord
 from experiments.mission_runs import run_scenario
 from legpush.messages.planning import BoxPathQuery

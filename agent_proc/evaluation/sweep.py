@@ -51,7 +51,7 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
         return Sweep(fields=(), cases={"": scenario}, grid=False)
     single = [[(field, value) for value in values] for field, values in parsed]
     changes = list(product(*single)) if grid else [((field, value),) for row in single for field, value in row]
-    cases = {_name(change): _changed(scenario, dict(change)) for change in changes}
+    cases = {_name(change): with_changes(scenario, dict(change), f"--sweep {_name(change)}") for change in changes}
     return Sweep(fields=names, cases=cases, grid=grid)
 
 
@@ -68,13 +68,18 @@ def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
     return field.strip(), tuple(_value(part) for part in parts)
 
 
-def _changed(scenario: Scenario, changes: dict[str, Value]) -> Scenario:
+def with_changes(scenario: Scenario, changes: Mapping[str, Any], where: str) -> Scenario:
+    """Return the scenario with other values; a robot that starts at its station stands at that of the new box.
+
+    Raises:
+        ScenarioError: A field does not exist, or a value cannot be used; `where` says where it comes from.
+    """
     changed = change_fields(scenario, changes)
     if changed.box.size_m != scenario.box.size_m and _ready(scenario):
         place = station(changed.box, changed.box.pose.pose())
         start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
         changed = replace(changed, start=start)
-    check_scenario(changed, f"--sweep {_name(changes.items())}")
+    check_scenario(changed, where)
     return changed
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from agent_proc.programs.draw_room import solvable_by
+from agent_proc.pushing.solvable import solvable_by
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
 from legpush.scenarios.file import load_scenario
 from legpush.scenarios.random_room import RandomRoom

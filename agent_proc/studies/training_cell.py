@@ -1,0 +1,150 @@
+"""The kind of cell `training`: a whole training in one process, with its best policy as a column."""
+
+import base64
+import io
+import threading
+import zipfile
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated, Any, Final, Literal
+
+import msgspec
+from msgspec import Meta, Struct
+
+from agent_proc.learning.training import BEST, Training
+from agent_proc.learning.training_plan import TrainingPlan
+from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.profiles.profile import load_profile, read_profile
+from agent_proc.studies.cell_parts import new_simulator, scenario_of
+from agent_proc.task.config import Domain, Interval, TaskConfig
+from legpush.errors import ConfigError
+from legpush.fields import Seed
+from legpush.lockstep.local import LocalWorld
+from legpush.scene.scenario import Scenario
+from legpush.study.cells import CellKind, Column
+from legpush.versions import installed_versions
+
+COLUMNS: Final = (
+    Column(name="steps_done", unit="", about="push cycles that were trained"),
+    Column(name="best_step", unit="", about="step of the best policy"),
+    Column(name="success_rate", unit="", about="of the best policy in its evaluation"),
+    Column(name="position_error_m", unit="m", about="mean of the best policy"),
+    Column(name="angle_error_deg", unit="deg", about="mean of the best policy"),
+    Column(name="falls", unit="", about="falls in the evaluation of the best policy"),
+    Column(name="cycles", unit="", about="mean number of pushes of the best policy"),
+    Column(name="policy_zip", unit="", about="folder of the best policy, as a zip file in base64", may_differ=True),
+)
+
+
+class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A training as a study file sets it."""
+
+    seed: Seed = 0
+    """Seed of initial weights, exploration and initial conditions."""
+    profile: str = "tuned"
+    """A training profile, or the path of a profile file."""
+    entry: Literal["fixed", "variable"] = "variable"
+    """Depth of the pushes: the same for all, or chosen by the policy."""
+    actions: Literal["continuous", "discrete"] = "continuous"
+    """Form of the action."""
+    steps: Annotated[int, Meta(ge=1)] | None = None
+    """Replaces the profile's number of push cycles."""
+    n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
+    """Simulators to learn with, all in the process of the cell; the result depends on their number."""
+    mass_kg: Interval | None = None
+    """Draw the mass of the box for each episode."""
+    friction: Interval | None = None
+    """Draw the friction of the box for each episode."""
+    distance_m: Interval | None = None
+    """Draw the distance from box to goal for each episode."""
+    scenario: str = "push"
+    """Scenario with the robot ready to push, and the goal."""
+    changes: dict[str, Any] = {}
+    """Other fields of the scenario, by their path."""
+
+
+class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A training that needs no other file."""
+
+    seed: Seed
+    profile: dict[str, Any]
+    task: TaskConfig
+    n_simulators: int
+
+
+def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
+    """Load profile and scenario.
+
+    Raises:
+        ConfigError: The profile or the task cannot be used.
+        ScenarioError: The scenario or a change cannot be used.
+    """
+    profile = load_profile(cell.profile)
+    if cell.steps is not None:
+        profile = msgspec.structs.replace(profile, steps=cell.steps)
+    task = TaskConfig(
+        entry=cell.entry,
+        action_form=cell.actions,
+        observation=profile.observation,
+        reward=profile.reward,
+        scenario=scenario_of(cell.scenario, cell.changes),
+        domain=Domain(mass_kg=cell.mass_kg, friction=cell.friction, distance_m=cell.distance_m),
+    )
+    return ResolvedTraining(
+        seed=cell.seed, profile=msgspec.to_builtins(profile), task=task, n_simulators=cell.n_simulators
+    )
+
+
+def run(cell: ResolvedTraining) -> Mapping[str, Any]:
+    """Train to the end, and return the best policy with its evaluation."""
+    plan = TrainingPlan(
+        profile=read_profile(cell.profile, "profile"),
+        task=cell.task,
+        seed=cell.seed,
+        n_simulators=cell.n_simulators,
+        command="legpush study run",
+        versions={name: version for name, version in installed_versions().items() if version is not None},
+    )
+    worlds = [LocalWorld(new_simulator()) for _ in range(cell.n_simulators)]
+    with TemporaryDirectory(prefix="legpush-training-") as scratch:
+        folder, stop = Path(scratch), threading.Event()
+        env = PushVecEnv(plan.task, worlds, stop=stop)
+        try:
+            result = Training(plan, folder, env, worlds, stop=stop).run()
+        finally:
+            env.close()
+        packed = pack(folder / BEST) if result.best is not None else ""
+    if result.best is None:
+        raise ConfigError(f"Expected a training with an evaluation, got none in {result.step} steps")
+    best = result.best
+    return {
+        "steps_done": result.step,
+        "best_step": best.step,
+        "success_rate": best.success_rate,
+        "position_error_m": best.position_error_m,
+        "angle_error_deg": best.angle_error_deg,
+        "falls": best.falls,
+        "cycles": best.cycles,
+        "policy_zip": packed,
+    }
+
+
+def pack(folder: Path) -> str:
+    """Return the files of a folder as a zip file in base64."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in sorted(folder.iterdir()):
+            archive.write(file, file.name)
+    return base64.b64encode(buffer.getvalue()).decode()
+
+
+TRAINING: Final = CellKind(
+    specification=TrainingCell,
+    run=run,
+    resolved=ResolvedTraining,
+    resolve=resolve,
+    columns=COLUMNS,
+    changes=Scenario,
+)
+"""The kind of cell."""
