@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,11 +12,11 @@ from pyarrow import parquet
 from tests.system.missions import LEGPUSH
 
 CELL: Final = """
-import os, pathlib, time
+import os, pathlib, platform, time
 
 def cell(x: int, seconds: float = 0.0, marks: str = "") -> dict:
     if marks:
-        with open(pathlib.Path(marks) / f"{x}-{os.getpid()}-{time.time_ns()}", "w"):
+        with open(pathlib.Path(marks) / f"{x}-{platform.node()}-{os.getpid()}-{time.time_ns()}", "w"):
             pass
     time.sleep(seconds)
     return {"square": x * x, "state_crc": f"{x * 2654435761 % 2**32:08x}"}
@@ -39,10 +39,15 @@ def study_command(*options: str) -> list[str]:
     return [*LEGPUSH, "study", "run", "study.toml", "--cell", "quick:cell", "--out", "study", *options]
 
 
-def start_study(folder: Path, *options: str, environment: Mapping[str, str] = os.environ) -> "subprocess.Popen[str]":
-    """Start the study of a folder."""
+def start_study(
+    folder: Path,
+    *options: str,
+    environment: Mapping[str, str] = os.environ,
+    inside: Callable[[list[str]], list[str]] = list,
+) -> "subprocess.Popen[str]":
+    """Start the study of a folder, by a command that `inside` may wrap."""
     return subprocess.Popen(
-        study_command(*options),
+        inside(study_command(*options)),
         cwd=folder,
         env={**environment, "PYTHONPATH": os.pathsep.join(sys.path)},
         stdout=subprocess.PIPE,

@@ -15,7 +15,8 @@ from legpush.errors import INTERRUPTED, ConfigError, DiskFullError
 from legpush.files import DiskError
 from legpush.options.study import RunStudy
 from legpush.service import stop_on_signals
-from legpush.study.engines.choose import make_engine, require_engine
+from legpush.study.canary import canary
+from legpush.study.engines.choose import LOCAL, make_engine, require_engine
 from legpush.study.file import Study, load_study
 from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.identity import study_versions
@@ -110,7 +111,11 @@ def _run_missing(
     folder.forget_failures(retried)
     if missing:
         job = Job(
-            kind=study.kind_name, code=study.code, canary=folder.record().canary, results=study.file.results, tasks=()
+            kind=study.kind_name,
+            code=study.code,
+            canary=_expected_canary(options, study, folder),
+            results=study.file.results,
+            tasks=(),
         )
         with shown(console) as show:
             Runner(
@@ -125,6 +130,17 @@ def _run_missing(
                 on_canary=folder.set_canary,
             ).run()
     return tally
+
+
+def _expected_canary(options: RunStudy, study: Study, folder: StudyFolder) -> str | None:
+    """Return the CRC that the canary of each worker must have: that of the study, or on a cluster that of this machine.
+
+    None leaves it to the first worker, which is a process of this machine.
+    """
+    if (expected := folder.record().canary) is None and study.kind.needs_canary and options.on != LOCAL:
+        expected = canary()
+        folder.set_canary(expected)
+    return expected
 
 
 def _require_different(study: Study, cells: Sequence[str]) -> None:

@@ -10,7 +10,8 @@ from legpush.processes.environment import ONE_THREAD
 from legpush.study.engines.engine import Engine
 from legpush.study.engines.local import LocalEngine
 
-ENGINES: Final = ("local", "ray", "ray:HOST:PORT", "ray://HOST:PORT", "slurm")
+LOCAL: Final = "local"
+ENGINES: Final = (LOCAL, "ray", "ray:HOST:PORT", "ray://HOST:PORT", "slurm")
 NUMERICS: Final = ("LEGPUSH_NUMERICS", "OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES")
 """Environment variables that decide which bits a process computes: workers elsewhere have those of the head."""
 
@@ -21,7 +22,7 @@ def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
     Raises:
         ConfigError: There is none; lists the valid ones.
     """
-    if on not in ("local", "slurm") and on.partition(":")[0] != "ray":
+    if on not in (LOCAL, "slurm") and on.partition(":")[0] != "ray":
         raise ConfigError(f"Expected one of {', '.join(ENGINES)} for --on, got {on!r}")
     if slurm_options and on != "slurm":
         raise ConfigError(f"Expected --slurm-option with --on slurm, got it with --on {on}")
@@ -40,7 +41,7 @@ def make_engine(on: str, n_workers: int, study: Path, slurm_options: Mapping[str
         ConfigError: There is none, or it cannot be used here.
     """
     require_engine(on, slurm_options)
-    if on == "local":
+    if on == LOCAL:
         return LocalEngine(n_workers)
     extra = on.partition(":")[0]
     environment = {**ONE_THREAD, **{name: os.environ[name] for name in NUMERICS if name in os.environ}}

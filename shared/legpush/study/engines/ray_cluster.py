@@ -8,6 +8,7 @@ from concurrent.futures import Future
 from contextlib import ExitStack
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
+from time import monotonic
 from typing import Any, Final
 
 import msgspec
@@ -26,6 +27,8 @@ listens on all interfaces."""
 OBJECT_STORE_BYTES: Final = 100 * 2**20
 """Room for jobs and answers on this machine; Ray takes a third of the memory by itself."""
 LOOPBACK: Final = "127.0.0.1"
+COUNT_S: Final = 1.0
+"""The CPUs of the cluster are counted this often at most."""
 
 
 class _Refusal(msgspec.Struct):
@@ -97,9 +100,15 @@ class RayEngine:
         self._work = self._ray.remote(num_cpus=1, max_retries=0)(_work_on_node)
         self._refused_nodes: set[str] = set()
         self._references: dict[Future[bytes], Any] = {}
+        self._n_slots, self._counted_s = 0, float("-inf")
 
     def n_slots(self) -> int:
-        """Return the number of CPUs of the nodes that are alive and were not refused."""
+        """Return the number of CPUs of the nodes that are alive and were not refused, not older than `COUNT_S`."""
+        if monotonic() - self._counted_s >= COUNT_S:
+            self._n_slots, self._counted_s = self._count(), monotonic()
+        return self._n_slots
+
+    def _count(self) -> int:
         nodes = (node for node in self._ray.nodes() if node["Alive"] and node["NodeID"] not in self._refused_nodes)
         return sum(int(node["Resources"].get("CPU", 0)) for node in nodes)
 
@@ -131,6 +140,7 @@ class RayEngine:
             node, payload = done.result()
             if _REFUSALS.decode(payload).refused is not None:
                 self._refused_nodes.add(node)
+                self._counted_s = float("-inf")
             answer.set_result(payload)
         else:
             answer.set_exception(self._meaning(error))
@@ -205,7 +215,8 @@ def _connect(ray: Any, place: Place, n_workers: int, environment: Mapping[str, s
     try:
         ray.init(**options)
     except (ConnectionError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
-        raise ConfigError(f"The Ray cluster at {place.address or 'this machine'} cannot be used: {error}") from error
+        where = f"at {place.address}" if place.address else "on this machine"
+        raise ConfigError(f"The Ray cluster {where} cannot be used: {_last_line(error)}") from error
     stack.callback(ray.shutdown)
     if place.address is None and (address := ray.get_runtime_context().gcs_address) and not _is_loopback(address):
         raise ConfigError(f"Expected a Ray cluster on {LOOPBACK}, got one at {address}")
@@ -216,4 +227,8 @@ def _is_loopback(address: str) -> bool:
 
 
 def _first_line(error: BaseException) -> str:
-    return str(error).partition("\n")[0]
+    return str(error).strip().partition("\n")[0]
+
+
+def _last_line(error: BaseException) -> str:
+    return str(error).strip().rpartition("\n")[2]

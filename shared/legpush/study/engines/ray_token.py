@@ -15,7 +15,7 @@ METHODS: Final[dict[Server, str]] = {
     "head": "/ray.rpc.NodeInfoGcsService/GetAllNodeInfo",
     "client server": "/ray.rpc.RayletDriver/ClusterInfo",
 }
-"""A harmless question that each server answers only if its token is given; an empty request is a valid one."""
+"""A harmless question that each server looks at only if its token is given; an empty request is a valid one."""
 TIMEOUT_S: Final = 10.0
 N_BYTES_MAX: Final = 64 * 2**20
 DEFAULT_FILE: Final = Path(".ray", "auth_token")
@@ -60,11 +60,8 @@ def require_authentication(server: Server, address: str, token: str) -> None:
             f"Expected a Ray {server} at {address} that asks for its token, got {code.name} without one; "
             "start its head and its nodes with RAY_AUTH_MODE=token"
         )
-    code = _ask(server, address, token)
-    if code is grpc.StatusCode.UNAUTHENTICATED:
+    if _ask(server, address, token) is grpc.StatusCode.UNAUTHENTICATED:
         raise ConfigError(f"Expected the token of the Ray {server} at {address}, got another one")
-    if code is not grpc.StatusCode.OK:
-        raise ConfigError(f"Expected an answer of the Ray {server} at {address}, got {code.name}")
 
 
 def _ask(server: Server, address: str, token: str | None) -> grpc.StatusCode:
