@@ -18,7 +18,7 @@ from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
-from legpush.options.study import RunStudy, Studies
+from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
 from legpush.processes.start_program import Program, start_program
 
@@ -223,3 +223,35 @@ def _run_study(command: RunStudy) -> int:
     from legpush.study.run import run_study
 
     return run_study(command, Console())
+
+
+@execute.register
+def _study_status(command: StudyStatus) -> int:
+    from legpush.study.folder import StudyFolder
+    from legpush.study.status import status_lines
+
+    sys.stdout.write("".join(f"{line}\n" for line in status_lines(StudyFolder(command.folder))))
+    return 0
+
+
+@execute.register
+def _study_table(command: StudyTable) -> int:
+    start_program("agent_proc.programs.study_table", command.flags())
+
+
+@execute.register
+def _verify_study(command: VerifyStudy) -> int:
+    from rich.console import Console
+
+    from legpush.study.verify import verify_study
+
+    return verify_study(command, Console())
+
+
+@execute.register
+def _merge_studies(command: MergeStudies) -> int:
+    from legpush.study.merge import merge_studies
+
+    n_rows, n_cells = merge_studies(command.folders, command.folder)
+    sys.stdout.write(f"{n_rows} of {n_cells} cells; written to {command.folder}\n")
+    return 0

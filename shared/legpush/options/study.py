@@ -124,11 +124,11 @@ class StudyTable:
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of the study."""
     by: Annotated[tuple[str, ...], tyro.conf.arg(metavar="AXIS")] = ()
-    """Columns whose values make the groups; if not given, every axis with at most 20 values."""
+    """Columns whose values make the groups; if not given, every axis but the seed."""
     measure: Annotated[tuple[str, ...], tyro.conf.arg(metavar="COLUMN")] = ()
-    """Columns to summarize; if not given, every column of numbers or truth values."""
+    """Columns to summarize; if not given, every result that is a number or a truth value."""
     paired: Annotated[str | None, tyro.conf.arg(metavar="AXIS=VALUE")] = None
-    """Show differences from the cells in which this axis has this value and all other axes are the same."""
+    """Show the mean difference from the cells with this value, between cells whose other axes are the same."""
     csv: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Write the table into this new file."""
     plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
@@ -140,6 +140,13 @@ class StudyTable:
                 require_new_file(path, flag)
         if self.paired is not None and "=" not in self.paired:
             raise ConfigError(f"Expected AXIS=VALUE for --paired, such as policy=scripted, got {self.paired!r}")
+
+    def flags(self) -> list[str]:
+        """Return these options as a command line."""
+        several = (("--by", self.by), ("--measure", self.measure))
+        single = (("--paired", self.paired), ("--csv", self.csv), ("--plot", self.plot))
+        words = [word for flag, names in several if names for word in (flag, *names)]
+        return [str(self.folder), *words, *(word for flag, value in single if value for word in (flag, str(value)))]
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ Program = Literal[
     "agent_proc.programs.calibrate",
     "agent_proc.programs.draw_room",
     "agent_proc.programs.show_map",
+    "agent_proc.programs.study_table",
     "planner_proc.conformance",
     "sim_proc.export",
     "sim_proc.view",

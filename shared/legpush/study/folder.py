@@ -2,8 +2,9 @@
 
 import shutil
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import count, takewhile
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -37,6 +38,10 @@ class StudyRecord(Struct, frozen=True, kw_only=True):
     """Of all identities of cells, in order: equal for equal studies with equal code."""
     code: str
     """Code version."""
+    inputs: tuple[str, ...]
+    """Columns with what the cells were given."""
+    axes: tuple[str, ...]
+    """Those of them that the study varies."""
     may_differ: tuple[str, ...]
     """Result columns that may differ when a cell is run again."""
     units: dict[str, str]
@@ -83,16 +88,26 @@ class StudyFolder:
         except (OSError, msgspec.MsgspecError) as error:
             raise ConfigError(f"{self.path}: expected the folder of a study ({error})") from error
 
-    def source(self) -> str:
-        """Read the copy of the study file.
+    def sources(self) -> tuple[str, ...]:
+        """Read the copies of the study files: one, or several in a folder of merged studies.
 
         Raises:
             ConfigError: There is none.
         """
-        try:
-            return (self.path / STUDY_FILE).read_text(encoding="utf-8")
-        except OSError as error:
-            raise ConfigError(f"{self.path}: expected the folder of a study ({error})") from error
+        files = tuple(takewhile(Path.exists, self._source_files()))
+        if not files:
+            raise ConfigError(f"{self.path}: expected the folder of a study, with {STUDY_FILE}")
+        return tuple(file.read_text(encoding="utf-8") for file in files)
+
+    def _source_files(self) -> Iterator[Path]:
+        """Yield the names that copies of study files have, in order, without end."""
+        yield self.path / STUDY_FILE
+        yield from (self.path / STUDY_FILE.replace(".", f"-{number}.") for number in count(2))
+
+    def make_folders(self) -> None:
+        """Make the folders for parts and failures."""
+        for folder in (self.parts, self.failed):
+            folder.mkdir(exist_ok=True)
 
     def part_files(self) -> list[Path]:
         """Return the parts, whose rows are not in the table yet."""
@@ -142,7 +157,7 @@ class StudyFolder:
             part.unlink(missing_ok=True)
 
     @contextmanager
-    def opened(self, source: str, record: StudyRecord) -> Iterator[None]:
+    def opened(self, sources: Sequence[str], record: StudyRecord) -> Iterator[None]:
         """Begin the study in this folder, or go on with it; other heads are kept out until the context is left.
 
         Raises:
@@ -155,13 +170,13 @@ class StudyFolder:
             raise ConfigError(f"{self.path}: expected a folder that can be written to ({error.strerror})") from error
         with own_folder(self.path):
             if (self.path / RECORD_FILE).exists():
-                self._require_same(source, record)
+                self._require_same(sources, record)
             elif unexpected := sorted({p.name for p in self.path.iterdir() if p.suffix != ".part"} - {STUDY_FILE}):
                 raise ConfigError(
                     f"{self.path}: expected a new or empty folder, or that of this study, got one with "
                     f"{', '.join(unexpected[:3])}"
                 )
-            self._fill(source, record)
+            self._fill(sources, record)
             yield
 
     def require_space(self, n_missing: int) -> None:
@@ -177,19 +192,20 @@ class StudyFolder:
                 f"{free / 2**20:.0f} MiB"
             )
 
-    def _fill(self, source: str, record: StudyRecord) -> None:
+    def _fill(self, sources: Sequence[str], record: StudyRecord) -> None:
         if not (self.path / RECORD_FILE).exists():
-            write_whole(self.path / STUDY_FILE, source.encode())
+            for file, source in zip(self._source_files(), sources, strict=False):
+                write_whole(file, source.encode())
             self._write_record(record)
-        for folder in (self.parts, self.failed):
-            folder.mkdir(exist_ok=True)
+        self.make_folders()
+        for folder in (self.path, self.parts, self.failed):
             for torn in folder.glob("*.part"):
                 torn.unlink()
 
     def _write_record(self, record: StudyRecord) -> None:
         write_whole(self.path / RECORD_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
 
-    def _require_same(self, source: str, record: StudyRecord) -> None:
+    def _require_same(self, sources: Sequence[str], record: StudyRecord) -> None:
         there = self.record()
         if there.cells_sha256 == record.cells_sha256:
             return
@@ -198,10 +214,14 @@ class StudyFolder:
             got.append(f"another kind of cell ({there.kind})")
         if there.code != record.code:
             got.append(f"another code version ({there.code} there, {record.code} here)")
-        before, now = (tomllib.loads(text) for text in (self.source(), source))
-        changed = [key for key in dict.fromkeys([*before, *now]) if before.get(key) != now.get(key)]
-        if changed:
-            got.append(f"a study file with other {', '.join(changed)}")
+        there_is, now = self.sources(), tuple(sources)
+        if len(there_is) != len(now):
+            got.append(f"{len(there_is)} merged studies")
+        else:
+            pairs = [(tomllib.loads(a), tomllib.loads(b)) for a, b in zip(there_is, now, strict=True)]
+            changed = [key for a, b in pairs for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)]
+            if changed:
+                got.append(f"a study file with other {', '.join(changed)}")
         if not got:
             got.append("another scenario, policy or map behind the same names")
         raise ConfigError(

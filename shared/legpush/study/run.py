@@ -40,7 +40,7 @@ def run_study(options: RunStudy, console: Console) -> int:
     _require_different(study, cells)
     stop, folder = stop_on_signals(), StudyFolder(options.folder)
     again = shlex.join(["legpush", *sys.argv[1:]])
-    with folder.opened(study.source, study_record(study, cells, again)):
+    with folder.opened((study.source,), study_record(study, cells, again)):
         try:
             tally = _run_missing(options, study, cells, folder, stop, console)
             if stop.is_set():
@@ -66,6 +66,8 @@ def study_record(study: Study, cells: Sequence[str], command: str) -> StudyRecor
         n_cells=len(cells),
         cells_sha256=hashlib.sha256("".join(cells).encode()).hexdigest(),
         code=study.code,
+        inputs=tuple(study.task(0).inputs),
+        axes=tuple(path for axis in study.axes for path in axis.columns),
         may_differ=tuple(column.name for column in study.kind.columns if column.may_differ),
         units={column.name: column.unit for column in study.kind.columns if column.unit},
         canary=None,

@@ -1,0 +1,62 @@
+"""Tables of studies as a program: `python -m agent_proc.programs.study_table`, or `legpush study table`."""
+
+import sys
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from agent_proc.studies.picture import save_picture
+from agent_proc.studies.table import as_csv, groups_of, make_table, measures_of, pairing_of, read_study_rows
+from legpush.files import write_whole
+from legpush.options.study import StudyTable
+from legpush.service import run_program
+from legpush.study.folder import StudyFolder
+
+
+def main() -> int:
+    """Parse the command line and print the table; returns the exit code."""
+    return run_program("study", lambda: run(tyro.cli(StudyTable, prog="legpush study table"), Console()))
+
+
+def run(options: StudyTable, console: Console) -> int:
+    """Print the table, and write and draw it if asked; returns the exit code.
+
+    Raises:
+        ConfigError: A column cannot be used, or the folder has no study.
+        RowsError: Rows cannot be read or differ.
+        DiskError: The table cannot be written.
+    """
+    study = read_study_rows(StudyFolder(options.folder))
+    pairing = None if options.paired is None else pairing_of(study, options.paired)
+    by = groups_of(study, options.by, pairing)
+    lines = make_table(study, by, measures_of(study, options.measure), pairing)
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for title in ("measure", *by):
+        table.add_column(Text(title), no_wrap=True)
+    for title in ("n", "value", "95 % interval"):
+        table.add_column(Text(title), justify="right", no_wrap=True)
+    table.add_column(Text("how"), no_wrap=True)
+    for line in lines:
+        name = f"{line.measure} [{line.unit}]" if line.unit else line.measure
+        estimate = line.estimate
+        values = (str(line.group[column]) for column in by)
+        interval = f"{estimate.low:.4g} to {estimate.high:.4g}"
+        table.add_row(*map(Text, (name, *values, str(line.n), f"{estimate.value:.4g}", interval, line.how)))
+    console.print(table, crop=False, soft_wrap=True)
+    n_rows, record = len(study.rows), study.record
+    if n_rows < record.n_cells:
+        console.print(Text(f"{n_rows} of {record.n_cells} cells have a row"), soft_wrap=True)
+    if options.csv is not None:
+        write_whole(options.csv, as_csv(lines, by).encode())
+        console.print(Text(f"wrote {options.csv}"), soft_wrap=True)
+    if options.plot is not None:
+        what = f", differences from {options.paired}" if options.paired else ""
+        save_picture(lines, by, f"{record.name}{what}, {n_rows} cells, 95 % intervals", options.plot)
+        console.print(Text(f"wrote {options.plot}"), soft_wrap=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

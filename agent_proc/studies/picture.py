@@ -1,0 +1,84 @@
+"""Draws the table of a study: one plot per measure, with means and their intervals."""
+
+from collections.abc import Mapping, Sequence
+from math import ceil
+from pathlib import Path
+from typing import Any, Final
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from agent_proc.studies.table import Line
+from legpush.errors import ConfigError
+
+N_COLUMNS: Final = 3
+MOST_MEASURES: Final = 12
+"""Most plots in one picture."""
+SPREAD: Final = 0.5
+"""Share of the distance between two values over which the groups at one value are spread, so that none hides
+another."""
+
+
+def save_picture(lines: Sequence[Line], by: Sequence[str], title: str, path: Path) -> None:
+    """Draw the first column of `by` along x, and the others as colours; write a PNG.
+
+    Raises:
+        ConfigError: There is nothing to draw, or there are more measures than fit into a picture.
+    """
+    measures = list(dict.fromkeys(line.measure for line in lines))
+    if not 0 < len(measures) <= MOST_MEASURES:
+        raise ConfigError(f"Expected 1 to {MOST_MEASURES} columns to draw, got {len(measures)}: choose with --measure")
+    n_columns = min(N_COLUMNS, len(measures))
+    n_rows = ceil(len(measures) / n_columns)
+    figure = Figure(figsize=(1.0 + 3.6 * n_columns, 1.0 + 3.0 * n_rows), layout="constrained")
+    axes = figure.subplots(n_rows, n_columns, squeeze=False).flatten()
+    for axis, measure in zip(axes, measures, strict=False):
+        _draw(axis, [line for line in lines if line.measure == measure], by)
+    for axis in axes[len(measures) :]:
+        axis.set_axis_off()
+    handles, labels = axes[0].get_legend_handles_labels()
+    if len(labels) > 1 or labels[:1] != [""]:
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), fontsize="small")
+    figure.suptitle(title)
+    figure.savefig(path, dpi=110)
+
+
+def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:
+    """Draw one measure."""
+    along = by[0] if by else None
+    values = list({repr(_at(line, along)): _at(line, along) for line in lines}.values())
+    numeric = len(values) > 1 and all(
+        isinstance(value, int | float) and not isinstance(value, bool) for value in values
+    )
+    places: Mapping[str, float] = {repr(v): float(v) if numeric else float(i) for i, v in enumerate(values)}
+    series: dict[str, list[Line]] = {}
+    for line in lines:
+        series.setdefault(", ".join(_shown(line.group[name]) for name in by[1:]), []).append(line)
+    at = sorted(places.values())
+    gap = min((b - a for a, b in zip(at, at[1:], strict=False)), default=1.0)
+    for index, (label, found) in enumerate(series.items()):
+        shift = SPREAD * gap * ((index + 0.5) / len(series) - 0.5)
+        x = [places[repr(_at(line, along))] + shift for line in found]
+        middle = [line.estimate.value for line in found]
+        low = [max(0.0, line.estimate.value - line.estimate.low) for line in found]
+        high = [max(0.0, line.estimate.high - line.estimate.value) for line in found]
+        axis.errorbar(x, middle, [low, high], fmt="o", capsize=3, markersize=4, label=label)
+    if not numeric:
+        axis.set_xticks(at, [_shown(value) for value in values])
+        axis.set_xlim(min(at) - 0.6, max(at) + 0.6)
+    if lines[0].how.startswith("paired"):
+        axis.axhline(0.0, color="0.6", linewidth=1.0, zorder=0)
+    unit = f" [{lines[0].unit}]" if lines[0].unit else ""
+    axis.set_title(f"{lines[0].measure}{unit}", fontsize="medium")
+    axis.set_xlabel(along or "")
+    axis.grid(axis="y", alpha=0.3)
+
+
+def _at(line: Line, name: str | None) -> Any:
+    return "all" if name is None else line.group[name]
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    return "x".join(map(_shown, value)) if isinstance(value, list) else str(value)
