@@ -11,7 +11,8 @@ from legpush.study.engines.engine import Engine
 from legpush.study.engines.local import LocalEngine
 
 LOCAL: Final = "local"
-ENGINES: Final = (LOCAL, "ray", "ray:HOST:PORT", "ray://HOST:PORT", "slurm")
+SLURM: Final = "slurm"
+ENGINES: Final = (LOCAL, "ray", "ray:HOST:PORT", "ray://HOST:PORT", SLURM)
 NUMERICS: Final = ("LEGPUSH_NUMERICS", "OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES")
 """Environment variables that decide which bits a process computes: workers elsewhere have those of the head."""
 
@@ -22,9 +23,9 @@ def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
     Raises:
         ConfigError: There is none; lists the valid ones.
     """
-    if on not in (LOCAL, "slurm") and on.partition(":")[0] != "ray":
+    if on not in (LOCAL, SLURM) and on.partition(":")[0] != "ray":
         raise ConfigError(f"Expected one of {', '.join(ENGINES)} for --on, got {on!r}")
-    if slurm_options and on != "slurm":
+    if slurm_options and on != SLURM:
         raise ConfigError(f"Expected --slurm-option with --on slurm, got it with --on {on}")
 
 
@@ -46,7 +47,7 @@ def make_engine(on: str, n_workers: int, study: Path, slurm_options: Mapping[str
     extra = on.partition(":")[0]
     environment = {**ONE_THREAD, **{name: os.environ[name] for name in NUMERICS if name in os.environ}}
     try:
-        if on == "slurm":
+        if on == SLURM:
             from legpush.study.engines.slurm import SlurmEngine
 
             return SlurmEngine(study, n_jobs=n_workers, options=slurm_options, environment=environment)

@@ -181,8 +181,8 @@ def _load(place: Place) -> Any:
     else:
         require_authentication("client server" if place.as_client else "head", place.address, read_token())
         settings = dict(ANYWHERE)
-    stale = [name for name, value in settings.items() if "ray" in sys.modules and os.environ.get(name) != value]
-    if stale:
+    is_loaded = sys.modules.get("ray") is not None
+    if is_loaded and (stale := [name for name, value in settings.items() if os.environ.get(name) != value]):
         raise ConfigError(
             f"Expected that Ray is not loaded in this process yet, or was loaded with {', '.join(stale)} set for this "
             "cluster; start the study in a process of its own"
