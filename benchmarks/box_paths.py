@@ -15,9 +15,9 @@ import tyro
 from msgspec.structs import replace
 from rich.progress import track
 
-from agent_proc.pushing.solvable import solvable_by
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.queries import query_for_box
+from agent_proc.pushing.solvable import solvable_by
 from legpush.messages.planning import BoxPathQuery, Plan
 from legpush.scenarios.random_room import RandomRoom
 from legpush.scenarios.random_scenario import random_scenario

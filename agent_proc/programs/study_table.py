@@ -1,9 +1,11 @@
 """Tables of studies as a program: `python -m agent_proc.programs.study_table`, or `legpush study table`."""
 
 import sys
+from typing import Final
 
 import tyro
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -13,6 +15,9 @@ from legpush.files import write_whole
 from legpush.options.study import StudyTable
 from legpush.service import run_program
 from legpush.study.folder import StudyFolder
+
+MOST_WIDTH: Final = 1000
+"""A table is never cut to the width of a terminal."""
 
 
 def main() -> int:
@@ -39,12 +44,12 @@ def run(options: StudyTable, console: Console) -> int:
         table.add_column(Text(title), justify="right", no_wrap=True)
     table.add_column(Text("how"), no_wrap=True)
     for line in lines:
-        name = f"{line.measure} [{line.unit}]" if line.unit else line.measure
         estimate = line.estimate
         values = (str(line.group[column]) for column in by)
         interval = f"{estimate.low:.4g} to {estimate.high:.4g}"
-        table.add_row(*map(Text, (name, *values, str(line.n), f"{estimate.value:.4g}", interval, line.how)))
-    console.print(table, crop=False, soft_wrap=True)
+        table.add_row(*map(Text, (line.title, *values, str(line.n), f"{estimate.value:.4g}", interval, line.how)))
+    wide = console.options.update(max_width=MOST_WIDTH)
+    console.print(table, width=Measurement.get(console, wide, table).maximum, crop=False, soft_wrap=True)
     n_rows, record = len(study.rows), study.record
     if n_rows < record.n_cells:
         console.print(Text(f"{n_rows} of {record.n_cells} cells have a row"), soft_wrap=True)

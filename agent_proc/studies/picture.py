@@ -1,6 +1,7 @@
 """Draws the table of a study: one plot per measure, with means and their intervals."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from math import ceil
 from pathlib import Path
 from typing import Any, Final
@@ -36,9 +37,10 @@ def save_picture(lines: Sequence[Line], by: Sequence[str], title: str, path: Pat
         _draw(axis, [line for line in lines if line.measure == measure], by)
     for axis in axes[len(measures) :]:
         axis.set_axis_off()
-    handles, labels = axes[0].get_legend_handles_labels()
-    if len(labels) > 1 or labels[:1] != [""]:
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), fontsize="small")
+    if by[1:]:
+        handles, labels = axes[0].get_legend_handles_labels()
+        n_across = min(len(labels), 4)
+        figure.legend(handles, labels, loc="outside lower center", ncols=n_across, title=", ".join(by[1:]))
     figure.suptitle(title)
     figure.savefig(path, dpi=110)
 
@@ -55,7 +57,7 @@ def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:
     for line in lines:
         series.setdefault(", ".join(_shown(line.group[name]) for name in by[1:]), []).append(line)
     at = sorted(places.values())
-    gap = min((b - a for a, b in zip(at, at[1:], strict=False)), default=1.0)
+    gap = min((b - a for a, b in pairwise(at)), default=1.0)
     for index, (label, found) in enumerate(series.items()):
         shift = SPREAD * gap * ((index + 0.5) / len(series) - 0.5)
         x = [places[repr(_at(line, along))] + shift for line in found]
@@ -68,8 +70,7 @@ def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:
         axis.set_xlim(min(at) - 0.6, max(at) + 0.6)
     if lines[0].how.startswith("paired"):
         axis.axhline(0.0, color="0.6", linewidth=1.0, zorder=0)
-    unit = f" [{lines[0].unit}]" if lines[0].unit else ""
-    axis.set_title(f"{lines[0].measure}{unit}", fontsize="medium")
+    axis.set_title(lines[0].title, fontsize="medium")
     axis.set_xlabel(along or "")
     axis.grid(axis="y", alpha=0.3)
 

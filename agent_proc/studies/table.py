@@ -11,7 +11,7 @@ from typing import Any, Final, Literal
 from agent_proc.statistics import Estimate, mean_interval, wilson
 from legpush.errors import ConfigError
 from legpush.study.folder import StudyFolder, StudyRecord
-from legpush.study.rows import CELL, DIFFERING, read_rows
+from legpush.study.rows import CELL, DIFFERING
 
 SEED: Final = "seed"
 """The axis over which tables take means, if they are not told otherwise."""
@@ -45,6 +45,15 @@ class Line:
     how: How
     """What the number is, and how its interval is made."""
 
+    @property
+    def title(self) -> str:
+        """The measure, with its unit if its name does not end with it."""
+        return (
+            f"{self.measure} [{self.unit}]"
+            if self.unit and not self.measure.endswith(f"_{self.unit}")
+            else self.measure
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Pairing:
@@ -62,7 +71,7 @@ def read_study_rows(folder: StudyFolder) -> StudyRows:
         RowsError: Rows cannot be read or differ.
     """
     record = folder.record()
-    table = read_rows(folder.row_files(), record.may_differ)
+    table = folder.rows()
     if table is None or not table.num_rows:
         raise ConfigError(f"{folder.path}: expected a study with rows, got none")
     return StudyRows(record=record, inputs=record.inputs, rows=table.to_pylist())
@@ -146,7 +155,7 @@ def _paired(study: StudyRows, rows: Iterable[Row], measure: str, pairing: Pairin
     """Return the mean difference between cells and those with the value of the pairing, all other axes being equal."""
     others = [axis for axis in study.record.axes if axis != pairing.axis]
     base = {_key(row, others): row[measure] for row in study.rows if row[pairing.axis] == pairing.value}
-    pairs = [(row[measure], base.get(_key(row, others))) for row in rows]
+    pairs: list[tuple[Any, Any]] = [(row[measure], base.get(_key(row, others))) for row in rows]
     found = [float(a) - float(b) for a, b in pairs if _is_number(a) and _is_number(b)]
     return (len(found), mean_interval(found), "paired, bootstrap") if found else None
 

@@ -2,19 +2,22 @@
 
 import shutil
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count, takewhile
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, TypeVar
 
 import msgspec
+import pyarrow
 from msgspec import Struct
 
 from legpush.errors import ConfigError, DiskFullError
 from legpush.files import write_whole
 from legpush.runs.folder import own_folder
-from legpush.study.rows import SUFFIX, cells_in
+from legpush.study.rows import SUFFIX, RowsError, cells_in, read_rows
+
+T = TypeVar("T")
 
 STUDY_FILE: Final = "study.toml"
 RECORD_FILE: Final = "study.json"
@@ -123,7 +126,27 @@ class StudyFolder:
         Raises:
             RowsError: A file cannot be read.
         """
-        return cells_in(self.row_files())
+        return self._read(cells_in)
+
+    def rows(self) -> pyarrow.Table | None:
+        """Return all rows, one per cell, in no particular order; None if there are none.
+
+        Raises:
+            ConfigError: It is not the folder of a study.
+            RowsError: A file cannot be read, or the rows of a cell differ; names the cell and the columns.
+        """
+        may_differ = self.record().may_differ
+        return self._read(lambda files: read_rows(files, may_differ))
+
+    def _read(self, read: Callable[[Sequence[Path]], T]) -> T:
+        """Read all files; again, if a head has put parts into the table meanwhile."""
+        while True:
+            files = self.row_files()
+            try:
+                return read(files)
+            except RowsError:
+                if all(file.exists() for file in files):
+                    raise
 
     def failures(self) -> list[FailedCell]:
         """Read the cells that failed."""

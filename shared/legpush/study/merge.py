@@ -1,6 +1,7 @@
 """`legpush study merge`: the rows of several folders as one study."""
 
 from collections.abc import Sequence
+from hashlib import sha256
 from pathlib import Path
 
 import msgspec
@@ -42,9 +43,7 @@ def merge_studies(folders: Sequence[Path], out: Path) -> tuple[int, int]:
         first,
         name="-".join(dict.fromkeys(record.name for record in records))[:64],
         n_cells=len(set().union(*ended.values())) + n_missing,
-        cells_sha256=first.cells_sha256
-        if len(ended) == 1
-        else hashlib.sha256("".join(sorted(ended)).encode()).hexdigest(),
+        cells_sha256=first.cells_sha256 if len(ended) == 1 else sha256("".join(sorted(ended)).encode()).hexdigest(),
     )
     target = StudyFolder(out)
     with target.opened(sources, merged):

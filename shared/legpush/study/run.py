@@ -22,7 +22,7 @@ from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.identity import study_versions
 from legpush.study.jobs import Job
 from legpush.study.progress import line, shown
-from legpush.study.rows import described, in_order, read_rows, write_table
+from legpush.study.rows import described, in_order, write_table
 from legpush.study.runner import Runner, Tally
 
 
@@ -85,7 +85,7 @@ def merge_parts(folder: StudyFolder, cells: Sequence[str]) -> None:
     """
     parts = folder.part_files()
     record = folder.record()
-    table = read_rows(folder.row_files(), record.may_differ) if parts else None
+    table = folder.rows() if parts else None
     if table is not None:
         about = msgspec.json.encode(record).decode()
         write_table(described(in_order(table, cells), record.units, about), folder.table)

@@ -6,7 +6,6 @@ from typing import Final
 
 from legpush.study.folder import StudyFolder
 from legpush.study.progress import duration
-from legpush.study.rows import read_rows
 
 N_FAILURES: Final = 10
 """Most failures to show."""
@@ -20,7 +19,7 @@ def status_lines(folder: StudyFolder) -> Iterator[str]:
         RowsError: Rows cannot be read or differ.
     """
     record = folder.record()
-    table = read_rows(folder.row_files(), record.may_differ)
+    table = folder.rows()
     rows = [] if table is None else table.select(["cell", "host", "cpu_s", "wall_s"]).to_pylist()
     failures = [failure for failure in folder.failures() if failure.cell not in {row["cell"] for row in rows}]
     yield f"{record.name}: {len(rows)} of {record.n_cells} cells of the kind {record.kind}, {len(failures)} failed"

@@ -35,7 +35,7 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
     record = folder.record()
     studies = _studies(options, folder, record)
     places = {task.cell: (study, index) for study in studies for index, task in enumerate(study.tasks())}
-    table = read_rows(folder.row_files(), record.may_differ)
+    table = folder.rows()
     if table is None:
         raise ConfigError(f"{folder.path}: expected a study with rows, got none")
     cells = table.column(CELL).to_pylist()

@@ -32,8 +32,7 @@ def run(cell: StubCell) -> Mapping[str, Any]:
     if cell.seed == cell.kill_at:
         os._exit(7)
     end_s = time.perf_counter() + cell.seconds
-    while time.perf_counter() < end_s:
-        pass
+    time.sleep(cell.seconds)
     return {
         "value": cell.factor * cell.seed,
         "odd": bool(cell.seed % 2),
