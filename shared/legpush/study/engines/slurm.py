@@ -98,12 +98,13 @@ class SlurmEngine:
         self._name = f"legpush-{hashlib.sha256(str(study.absolute()).encode()).hexdigest()[:8]}"
         self._is_local, self._parameters = _read_options(options)
         folder = study.absolute() / FOLDER
-        setup = [f"export {name}={shlex.quote(value)}" for name, value in environment.items()]
         if self._is_local:
+            # A setup would put a shell between submitit and the worker, which ends the one without the other.
+            os.environ.update(environment)
             self._executor: Any = submitit.LocalExecutor(folder)
-            minutes = self._parameters["time"]
-            self._executor.update_parameters(timeout_min=minutes, **({"setup": setup} if setup else {}))
+            self._executor.update_parameters(timeout_min=self._parameters["time"])
         else:
+            setup = [f"export {name}={shlex.quote(value)}" for name, value in environment.items()]
             _require_slurm()
             self._executor = SlurmExecutor(folder)
             self._executor.update_parameters(job_name=self._name, setup=setup, **self._parameters)

@@ -27,7 +27,8 @@ def job(*, kind: str = KIND, seed: int = 3, kill_at: int = -1, seconds: float = 
 
 
 @pytest.fixture
-def engine(tmp_path: Path) -> Iterator[SlurmEngine]:
+def engine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SlurmEngine]:
+    monkeypatch.setenv("LEGPUSH_TEST", "0")
     (tmp_path / "parts").mkdir()
     engine = SlurmEngine(tmp_path, n_jobs=2, options={"cluster": "local"}, environment={"LEGPUSH_TEST": "1 2"})
     yield engine
@@ -52,6 +53,11 @@ def test_a_worker_that_dies_costs_its_job_only(engine: SlurmEngine) -> None:
 def test_an_error_of_a_worker_is_told(engine: SlurmEngine) -> None:
     with pytest.raises(LegpushError, match="nowhere"):
         engine.submit(job(kind="nowhere")).result(timeout=60)
+
+
+def test_workers_have_the_environment_that_was_given(engine: SlurmEngine) -> None:
+    del engine
+    assert os.environ["LEGPUSH_TEST"] == "1 2"
 
 
 def test_closing_at_once_ends_what_runs(engine: SlurmEngine, tmp_path: Path) -> None:
