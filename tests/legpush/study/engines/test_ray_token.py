@@ -18,7 +18,7 @@ TOKEN = "t" * 64
 SERVERS: tuple[Server, ...] = ("head", "client server")
 
 
-class FakeRay(grpc.GenericRpcHandler):
+class FakeRay:
     """Answers one method; asks for a token if it has one."""
 
     def __init__(self, method: str, token: str | None) -> None:
@@ -26,9 +26,11 @@ class FakeRay(grpc.GenericRpcHandler):
         self.token = token
         self.got: list[str | None] = []
 
-    def service(self, details: Any) -> Any:
-        """Find the handler of a call."""
-        return grpc.unary_unary_rpc_method_handler(self._answer) if details.method == self.method else None
+    def handler(self) -> Any:
+        """Return what a server of gRPC needs."""
+        service, method = self.method.strip("/").split("/")
+        methods = {method: grpc.unary_unary_rpc_method_handler(self._answer)}
+        return grpc.method_handlers_generic_handler(service, methods)
 
     def _answer(self, _: bytes, context: Any) -> bytes:
         given = dict(context.invocation_metadata()).get("authorization")
@@ -44,7 +46,7 @@ def serve() -> Iterator[Callable[[FakeRay], str]]:
     with ExitStack() as stack:
 
         def start(fake: FakeRay) -> str:
-            server = grpc.server(ThreadPoolExecutor(1), handlers=(fake,))
+            server = grpc.server(ThreadPoolExecutor(1), handlers=(fake.handler(),))
             port = server.add_insecure_port("127.0.0.1:0")
             server.start()
             stack.callback(lambda: server.stop(None).wait())

@@ -9,7 +9,6 @@ from time import monotonic, sleep
 import pytest
 
 from legpush.errors import ConfigError, LegpushError
-from legpush.study.engines import slurm
 from legpush.study.engines.engine import WorkerLostError
 from legpush.study.engines.slurm import SlurmEngine, SlurmWork
 from legpush.study.identity import code_version
@@ -94,6 +93,6 @@ def test_options_that_cannot_be_used_are_named(options: dict[str, str], said: st
 
 
 def test_a_machine_without_slurm_is_told_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(slurm.shutil, "which", lambda _: None)
+    monkeypatch.setattr("shutil.which", lambda _: None)
     with pytest.raises(ConfigError, match="no sbatch, srun, squeue, scancel"):
         SlurmEngine(tmp_path, n_jobs=1, options={}, environment={})
