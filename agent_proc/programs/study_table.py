@@ -1,11 +1,11 @@
 """Tables of studies as a program: `python -m agent_proc.programs.study_table`, or `legpush study table`."""
 
+import io
 import sys
 from typing import Final
 
 import tyro
 from rich.console import Console
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -48,8 +48,11 @@ def run(options: StudyTable, console: Console) -> int:
         values = (str(line.group[column]) for column in by)
         interval = f"{estimate.low:.4g} to {estimate.high:.4g}"
         table.add_row(*map(Text, (line.title, *values, str(line.n), f"{estimate.value:.4g}", interval, line.how)))
-    wide = console.options.update(max_width=MOST_WIDTH)
-    console.print(table, width=Measurement.get(console, wide, table).maximum, crop=False, soft_wrap=True)
+    wide = Console(file=io.StringIO(), width=MOST_WIDTH)
+    with wide.capture() as text:
+        wide.print(table)
+    for row in text.get().splitlines():
+        console.print(Text(row.rstrip()), soft_wrap=True)
     n_rows, record = len(study.rows), study.record
     if n_rows < record.n_cells:
         console.print(Text(f"{n_rows} of {record.n_cells} cells have a row"), soft_wrap=True)

@@ -52,9 +52,7 @@ def sha256_of_policy(name: str, allowed: Collection[str]) -> str:
         PolicyError: It runs code and was not allowed, or there is none.
     """
     if runs_code(name) and name not in allowed:
-        raise PolicyError(
-            f"The policy {name} runs code, which a study file alone may not: add --policy {name} if you trust it"
-        )
+        raise PolicyError(f"The policy {name} runs code: repeat it with --policy {name} if you trust it")
     return _sha256(name)
 
 

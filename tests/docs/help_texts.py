@@ -10,6 +10,7 @@ from agent_proc.mission.process import AgentConfig
 from legpush import cli
 from legpush.messages.common import Role
 from legpush.options.scenarios import Scenarios
+from legpush.options.study import Studies
 from legpush.service import ServiceConfig, parse
 
 PROCESSES: Final[dict[Role, type[ServiceConfig]]] = {
@@ -35,8 +36,9 @@ def commands() -> Iterator[str]:
     yield ""
     for name in _names(cli.Command):
         yield name
-    for name in _names(get_type_hints(Scenarios, include_extras=True)["action"]):
-        yield f"scenarios {name}"
+    for command, options in (("scenarios", Scenarios), ("study", Studies)):
+        for name in _names(get_type_hints(options, include_extras=True)["action"]):
+            yield f"{command} {name}"
 
 
 def _names(union: Any) -> list[str]:

@@ -18,6 +18,7 @@ OWN = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
 PARTS = [
     ("shared/legpush", ()),
     ("shared/legpush/gym", ("agent",)),
+    ("shared/legpush/study", ("study",)),
     ("planner_proc", ("planner",)),
     ("sim_proc", ("sim",)),
     ("sim_proc/export", ("view",)),

@@ -35,7 +35,7 @@ ROGUES = {
         "agent_proc.evaluation",
         "import gymnasium",
     ),
-    "Only reporting and the plot of an evaluation import matplotlib": (
+    "Only reporting and the pictures of evaluations and studies import matplotlib": (
         "agent_proc.evaluation",
         "from matplotlib import pyplot",
     ),

@@ -104,7 +104,7 @@ class Runner:
                 if not self._running:
                     self._stop.wait(TURN_S)
                 done, _ = wait(self._running, timeout=TURN_S, return_when=FIRST_COMPLETED)
-                for future in done:
+                for future in [each for each in self._running if each in done]:
                     self._take(future, self._running.pop(future))
                 self._flush()
                 self._on_turn(self._tally)

@@ -1,0 +1,174 @@
+"""`python -m benchmarks.study_overhead`: cells of about one second in a study against plain processes.
+
+CPU seconds: episodes of pushes, as a study and as one plain process per worker, each with its share of the same cells;
+whole programs with everything that they start, in turn. Wall time: cells that only sleep, so that what they take beyond
+their sleep is the engine's own time, whatever else the machine does.
+"""
+
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import threading
+from dataclasses import asdict, dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Annotated, Any, Final
+
+import msgspec
+import tyro
+
+from agent_proc.statistics import mean_interval
+from legpush.study.engines.local import LocalEngine
+from legpush.study.file import Study, load_study, read_study
+from legpush.study.folder import StudyFolder
+from legpush.study.jobs import Job
+from legpush.study.runner import Runner, Tally
+from legpush.versions import installed_versions
+
+STUB: Final = "tests.legpush.study.stub:STUB"
+PUSHES: Final = """
+name = "overhead"
+cell = "push"
+[settings]
+scenario = "push"
+policy = "scripted"
+"mission.max_push_cycles" = {cycles}
+[axes]
+seed = {{ first = {first}, n = {n} }}
+"""
+SLEEPS: Final = """
+name = "sleep"
+[settings]
+seconds = 1.0
+[axes]
+seed = {{ first = 0, n = {n} }}
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """How much to measure."""
+
+    n_pairs: int = 4
+    n_cells: int = 20
+    """Cells of each program."""
+    cycles: int = 10
+    """Pushes of an episode; ten take about a second."""
+    workers: int = 2
+    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/study_overhead.json")
+    """Where the numbers go."""
+
+
+def main(config: Config) -> None:
+    """Measure, print, and write the numbers."""
+    pairs = []
+    for index in range(config.n_pairs):
+        text = PUSHES.format(cycles=config.cycles, first=1000 * index, n=config.n_cells)
+        study_s, plain_s = as_study(text, config.workers), as_plain_processes(text, config.workers)
+        pairs.append({"study_cpu_s": study_s, "plain_cpu_s": plain_s})
+        print(f"CPU: {study_s:.1f} s as a study, {plain_s:.1f} s in plain processes", flush=True)
+    ratio = mean_interval([pair["study_cpu_s"] / pair["plain_cpu_s"] for pair in pairs])
+    wall_s = [sleeping(config.n_cells, config.workers) for _ in range(config.n_pairs)]
+    own = mean_interval([taken / (config.n_cells / config.workers) - 1.0 for taken in wall_s])
+    print(f"CPU of the study over plain processes: {ratio.value:.3f} [{ratio.low:.3f}, {ratio.high:.3f}]")
+    print(f"engine's own time per sleeping cell of 1 s: {own.value:.2%} [{own.low:.2%}, {own.high:.2%}]")
+    result = {
+        "command": "python -m benchmarks.study_overhead",
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
+        "versions": installed_versions(),
+        "cpu_ratio": asdict(ratio),
+        "own_time_share": asdict(own),
+        "pairs": pairs,
+        "sleeping_wall_s": wall_s,
+    }
+    config.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+def as_study(text: str, workers: int) -> float:
+    """CPU seconds of `legpush study run`."""
+    with TemporaryDirectory(prefix="legpush-overhead-") as scratch:
+        file = Path(scratch) / "study.toml"
+        file.write_text(text)
+        command = [str(Path(sys.executable).with_name("legpush")), "study", "run", str(file)]
+        return _cpu_s([*command, "--out", str(Path(scratch) / "out"), "--workers", str(workers)])
+
+
+def as_plain_processes(text: str, workers: int) -> float:
+    """CPU seconds of a program that shares out the cells among processes, and does nothing else."""
+    with TemporaryDirectory(prefix="legpush-overhead-") as scratch:
+        file = Path(scratch) / "study.toml"
+        file.write_text(text)
+        return _cpu_s([sys.executable, "-m", "benchmarks.study_overhead", "plain", str(file), str(workers)])
+
+
+def run_plainly(file: Path, workers: int) -> None:
+    """Be the plain program: resolve the cells, and run each share in a process."""
+    study = load_study(file)
+    cells = [task.specification for task in study.tasks()]
+    context = get_context("spawn")
+    processes = [context.Process(target=run_share, args=(str(file), cells[index::workers])) for index in range(workers)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join()
+        if process.exitcode != 0:
+            raise RuntimeError(f"A plain process ended with {process.exitcode}")
+
+
+def run_share(file: str, cells: list[dict[str, Any]]) -> None:
+    """Run cells one after the other."""
+    kind = load_study(Path(file)).kind
+    for cell in cells:
+        kind.run(msgspec.convert(cell, kind.resolved))
+
+
+def sleeping(n_cells: int, workers: int) -> float:
+    """Wall time of sleeping cells in a study whose workers run already."""
+    study = read_study(SLEEPS.format(n=n_cells + workers), "sleep", own_cell=STUB)
+    engine = LocalEngine(workers)
+    with TemporaryDirectory(prefix="legpush-overhead-") as scratch:
+        folder = StudyFolder(Path(scratch))
+        folder.make_folders()
+        warm = [engine.submit(msgspec.msgpack.encode(_job(study))) for _ in range(workers)]
+        for future in warm:
+            future.result()
+        runner = _runner(study, engine, folder, n_cells)
+        began_s = perf_counter()
+        runner.run()
+        return perf_counter() - began_s
+
+
+def _job(study: Study) -> Job:
+    return Job(kind=study.kind_name, code=study.code, canary=None, results=None, tasks=())
+
+
+def _runner(study: Study, engine: LocalEngine, folder: StudyFolder, n_cells: int) -> Runner:
+    return Runner(
+        engine,
+        folder,
+        job=_job(study),
+        task=study.task,
+        missing=range(n_cells),
+        tally=Tally(n_cells=n_cells, n_done=0),
+        stop=threading.Event(),
+    )
+
+
+def _cpu_s(command: list[str]) -> float:
+    """CPU seconds of a program and everything that it starts."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["plain"]:
+        run_plainly(Path(sys.argv[2]), int(sys.argv[3]))
+    else:
+        main(tyro.cli(Config))
