@@ -4,8 +4,9 @@ import logging
 import threading
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Future
 from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any, Final
 
@@ -78,6 +79,8 @@ class Runner:
         self._waiting = deque(missing)
         self._alone: deque[int] = deque()
         self._running: dict[Future[bytes], dict[str, tuple[int, Task]]] = {}
+        # Waiting for futures takes longer the more there are; a queue does not.
+        self._done: SimpleQueue[Future[bytes]] = SimpleQueue()
         self._losses: Counter[int] = Counter()
         self._rows: list[dict[str, Any]] = []
         self._oldest_s = 0.0
@@ -101,10 +104,7 @@ class Runner:
         try:
             while not self._stop.is_set() and (self._waiting or self._alone or self._running):
                 self._send()
-                if not self._running:
-                    self._stop.wait(TURN_S)
-                done, _ = wait(self._running, timeout=TURN_S, return_when=FIRST_COMPLETED)
-                for future in [each for each in self._running if each in done]:
+                for future in self._ended():
                     self._take(future, self._running.pop(future))
                 self._flush()
                 self._on_turn(self._tally)
@@ -124,7 +124,19 @@ class Runner:
                 return
             sent = {(task := self._task(index)).cell: (index, task) for index in indices}
             job = replace(self._job, tasks=tuple(task for _, task in sent.values()))
-            self._running[self._engine.submit(encode(job))] = sent
+            future = self._engine.submit(encode(job))
+            self._running[future] = sent
+            future.add_done_callback(self._done.put)
+
+    def _ended(self) -> list["Future[bytes]"]:
+        """Return the jobs that have ended, after a short wait for the first one."""
+        try:
+            ended = [self._done.get(timeout=TURN_S)]
+        except Empty:
+            return []
+        while not self._done.empty():
+            ended.append(self._done.get())
+        return ended
 
     def _next(self, n_slots: int) -> list[int]:
         """Return the cells of the next job; empty if there is nothing to send now."""
