@@ -73,6 +73,8 @@ class Measured:
     """CPU time of the head's own process per cell."""
     all_cpu_s: float
     """CPU time of the head, of its workers and of the engine's own processes per cell."""
+    cell_cpu_s: float
+    """CPU time of the cell itself, as its row has it."""
     gap_s: float
     """Median time between two cells of a worker."""
 
@@ -162,6 +164,7 @@ def measure_tasks(engine: Engine, kind: str, tasks: Sequence[Task], cells_per_jo
         rate_hz=(last - first) / (rows[last]["ended_s"] - rows[first]["ended_s"]),
         head_cpu_s=head_cpu_s / n_cells,
         all_cpu_s=all_cpu_s / n_cells,
+        cell_cpu_s=fmean(row["cpu_s"] for row in rows),
         gap_s=median(_gaps(rows) or [0.0]),
     )
 

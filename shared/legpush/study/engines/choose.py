@@ -18,7 +18,7 @@ NUMERICS: Final = ("LEGPUSH_NUMERICS", "OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEA
 
 
 def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
-    """Check that there is such an engine, and that it has these options.
+    """Refuse an engine that is unknown, or that has no such options.
 
     Raises:
         ConfigError: There is none; lists the valid ones.
