@@ -1,11 +1,11 @@
 """`python -m benchmarks.interrupted_study`: a study of stub cells whose head and workers are killed at random.
 
-After each kill every file must be whole; in the end every cell must have one row, with the right numbers. The result is
-printed as JSON.
+After each kill every file must be whole; in the end every cell must have one row, with the right numbers.
 """
 
 import json
 import os
+import platform
 import random
 import signal
 import subprocess
@@ -14,12 +14,13 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import psutil
 import tyro
 
 from legpush.study.folder import StudyFolder
+from legpush.versions import installed_versions
 
 CELL: Final = "tests.legpush.study.stub:STUB"
 
@@ -35,9 +36,25 @@ class Config:
     seed: int = 0
     """Seed of what is killed, and when."""
     workers: int = 2
+    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/interrupted_study.json")
+    """Where the numbers go."""
 
 
-def main(config: Config) -> dict[str, Any]:
+def main(config: Config) -> None:
+    """Run the study with its kills, print what was seen, and write it."""
+    options = f"--cells {config.cells} --seconds {config.seconds} --kills {config.kills} --seed {config.seed}"
+    result = {
+        "command": f"python -m benchmarks.interrupted_study {options} --workers {config.workers}",
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
+        "versions": installed_versions(),
+        **interrupted(config),
+    }
+    text = json.dumps(result, indent=1)
+    print(text)
+    config.out.write_text(text + "\n")
+
+
+def interrupted(config: Config) -> dict[str, Any]:
     """Run the study with its kills, check it, and return what was seen."""
     draw = random.Random(config.seed)
     with TemporaryDirectory(prefix="legpush-interrupted-") as scratch:
@@ -122,4 +139,4 @@ def _wait_for_end(workers: list[psutil.Process]) -> None:
 
 
 if __name__ == "__main__":
-    print(json.dumps(main(tyro.cli(Config)), indent=1))
+    main(tyro.cli(Config))

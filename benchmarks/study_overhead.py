@@ -1,8 +1,8 @@
 """`python -m benchmarks.study_overhead`: cells of about one second in a study against plain processes.
 
 CPU seconds: episodes of pushes, as a study and as one plain process per worker, each with its share of the same cells;
-whole programs with everything that they start, in turn. Wall time: cells that only sleep, so that what they take beyond
-their sleep is the engine's own time, whatever else the machine does.
+whole programs with everything that they start, in turn. Wall time: cells that only sleep, in workers that run already,
+in turn with plain processes, so that what they take beyond their sleep does not depend on other work of the machine.
 """
 
 import json
@@ -14,9 +14,10 @@ import sys
 import threading
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
+from multiprocessing.synchronize import Event, Semaphore
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Annotated, Any, Final
 
 import msgspec
@@ -57,8 +58,8 @@ class Config:
     n_pairs: int = 4
     n_cells: int = 20
     """Cells of each program."""
-    cycles: int = 10
-    """Pushes of an episode; ten take about a second."""
+    cycles: int = 20
+    """Pushes of an episode; twenty take about a second."""
     workers: int = 2
     out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/study_overhead.json")
     """Where the numbers go."""
@@ -73,18 +74,25 @@ def main(config: Config) -> None:
         pairs.append({"study_cpu_s": study_s, "plain_cpu_s": plain_s})
         print(f"CPU: {study_s:.1f} s as a study, {plain_s:.1f} s in plain processes", flush=True)
     ratio = mean_interval([pair["study_cpu_s"] / pair["plain_cpu_s"] for pair in pairs])
-    wall_s = [sleeping(config.n_cells, config.workers) for _ in range(config.n_pairs)]
-    own = mean_interval([taken / (config.n_cells / config.workers) - 1.0 for taken in wall_s])
+    sleeps = []
+    for _ in range(2 * config.n_pairs):
+        study_s, head_s = sleeping(config.n_cells, config.workers)
+        plain_s = sleeping_plainly(config.n_cells, config.workers)
+        sleeps.append({"study_wall_s": study_s, "plain_wall_s": plain_s, "head_cpu_s_per_cell": head_s})
+    wall = mean_interval([pair["study_wall_s"] / pair["plain_wall_s"] for pair in sleeps])
+    head = mean_interval([pair["head_cpu_s_per_cell"] for pair in sleeps])
     print(f"CPU of the study over plain processes: {ratio.value:.3f} [{ratio.low:.3f}, {ratio.high:.3f}]")
-    print(f"engine's own time per sleeping cell of 1 s: {own.value:.2%} [{own.low:.2%}, {own.high:.2%}]")
+    print(f"wall time of sleeping cells over plain processes: {wall.value:.4f} [{wall.low:.4f}, {wall.high:.4f}]")
+    print(f"CPU of the head: {1e3 * head.value:.1f} ms per cell [{1e3 * head.low:.1f}, {1e3 * head.high:.1f}]")
     result = {
-        "command": "python -m benchmarks.study_overhead",
+        "command": f"python -m benchmarks.study_overhead --n-pairs {config.n_pairs} --n-cells {config.n_cells}",
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "versions": installed_versions(),
         "cpu_ratio": asdict(ratio),
-        "own_time_share": asdict(own),
+        "wall_ratio": asdict(wall),
+        "head_cpu_s_per_cell": asdict(head),
         "pairs": pairs,
-        "sleeping_wall_s": wall_s,
+        "sleeping_pairs": sleeps,
     }
     config.out.write_text(json.dumps(result, indent=1) + "\n")
 
@@ -127,8 +135,8 @@ def run_share(file: str, cells: list[dict[str, Any]]) -> None:
         kind.run(msgspec.convert(cell, kind.resolved))
 
 
-def sleeping(n_cells: int, workers: int) -> float:
-    """Wall time of sleeping cells in a study whose workers run already."""
+def sleeping(n_cells: int, workers: int) -> tuple[float, float]:
+    """Wall time of sleeping cells in a study whose workers run already, and CPU seconds of the head for each."""
     study = read_study(SLEEPS.format(n=n_cells + workers), "sleep", own_cell=STUB)
     engine = LocalEngine(workers)
     with TemporaryDirectory(prefix="legpush-overhead-") as scratch:
@@ -138,9 +146,38 @@ def sleeping(n_cells: int, workers: int) -> float:
         for future in warm:
             future.result()
         runner = _runner(study, engine, folder, n_cells)
-        began_s = perf_counter()
+        began_s, began_cpu_s = perf_counter(), process_time()
         runner.run()
-        return perf_counter() - began_s
+        return perf_counter() - began_s, (process_time() - began_cpu_s) / n_cells
+
+
+def sleeping_plainly(n_cells: int, workers: int) -> float:
+    """Wall time of the same cells in plain processes that run already, up to the end of the last one."""
+    context = get_context("spawn")
+    ready, go = context.Semaphore(0), context.Event()
+    text = SLEEPS.format(n=n_cells)
+    processes = [
+        context.Process(target=sleep_share, args=(text, index, workers, ready, go)) for index in range(workers)
+    ]
+    for process in processes:
+        process.start()
+    for _ in processes:
+        ready.acquire()
+    began_s = perf_counter()
+    go.set()
+    for process in processes:
+        process.join()
+    return perf_counter() - began_s
+
+
+def sleep_share(text: str, index: int, workers: int, ready: Semaphore, go: Event) -> None:
+    """Wait for the beginning, and run every n-th cell."""
+    study = read_study(text, "sleep", own_cell=STUB)
+    cells = [task.specification for task in study.tasks()][index::workers]
+    ready.release()
+    go.wait()
+    for cell in cells:
+        study.kind.run(msgspec.convert(cell, study.kind.resolved))
 
 
 def _job(study: Study) -> Job:

@@ -51,11 +51,13 @@ def sha256_of_policy(name: str, allowed: Collection[str]) -> str:
     Raises:
         PolicyError: It runs code and was not allowed, or there is none.
     """
-    if runs_code(name) and name not in allowed:
+    if _is_code(name) and name not in allowed:
         raise PolicyError(f"The policy {name} runs code: repeat it with --policy {name} if you trust it")
     return _sha256(name)
 
 
+_is_code = cache(runs_code)
+"""Reading the entry points takes milliseconds, and a study asks for each of its cells."""
 _sha256 = cache(policy_sha256)
 
 
@@ -65,7 +67,7 @@ def policy_with(name: str, sha256: str) -> Policy:
     Raises:
         PolicyError: Its files are others here, or it cannot be used.
     """
-    return _shared_policy(name, sha256) if not runs_code(name) else _made_policy(name, sha256)
+    return _shared_policy(name, sha256) if not _is_code(name) else _made_policy(name, sha256)
 
 
 def _made_policy(name: str, sha256: str) -> Policy:

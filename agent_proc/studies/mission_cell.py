@@ -1,10 +1,11 @@
 """The kind of cell `mission`: a whole mission in one process, in a scenario or in a random room."""
 
 from collections.abc import Collection, Mapping
+from dataclasses import fields
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 from msgspec import Struct
@@ -63,6 +64,17 @@ DRAWN: Final = (
     Column(name="drawn_scenario", unit="", about="the room that was drawn, as JSON; empty without a random room"),
 )
 
+if TYPE_CHECKING:
+    RoomFields = RandomRoom
+else:
+    RoomFields = msgspec.defstruct(
+        "RoomFields",
+        [(field.name, field.type, field.default) for field in fields(RandomRoom)],
+        frozen=True,
+        forbid_unknown_fields=True,
+    )
+    """The fields of a `RandomRoom` as a record that refuses unknown ones, which a dataclass does not."""
+
 
 class MissionCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A mission as a study file sets it."""
@@ -71,7 +83,7 @@ class MissionCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """Seed of the offsets of start and box, of the paths, and of a random room."""
     scenario: str | None = None
     """A built-in scenario or the path of a scenario file; `default` if there is no random room either."""
-    random_room: RandomRoom | None = None
+    random_room: RoomFields | None = None
     """Draw the room from the seed, as `legpush scenarios random` does."""
     policy: str = DEFAULT_POLICY
     """The policy that chooses the pushes."""
@@ -113,11 +125,15 @@ def resolve(cell: MissionCell, allowed: Collection[str]) -> ResolvedMission:
     if cell.scenario is not None and cell.random_room is not None:
         raise ConfigError(f"Expected either a scenario or a random room, got both: {cell.scenario}")
     changes = {**cell.changes, **path_changes(cell.planner, cell.steering, cell.turning_radius_m)}
-    scenario = None if cell.random_room is not None else scenario_of(cell.scenario or "default", changes)
+    scenario, room = None, None
+    if cell.random_room is None:
+        scenario = scenario_of(cell.scenario or "default", changes)
+    else:
+        room = RandomRoom(**{field.name: getattr(cell.random_room, field.name) for field in fields(RandomRoom)})
     return ResolvedMission(
         seed=cell.seed,
         scenario=scenario,
-        random_room=cell.random_room,
+        random_room=room,
         changes={} if scenario is not None else changes,
         policy=cell.policy,
         policy_sha256=sha256_of_policy(cell.policy, allowed),

@@ -16,8 +16,11 @@ N_COLUMNS: Final = 3
 MOST_MEASURES: Final = 12
 """Most plots in one picture."""
 SPREAD: Final = 0.5
-"""Share of the distance between two values over which the groups at one value are spread, so that none hides
-another."""
+"""Share of the distance between two words over which the groups at one word are spread, so that none hides another."""
+SPREAD_OF_NUMBERS: Final = 0.15
+"""The same between two numbers, where a shift must not look like another number."""
+MOST_TICKS: Final = 8
+"""With at most this many numbers, each has its tick."""
 
 
 def save_picture(lines: Sequence[Line], by: Sequence[str], title: str, path: Path) -> None:
@@ -59,14 +62,15 @@ def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:
     at = sorted(places.values())
     gap = min((b - a for a, b in pairwise(at)), default=1.0)
     for index, (label, found) in enumerate(series.items()):
-        shift = SPREAD * gap * ((index + 0.5) / len(series) - 0.5)
+        shift = (SPREAD_OF_NUMBERS if numeric else SPREAD) * gap * ((index + 0.5) / len(series) - 0.5)
         x = [places[repr(_at(line, along))] + shift for line in found]
         middle = [line.estimate.value for line in found]
         low = [max(0.0, line.estimate.value - line.estimate.low) for line in found]
         high = [max(0.0, line.estimate.high - line.estimate.value) for line in found]
         axis.errorbar(x, middle, [low, high], fmt="o", capsize=3, markersize=4, label=label)
+    if not numeric or len(at) <= MOST_TICKS:
+        axis.set_xticks(list(places.values()), [_shown(value) for value in values])
     if not numeric:
-        axis.set_xticks(at, [_shown(value) for value in values])
         axis.set_xlim(min(at) - 0.6, max(at) + 0.6)
     if lines[0].how.startswith("paired"):
         axis.axhline(0.0, color="0.6", linewidth=1.0, zorder=0)

@@ -86,7 +86,9 @@ def groups_of(study: StudyRows, by: Sequence[str], pairing: Pairing | None = Non
     for name in by:
         _require_column(study, name, "--by", study.inputs)
     chosen = tuple(by) or tuple(axis for axis in study.record.axes if axis != SEED)
-    return chosen if pairing is None or pairing.axis in chosen else (*chosen, pairing.axis)
+    if pairing is None or pairing.axis in by:
+        return chosen
+    return (*(name for name in chosen if name != pairing.axis), pairing.axis)
 
 
 def measures_of(study: StudyRows, asked: Sequence[str]) -> tuple[str, ...]:

@@ -213,7 +213,12 @@ def _branch(command: BranchOptions) -> int:
 
 @execute.register
 def _studies(command: Studies) -> int:
-    return execute(command.action)
+    try:
+        return execute(command.action)
+    except ModuleNotFoundError as error:
+        raise ConfigError(
+            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
+        ) from error
 
 
 @execute.register

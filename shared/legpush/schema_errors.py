@@ -51,8 +51,8 @@ def explain(
             if at_tag
             else f"Expected a table with {tag_field} = {' or '.join(tags)}"
         )
-    if isinstance(node, inspect.LiteralType):
-        what = f"Expected one of {', '.join(map(str, node.values))}"
+    if (literal := _literal(node)) is not None:
+        what = f"Expected one of {', '.join(map(str, literal.values))}"
     if isinstance(value, str | int | float) and not what.endswith(f"got {value}"):
         what += f" {value!r}" if ", got " in what else f", got {value!r}"
     for of_messages, of_files in _WORDS.items():
@@ -85,16 +85,22 @@ def _node(kind: type[msgspec.Struct], plain: Any, steps: Sequence[str]) -> inspe
 
 
 def _chosen(node: inspect.Type, plain: Any) -> inspect.Type:
-    """Return the record of a union that the value's tag names; otherwise the type itself."""
+    """Return the record of a union that the value's tag names, or its only record; otherwise the type itself."""
     if isinstance(node, inspect.UnionType) and isinstance(plain, dict):
         for one in _records(node):
-            if one.tag_field is not None and plain.get(one.tag_field) == one.tag:
+            if one.tag_field is None or plain.get(one.tag_field) == one.tag:
                 return one
     return node
 
 
 def _records(node: inspect.UnionType) -> tuple[inspect.StructType, ...]:
     return tuple(one for one in node.types if isinstance(one, inspect.StructType))
+
+
+def _literal(node: inspect.Type) -> inspect.LiteralType | None:
+    """Return the choices of a field; also of one that may be absent."""
+    types = node.types if isinstance(node, inspect.UnionType) else (node,)
+    return next((one for one in types if isinstance(one, inspect.LiteralType)), None)
 
 
 def _tags(node: inspect.UnionType) -> tuple[str, ...]:

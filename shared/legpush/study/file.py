@@ -98,7 +98,7 @@ class Study:
         record = msgspec.to_builtins(resolved)
         return Task(
             cell=cell_identity(self.kind_name, record, self.code),
-            inputs={**flattened(inputs), **changes},
+            inputs={path: _column(value) for path, value in {**flattened(inputs), **changes}.items()},
             specification=record,
         )
 
@@ -164,6 +164,12 @@ def read_study(
     if study.n_cells > MANY_CELLS and not many:
         raise ConfigError(f"{where}: expected at most {MANY_CELLS} cells, got {study.n_cells}; --yes runs them all")
     return study
+
+
+def _column(value: Any) -> Any:
+    """Return a value as a column: tables, such as obstacles or a reference, as JSON."""
+    has_tables = isinstance(value, Mapping) or (isinstance(value, list) and any(isinstance(v, Mapping) for v in value))
+    return msgspec.json.encode(value).decode() if has_tables else value
 
 
 def _kind_name(file: StudyFile, own_cell: str | None, where: str) -> str:

@@ -39,9 +39,13 @@ def write_table(table: pyarrow.Table, path: Path) -> None:
 
     Raises:
         DiskError: The file cannot be written.
+        RowsError: A column has values that Parquet cannot hold.
     """
     buffer = pyarrow.BufferOutputStream()
-    parquet.write_table(table, buffer, compression="zstd")
+    try:
+        parquet.write_table(table, buffer, compression="zstd")
+    except pyarrow.ArrowException as error:
+        raise RowsError(f"{path}: expected columns that Parquet can hold ({error})") from error
     write_whole(path, buffer.getvalue().to_pybytes())
 
 

@@ -4,6 +4,7 @@ import os
 import platform
 import traceback
 from collections.abc import Mapping
+from functools import cache
 from time import perf_counter, process_time
 from typing import Any
 
@@ -25,18 +26,17 @@ def work(payload: bytes) -> bytes:
         LegpushError: The kind of cell cannot be loaded.
     """
     job = decode_job(payload)
-    kind = load_kind(job.kind)
-    with threadpool_limits(limits=1):
-        own = canary() if kind.needs_canary else None
-        refused = _objection(job, own)
-        rows: list[Row] = []
-        failures: list[Failure] = []
-        for task in () if refused else job.tasks:
-            done = _run(job, kind, task)
-            if isinstance(done, Row):
-                rows.append(done)
-            else:
-                failures.append(done)
+    kind = _loaded(job.kind)
+    own = canary() if kind.needs_canary else None
+    refused = _objection(job, own)
+    rows: list[Row] = []
+    failures: list[Failure] = []
+    for task in () if refused else job.tasks:
+        done = _run(job, kind, task)
+        if isinstance(done, Row):
+            rows.append(done)
+        else:
+            failures.append(done)
     return encode(
         Answer(
             host=platform.node(),
@@ -48,6 +48,17 @@ def work(payload: bytes) -> bytes:
             failures=tuple(failures),
         )
     )
+
+
+@cache
+def _loaded(name: str) -> CellKind:
+    """Load a kind of cell, and limit this process to one thread, since a sum of several threads is rounded differently.
+
+    Finding the libraries to limit takes milliseconds, so it is done once.
+    """
+    kind = load_kind(name)
+    threadpool_limits(limits=1)
+    return kind
 
 
 def _objection(job: Job, own: str | None) -> str | None:

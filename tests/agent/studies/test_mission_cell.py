@@ -62,3 +62,11 @@ def test_a_push_map_is_known_by_its_hash(tmp_path: Path) -> None:
 def test_policies_that_run_code_are_refused() -> None:
     with pytest.raises(PolicyError, match="runs code"):
         resolve(MissionCell(policy="evil:policy"), ())
+
+
+def test_a_room_has_the_fields_of_a_random_room_with_its_defaults_and_no_others() -> None:
+    room = msgspec.convert({"random_room": {"obstacles": 3}}, MissionCell).random_room
+    assert msgspec.to_builtins(room) == msgspec.to_builtins(RandomRoom(obstacles=3))
+    assert resolve(MissionCell(random_room=room), ()).random_room == RandomRoom(obstacles=3)
+    with pytest.raises(msgspec.ValidationError, match="unknown field `obstacle`"):
+        msgspec.convert({"random_room": {"obstacle": 3}}, MissionCell)

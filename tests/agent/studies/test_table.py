@@ -65,6 +65,7 @@ STUDY = StudyRows(record=RECORD, inputs=RECORD.inputs, rows=ROWS)
 def test_groups_are_the_axes_but_the_seed_and_measures_the_numbers_among_the_results() -> None:
     assert groups_of(STUDY, ()) == ("policy", "box.mass_kg")
     assert groups_of(STUDY, ("box.mass_kg",), Pairing(axis="policy", value="a")) == ("box.mass_kg", "policy")
+    assert groups_of(STUDY, (), Pairing(axis="policy", value="a")) == ("box.mass_kg", "policy")
     assert measures_of(STUDY, ()) == ("error_m", "success")
     assert measures_of(STUDY, ("cpu_s",)) == ("cpu_s",)
 

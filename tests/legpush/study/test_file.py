@@ -22,6 +22,11 @@ def test_the_identity_of_a_cell_depends_on_what_it_is_given_and_on_nothing_else(
     assert len({task.cell for study in (a, b) for task in study.tasks()}) == 3
 
 
+def test_tables_among_the_inputs_are_columns_of_json() -> None:
+    study = study_of("[settings]\nseed = 1\nroom.obstacles = [{ x_min_m = 1.0, x_max_m = 2.0 }]\n")
+    assert study.task(0).inputs["room.obstacles"] == '[{"x_min_m":1.0,"x_max_m":2.0}]'
+
+
 def test_a_study_without_axes_is_one_cell() -> None:
     assert [task.inputs["seed"] for task in study_of("[settings]\nseed = 4\n").tasks()] == [4]
 

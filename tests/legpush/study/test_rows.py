@@ -72,6 +72,11 @@ def test_a_column_of_two_types_is_named(tmp_path: Path) -> None:
         read_rows([write_part(tmp_path, [row("a")]), write_part(tmp_path, [row("b", value="x")])])
 
 
+def test_a_value_that_parquet_cannot_hold_is_an_error_of_the_row(tmp_path: Path) -> None:
+    with pytest.raises(RowsError, match="expected columns that Parquet can hold"):
+        write_part(tmp_path, [row("a", value={})])
+
+
 def test_a_part_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(DiskError):
         write_part(tmp_path / "none", [row("a")])

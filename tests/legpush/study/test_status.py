@@ -1,3 +1,4 @@
+import sys
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,14 @@ def test_many_failures_are_not_all_shown(tmp_path: Path) -> None:
     for index in range(12):
         folder.keep_failure(FailedCell(cell=f"{index}", inputs={}, own=True, error="no"))
     assert f"and 2 more, in {folder.failed}" in list(status_lines(folder))
+
+
+def test_a_missing_library_is_named_with_the_extra_that_has_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "legpush.study.status", None)
+    assert main(["study", "status", str(tmp_path)]) == 2
+    assert "which is not installed; pip install 'legpush[study]' installs it" in capsys.readouterr().err
 
 
 def test_what_is_no_study_ends_with_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
