@@ -37,8 +37,7 @@ from legpush.study.runner import Runner, Tally
 from legpush.versions import installed_versions
 
 KIND: Final = "benchmarks.study_cells:SLEEP"
-JOBS_PER_SLOT: Final = Pace().jobs_per_slot
-BATCH_S: Final = Pace().batch_s
+PACE: Final = Pace()
 N_WARM: Final = 20
 """Most runs in which the workers of an engine may start."""
 
@@ -79,7 +78,7 @@ class Measured:
     """Median time between two cells of a worker."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Costs:
     """What an engine costs, from measurements with two workers."""
 
@@ -198,20 +197,15 @@ def measure_costs(on: str) -> Costs:
         engine.close(now=True)
     # Cost per cell alone = job + cell; in batches of 250 = job / 250 + cell.
     job_s = (alone.head_cpu_s - many.head_cpu_s) / (1.0 - 1.0 / 250)
-    return Costs(
-        head_job_s=job_s,
-        head_cell_s=alone.head_cpu_s - job_s,
-        worker_job_s=waiting.gap_s,
-        all_job_s=alone.all_cpu_s,
-        start_s=start_s,
-    )
+    cell_s = alone.head_cpu_s - job_s
+    return Costs(job_s, cell_s, worker_job_s=waiting.gap_s, all_job_s=alone.all_cpu_s, start_s=start_s)
 
 
 def predicted_rate_hz(n_workers: int, seconds: float, cells_per_job: float, costs: Costs) -> float:
     """Return the cells per second that the model predicts, from logarithms of the normalizing constants."""
     head_s = costs.head_job_s + cells_per_job * costs.head_cell_s
     worker_s = costs.worker_job_s + cells_per_job * seconds
-    n_jobs = JOBS_PER_SLOT * n_workers
+    n_jobs = PACE.jobs_per_slot * n_workers
     # The weight of n jobs at the workers is the product of worker_s / min(i, n_workers) for i from 1 to n.
     busy = np.minimum(np.arange(1, n_jobs + 1), n_workers)
     log_workers = np.concatenate([[0.0], np.cumsum(np.log(worker_s) - np.log(busy))])
@@ -227,7 +221,7 @@ def extrapolate(costs: Costs) -> list[dict[str, float]]:
     """Return predictions for the batches that the runner makes, up to 1000 workers."""
     rows = []
     for seconds in (0.01, 0.1, 1.0, 10.0):
-        cells_per_job = float(max(1, min(round(BATCH_S / seconds), Pace().most_cells)))
+        cells_per_job = float(max(1, min(round(PACE.batch_s / seconds), PACE.most_cells)))
         for n_workers in (40, 100, 300, 1000, 3000):
             rate_hz = predicted_rate_hz(n_workers, seconds, cells_per_job, costs)
             head_s = costs.head_job_s / cells_per_job + costs.head_cell_s
@@ -288,7 +282,7 @@ def main(config: Config) -> None:
         "command": "python -m benchmarks.scaling",
         "machine": {**began, "system": platform.platform(), "processor": _processor()},
         "versions": installed_versions(),
-        "jobs_per_slot": JOBS_PER_SLOT,
+        "jobs_per_slot": PACE.jobs_per_slot,
         "engines": results,
     }
     config.out.write_text(json.dumps(content, indent=1) + "\n")

@@ -24,7 +24,8 @@ def engine() -> Iterator[RayEngine]:
     engine = RayEngine("ray", n_workers=N_WORKERS, environment={"OPENBLAS_CORETYPE": "Haswell", "LEGPUSH_TEST": "1"})
     yield engine
     engine.close(now=True)
-    assert [process.name() for process in psutil.Process().children(recursive=True)] == []
+    left = [" ".join(process.cmdline()) for process in psutil.Process().children(recursive=True)]
+    assert [command for command in left if "ray" in command.split("/")] == []
 
 
 def job(*, kind: str = KIND, code: str | None = None, seed: int = 3, kill_at: int = -1) -> bytes:
