@@ -25,7 +25,7 @@ def engine() -> Iterator[RayEngine]:
     yield engine
     engine.close(now=True)
     left = [" ".join(process.cmdline()) for process in psutil.Process().children(recursive=True)]
-    assert [command for command in left if "ray" in command.split("/")] == []
+    assert [command for command in left if "/ray/" in command or command.startswith("ray::")] == []
 
 
 def job(*, kind: str = KIND, code: str | None = None, seed: int = 3, kill_at: int = -1) -> bytes:
