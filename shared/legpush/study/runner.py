@@ -87,6 +87,7 @@ class Runner:
         self._cell_s: float | None = None
         """Recent mean time of a cell."""
         self._n_refusals = 0
+        self._most_slots = 0
         self._tally = tally
         self._stop = stop
         self._on_turn = on_turn
@@ -118,6 +119,7 @@ class Runner:
     def _send(self) -> None:
         """Keep every slot busy."""
         n_slots = self._engine.n_slots()
+        self._most_slots = max(self._most_slots, n_slots)
         while len(self._running) < self._engine.pace.jobs_per_slot * n_slots:
             indices = self._next(n_slots)
             if not indices:
@@ -193,7 +195,8 @@ class Runner:
             self._tally.refused.add(text)
         self._waiting.extendleft(index for index, _ in sent.values())
         self._n_refusals += 1
-        if self._n_refusals > REFUSALS_PER_SLOT * self._engine.n_slots():
+        # An engine has fewer slots when it keeps cells from a node that refused; some may have been sent there before.
+        if self._engine.n_slots() == 0 or self._n_refusals > REFUSALS_PER_SLOT * self._most_slots:
             raise EngineError(f"No worker can run this study: {'; '.join(sorted(self._tally.refused))}")
 
     def _lose(self, sent: dict[str, tuple[int, Task]], why: str) -> None:
