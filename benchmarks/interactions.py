@@ -1,7 +1,8 @@
-"""`python benchmarks/interactions.py`: interactions per second in one process, and on the bus with 1 and 2 simulators.
+"""`python -m benchmarks.interactions`: interactions per second in one process, and on the bus with 1 and 2 simulators.
 
 An interaction is one push cycle, including the resets between episodes. All three settings take turns with the same
 actions in the same episodes, so that other work on the machine affects them equally. The observations must be equal.
+The numbers go to `results/interactions.json`.
 """
 
 import tempfile
@@ -18,7 +19,11 @@ from numpy.typing import NDArray
 
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.simulators import own_simulators
+from agent_proc.statistics.intervals import median
+from agent_proc.statistics.paired import paired_ratio
 from agent_proc.task.config import TaskConfig
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from sim_proc.simulator import Simulator
@@ -31,11 +36,11 @@ class Config:
     n_steps: int = 60
     """Push cycles of each simulator in a round."""
     n_rounds: int = 7
-    """Number of rounds, each with all three settings in turn; medians are reported."""
+    """Number of rounds, each with all three settings in turn."""
 
 
 def main(config: Config) -> None:
-    """Measure all settings and print their rates."""
+    """Measure all settings and report their rates."""
     with ExitStack() as stack:
         logs = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="legpush-interactions-")))
         bus_worlds = stack.enter_context(own_simulators(2, logs, threading.Event()))
@@ -52,12 +57,18 @@ def main(config: Config) -> None:
                 rates[name] += [rate] if round_seed >= 0 else []
             if not np.array_equal(seen["in one process"], seen["bus, 1 simulator"]):
                 raise RuntimeError("The observations on the bus and in one process differ: the comparison is void")
-    local = np.array(rates["in one process"])
-    one = np.array(rates["bus, 1 simulator"])
-    for name, values in rates.items():
-        spread = f"n {len(values)}, {min(values):.1f} to {max(values):.1f}"
-        ratios = f"{np.median(values / local):.2f} x one process, {np.median(values / one):.2f} x bus with 1"
-        print(f"{name:18s} {np.median(values):6.1f} interactions/s ({spread}), {ratios}")
+    by_round = {name: dict(enumerate(values)) for name, values in rates.items()}
+    one, bus_one, bus_two = (by_round[name] for name in rates)
+    write_report(
+        "interactions",
+        {
+            "n_rounds": config.n_rounds,
+            "n_steps": config.n_steps,
+            "per_second": {name: plain(median(values), 2) for name, values in rates.items()},
+            "bus_over_one_process": plain(paired_ratio(bus_one, one), 4),
+            "two_simulators_over_one": plain(paired_ratio(bus_two, bus_one), 4),
+        },
+    )
 
 
 def measure(worlds: Sequence[SteppingWorld], seed: int, n_steps: int) -> tuple[float, NDArray[np.float32]]:

@@ -1,11 +1,10 @@
 """`python -m benchmarks.interrupted_study`: a study of stub cells whose head and workers are killed at random.
 
-After each kill every file must be whole; in the end every cell must have one row, with the right numbers.
+After each kill every file must be whole; in the end every cell must have one row, with the right numbers. The
+result goes to `results/interrupted_study.json`.
 """
 
-import json
 import os
-import platform
 import random
 import signal
 import subprocess
@@ -14,13 +13,13 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
 import psutil
 import tyro
 
+from benchmarks.report import write_report
 from legpush.study.folder import StudyFolder
-from legpush.versions import installed_versions
 
 CELL: Final = "tests.legpush.study.stub:STUB"
 
@@ -36,22 +35,11 @@ class Config:
     seed: int = 0
     """Seed of what is killed, and when."""
     workers: int = 2
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/interrupted_study.json")
-    """Where the numbers go."""
 
 
 def main(config: Config) -> None:
-    """Run the study with its kills, print what was seen, and write it."""
-    options = f"--cells {config.cells} --seconds {config.seconds} --kills {config.kills} --seed {config.seed}"
-    result = {
-        "command": f"python -m benchmarks.interrupted_study {options} --workers {config.workers}",
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
-        **interrupted(config),
-    }
-    text = json.dumps(result, indent=1)
-    print(text)
-    config.out.write_text(text + "\n")
+    """Run the study with its kills, and report what was seen."""
+    write_report("interrupted_study", interrupted(config))
 
 
 def interrupted(config: Config) -> dict[str, Any]:
@@ -104,6 +92,7 @@ def interrupted(config: Config) -> dict[str, Any]:
         leftover = [path.name for path in out.rglob("*") if path.suffix == ".part"]
         return {
             "cells": config.cells,
+            "n_kills": len(killed),
             "killed": killed,
             "exit_code": code,
             "rows": len(rows),

@@ -2,11 +2,10 @@
 
 Both draw the same rooms and end with the same `state_crc`, without picture and film. CPU seconds are those of all
 processes, from the start of the programs to their end; those of the study that belong to no cell are shared out evenly.
+The numbers go to `results/mission_cell.json`.
 """
 
 import json
-import os
-import platform
 import resource
 import subprocess
 import sys
@@ -14,20 +13,21 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
-import numpy as np
 import tyro
 
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.intervals import median
+from agent_proc.statistics.paired import paired_ratio
 from agent_proc.studies.mission_cell import ResolvedMission, drawn
 from agent_proc.studies.mission_numbers import numbers, tracks
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.history.steps import read_episode
 from legpush.scenarios.file import write_scenario
 from legpush.scenarios.random_room import RandomRoom
 from legpush.study.folder import StudyFolder
-from legpush.versions import installed_versions
 
 LEGPUSH: Final = str(Path(sys.executable).with_name("legpush"))
 
@@ -39,8 +39,6 @@ class Config:
     first_seed: int = 63_000
     n: int = 8
     """Rooms, each with a seed of its own."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/mission_cell.json")
-    """Where the numbers go."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +57,7 @@ class Pair:
 
 
 def main(config: Config) -> None:
-    """Measure, print, and write the numbers."""
+    """Measure and report the numbers."""
     cells = as_study(config)
     pairs = []
     for seed, (cell_cpu_s, crc) in cells.items():
@@ -68,20 +66,20 @@ def main(config: Config) -> None:
             raise RuntimeError(f"Seed {seed}: {crc} as a cell, {crc_of_run} in three processes")
         pairs.append(Pair(seed=seed, cell_cpu_s=cell_cpu_s, processes_cpu_s=cpu_s, state_crc=crc))
         print(f"seed {seed}: CPU {cell_cpu_s:.1f} s as a cell, {cpu_s:.1f} s in three processes, {crc}", flush=True)
-    ratios = [pair.ratio for pair in pairs]
-    mean = mean_interval(ratios)
-    print(
-        f"CPU as a cell over three processes: median {np.median(ratios):.2f}, mean {mean.value:.2f} "
-        f"[{mean.low:.2f}, {mean.high:.2f}] (95 %, bootstrap), n {len(ratios)}"
+    cell_s, processes_s = {}, {}
+    for pair in pairs:
+        cell_s[pair.seed], processes_s[pair.seed] = pair.cell_cpu_s, pair.processes_cpu_s
+    write_report(
+        "mission_cell",
+        {
+            "n": len(pairs),
+            "over_processes": {
+                "median": plain(median([pair.ratio for pair in pairs]), 4),
+                "geometric_mean": plain(paired_ratio(cell_s, processes_s), 4),
+            },
+            "pairs": [asdict(pair) for pair in pairs],
+        },
     )
-    result = {
-        "command": f"python -m benchmarks.mission_cell --first-seed {config.first_seed} --n {config.n}",
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
-        "ratio": {"median": float(np.median(ratios)), **asdict(mean)},
-        "pairs": [asdict(pair) for pair in pairs],
-    }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
 
 
 def as_study(config: Config) -> dict[int, tuple[float, str]]:

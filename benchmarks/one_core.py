@@ -1,4 +1,7 @@
-"""`python benchmarks/one_core.py`: speed of whole missions in three processes that share one core, over real time."""
+"""`python -m benchmarks.one_core`: speed of whole missions in three processes that share one core, over real time.
+
+The numbers go to `results/one_core.json`.
+"""
 
 import json
 import os
@@ -10,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import tyro
+
+from benchmarks.report import write_report
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +28,7 @@ class Config:
 
 
 def main(config: Config) -> None:
-    """Pin this process and its children to one core, run the missions, and print their speed."""
+    """Pin this process and its children to one core, run the missions, and report their speed."""
     core = min(os.sched_getaffinity(0))
     os.sched_setaffinity(0, {core})
     factors, simulated = [], []
@@ -36,8 +41,16 @@ def main(config: Config) -> None:
             report = json.loads((out / "report.json").read_text())
         factors.append(report["real_time_factor"])
         simulated.append(report["sim_time_s"])
-    print(f"{config.scenario}: {np.mean(simulated):.0f} simulated seconds a mission, n {len(factors)}")
-    print(f"times real time on one core: median {np.median(factors):.1f}, least {min(factors):.1f}")
+    write_report(
+        "one_core",
+        {
+            "scenario": config.scenario,
+            "n": len(factors),
+            "simulated_s": round(float(np.mean(simulated)), 1),
+            "median_times_real_time": round(float(np.median(factors)), 2),
+            "least_times_real_time": round(min(factors), 2),
+        },
+    )
 
 
 if __name__ == "__main__":

@@ -1,25 +1,28 @@
 """`python -m benchmarks.one_process`: a mission in one process against the same mission in three.
 
 Both are whole programs, from the start of the interpreter to the result, without picture and film, in turn. CPU seconds
-are those of the program and its children; steps per second are simulated steps per second of the mission itself.
+are those of the program and its children; steps per second are simulated steps per second of the mission itself. The
+numbers go to `results/one_process.json`.
 """
 
 import json
 import os
-import platform
 import resource
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
 
-import numpy as np
 import tyro
 
-from agent_proc.statistics import mean_interval
-from legpush.versions import installed_versions
+from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.intervals import median
+from agent_proc.statistics.paired import common, paired_ratio
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
+from legpush.processes.environment import child_environment
 
 IN_ONE = """
 import json, sys, legpush
@@ -36,12 +39,10 @@ class Config:
     """The mission."""
     n_pairs: int = 8
     """Pairs, each with a seed of its own, from 0."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/one_process.json")
-    """Where the numbers go."""
 
 
 def main(config: Config) -> None:
-    """Measure, print, and write the numbers."""
+    """Measure and report the numbers."""
     pairs: list[tuple[Measured, Measured]] = []
     for seed in range(config.n_pairs):
         one, three = in_one_process(config.scenario, seed), in_three(config.scenario, seed)
@@ -49,26 +50,19 @@ def main(config: Config) -> None:
             raise RuntimeError(f"Seed {seed}: {one.state_crc} in one process, {three.state_crc} in three")
         pairs.append((one, three))
         print(f"seed {seed}: CPU {one.cpu_s:.1f} s and {three.cpu_s:.1f} s, CRC {one.state_crc}", flush=True)
-    ratios = {
-        "cpu": [one.cpu_s / three.cpu_s for one, three in pairs],
-        "steps_per_second": [three.wall_time_s / one.wall_time_s for one, three in pairs],
-    }
-    for name, values in ratios.items():
-        estimate = mean_interval(values)
-        print(
-            f"{name}, one process over three: median {np.median(values):.2f}, mean {estimate.value:.2f} "
-            f"[{estimate.low:.2f}, {estimate.high:.2f}] (95 %, bootstrap), n {len(values)}"
-        )
-    result = {
-        "command": f"python -m benchmarks.one_process --scenario {config.scenario} --n-pairs {config.n_pairs}",
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
-        "ratios": ratios,
-        "pairs": [
-            {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
-        ],
-    }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
+    write_report(
+        "one_process",
+        {
+            "scenario": config.scenario,
+            "ratios": {
+                name: {statistic: plain(estimate, 4) for statistic, estimate in statistics.items()}
+                for name, statistics in ratios_of(pairs).items()
+            },
+            "pairs": [
+                {"seed": seed, "one": asdict(one), "three": asdict(three)} for seed, (one, three) in enumerate(pairs)
+            ],
+        },
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +76,25 @@ class Measured:
     state_crc: str
 
 
+def ratios_of(pairs: Sequence[tuple[Measured, Measured]]) -> dict[str, dict[str, Estimate]]:
+    """CPU time and speed of one process over those of three, by seeds: median and geometric mean."""
+    cpu_s = [dict(enumerate(run.cpu_s for run in runs)) for runs in zip(*pairs, strict=True)]
+    speed_hz = [dict(enumerate(1.0 / run.wall_time_s for run in runs)) for runs in zip(*pairs, strict=True)]
+    return {
+        name: {
+            "median": median([first / second for first, second in common(one, three)]),
+            "geometric_mean": paired_ratio(one, three),
+        }
+        for name, (one, three) in (("cpu", cpu_s), ("steps_per_second", speed_hz))
+    }
+
+
 def in_one_process(scenario: str, seed: int) -> Measured:
     """One whole program with the mission in it."""
     before = _cpu_of_children_s()
     argv = [sys.executable, "-c", IN_ONE, scenario, str(seed)]
-    done = subprocess.run(argv, check=True, capture_output=True, text=True)
+    environment = child_environment(os.environ)
+    done = subprocess.run(argv, env=environment, check=True, capture_output=True, text=True)
     return Measured(cpu_s=_cpu_of_children_s() - before, **json.loads(done.stdout))
 
 

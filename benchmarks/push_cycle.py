@@ -1,7 +1,8 @@
-"""`python benchmarks/push_cycle.py`: time that control adds to physics in a push cycle, and speed over real time.
+"""`python -m benchmarks.push_cycle`: time that control adds to physics in a push cycle, and speed over real time.
 
 Two measurements take turns in one process: the simulator's whole push cycle (planning, kinematics, feed-forward,
-recording), and the bare `mj_step` calls that it contains, from the same states with the same controls.
+recording), and the bare `mj_step` calls that it contains, from the same states with the same controls. The
+numbers go to `results/push_cycle.json`.
 """
 
 import time
@@ -11,6 +12,9 @@ import mujoco
 import numpy as np
 import tyro
 
+from agent_proc.statistics.intervals import median
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
@@ -30,7 +34,7 @@ class Config:
 
 
 def main(config: Config) -> None:
-    """Measure both and print their ratio."""
+    """Measure both and report their ratio."""
     simulator = Simulator()
     simulator.perform(Reset(scenario=load_scenario("push"), seed=0), with_trace=False)
     if simulator.episode is None:
@@ -60,10 +64,19 @@ def main(config: Config) -> None:
         n_ticks.append(sum(len(part) for part in controls))
     ratio = np.array(cycle_s) / np.array(bare_s)
     real_time = np.array(n_ticks) * CONTROL_PERIOD_S / np.array(cycle_s)
-    print(f"push cycle / bare mj_step: median {np.median(ratio):.2f} (n {len(ratio)}, 5-95 % {_spread(ratio)})")
-    simulated_s = np.median(n_ticks) * CONTROL_PERIOD_S
-    print(f"push cycle: {np.median(cycle_s) * 1e3:.1f} ms for {simulated_s:.2f} simulated seconds")
-    print(f"that is {np.median(real_time):.0f} x real time on one core")
+    low, high = np.percentile(ratio, [5, 95]).tolist()
+    write_report(
+        "push_cycle",
+        {
+            "n": len(ratio),
+            "over_bare_steps": plain(median(ratio.tolist()), 4),
+            "low": round(low, 4),
+            "high": round(high, 4),
+            "cycle_ms": round(float(np.median(cycle_s)) * 1e3, 2),
+            "simulated_s": round(float(np.median(n_ticks)) * CONTROL_PERIOD_S, 3),
+            "times_real_time": round(float(np.median(real_time)), 1),
+        },
+    )
 
 
 def _collect_controls(controls: list[np.ndarray]) -> None:
@@ -76,10 +89,6 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
         return recording
 
     physics.Physics.run = run_and_collect  # type: ignore[method-assign, assignment]
-
-
-def _spread(values: np.ndarray) -> str:
-    return " to ".join(f"{value:.2f}" for value in np.percentile(values, [5, 95]))
 
 
 if __name__ == "__main__":

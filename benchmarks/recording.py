@@ -1,7 +1,8 @@
-"""`python benchmarks/recording.py`: measures what a recording costs, and whether it is complete.
+"""`python -m benchmarks.recording`: measures what a recording costs, and whether it is complete.
 
 Whole missions with and without a recorder take turns. Then a lockstep without physics runs as fast as it can: without a
-recorder, with one, and with a frozen one. Simulator and recorder are processes of their own.
+recorder, with one, and with a frozen one. Simulator and recorder are processes of their own. The numbers go to
+`results/recording.json`.
 """
 
 import signal
@@ -15,9 +16,13 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import tyro
 
+from agent_proc.statistics.paired import paired_ratio
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
 from legpush.lockstep.client import PastStep, SimLink
@@ -42,14 +47,14 @@ class Config:
 
 
 def main(config: Config) -> None:
-    """Measure missions and lockstep, and print the results."""
-    if config.missions:
-        measure_missions(config.missions, config.scenario)
+    """Measure missions and lockstep, and report the results."""
+    missions = measure_missions(config.missions, config.scenario) if config.missions else None
     with tempfile.TemporaryDirectory(prefix="legpush-recording-") as folder:
-        measure_lockstep(config.messages // 2, Path(folder))
+        lockstep = measure_lockstep(config.messages // 2, Path(folder))
+    write_report("recording", {"missions": missions, "lockstep": lockstep})
 
 
-def measure_missions(n: int, scenario: str) -> None:
+def measure_missions(n: int, scenario: str) -> dict[str, Any]:
     """Compare the wall times of missions, from the first to the last entry of their journals."""
     seconds: dict[bool, list[float]] = {False: [], True: []}
     crcs = set()
@@ -66,14 +71,18 @@ def measure_missions(n: int, scenario: str) -> None:
                 if recorded and not report["recording"]["complete"]:
                     raise RuntimeError(f"The recording is not complete: {report['recording']['notes']}")
     without, with_ = (statistics.median(seconds[recorded]) for recorded in (False, True))
-    ratios = [one / other for one, other in zip(seconds[True], seconds[False], strict=True)]
-    print(
-        f"mission {scenario}, n {n}: {without:.2f} s without, {with_:.2f} s with recording; ratio "
-        f"{statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f}); {len(crcs)} end state(s)"
-    )
+    ratio = paired_ratio(dict(enumerate(seconds[True])), dict(enumerate(seconds[False])))
+    return {
+        "scenario": scenario,
+        "n": n,
+        "median_without_s": round(without, 3),
+        "median_with_s": round(with_, 3),
+        "with_over_without": plain(ratio, 4),
+        "n_end_states": len(crcs),
+    }
 
 
-def measure_lockstep(n_steps: int, folder: Path) -> None:
+def measure_lockstep(n_steps: int, folder: Path) -> dict[str, Any]:
     """Compare steps per second, and count the messages in the file."""
     folder.chmod(0o700)
     with ExitStack() as stack:
@@ -83,16 +92,14 @@ def measure_lockstep(n_steps: int, folder: Path) -> None:
         bus.announce()
         lockstep = Lockstep(link)
         lockstep.run(500)
-        print(f"lockstep, no recorder:     {lockstep.run(n_steps // 10):6.0f} steps/s")
+        alone_hz = lockstep.run(n_steps // 10)
         file = folder / "recording.mcap"
         with process("recorder", folder, str(file)) as recorder:
             while not bus.liveliness.live("recorder"):
                 time.sleep(0.01)
-            rate, first = lockstep.run(n_steps), lockstep.n_steps - n_steps
-            print(f"lockstep, recorder:        {rate:6.0f} steps/s")
+            recorded_hz, first = lockstep.run(n_steps), lockstep.n_steps - n_steps
             recorder.send_signal(signal.SIGSTOP)
-            rate = lockstep.run(n_steps // 5)
-            print(f"lockstep, frozen recorder: {rate:6.0f} steps/s, longest step {1e3 * lockstep.longest_s:.0f} ms")
+            frozen_hz, longest_s = lockstep.run(n_steps // 5), lockstep.longest_s
             recorder.send_signal(signal.SIGCONT)
             while not bus.liveliness.live("recorder"):
                 time.sleep(0.01)
@@ -103,10 +110,16 @@ def measure_lockstep(n_steps: int, folder: Path) -> None:
     recording = read_recording([file])
     n_expected = 2 * (lockstep.n_steps - first)
     n_found = sum(message.topic in ("sim/main/action", "sim/main/observation") for message in recording.messages)
-    print(
-        f"{n_found} of {n_expected} messages in the file ({file.stat().st_size / 1e6:.0f} MB), "
-        f"{recording.completeness['n_missing']} missing by its own account"
-    )
+    return {
+        "alone_hz": round(alone_hz),
+        "recorded_hz": round(recorded_hz),
+        "frozen_hz": round(frozen_hz),
+        "frozen_longest_step_s": round(longest_s, 4),
+        "n_messages": n_expected,
+        "n_in_file": n_found,
+        "n_missing_by_its_own_account": recording.completeness["n_missing"],
+        "file_mb": round(file.stat().st_size / 1e6, 1),
+    }
 
 
 class Lockstep:

@@ -3,33 +3,35 @@
 CPU seconds: episodes of pushes, as a study and as one plain process per worker, each with its share of the same cells;
 whole programs with everything that they start, in turn. Wall time: cells that only sleep, in workers that run already,
 in turn with plain processes, so that what they take beyond their sleep does not depend on other work of the machine.
+The numbers go to `results/study_overhead.json`.
 """
 
-import json
-import os
-import platform
 import resource
 import subprocess
 import sys
 import threading
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.synchronize import Event, Semaphore
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
 import msgspec
 import tyro
 
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.intervals import mean
+from agent_proc.statistics.paired import paired_ratio
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.study.engines.local import LocalEngine
 from legpush.study.file import Study, load_study, read_study
 from legpush.study.folder import StudyFolder
 from legpush.study.jobs import Job
 from legpush.study.runner import Runner, Tally
-from legpush.versions import installed_versions
 
 STUB: Final = "tests.legpush.study.stub:STUB"
 PUSHES: Final = """
@@ -61,40 +63,37 @@ class Config:
     cycles: int = 20
     """Pushes of an episode; twenty take about a second."""
     workers: int = 2
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/study_overhead.json")
-    """Where the numbers go."""
 
 
 def main(config: Config) -> None:
-    """Measure, print, and write the numbers."""
+    """Measure and report the numbers."""
     pairs = []
     for index in range(config.n_pairs):
         text = PUSHES.format(cycles=config.cycles, first=1000 * index, n=config.n_cells)
         study_s, plain_s = as_study(text, config.workers), as_plain_processes(text, config.workers)
         pairs.append({"study_cpu_s": study_s, "plain_cpu_s": plain_s})
         print(f"CPU: {study_s:.1f} s as a study, {plain_s:.1f} s in plain processes", flush=True)
-    ratio = mean_interval([pair["study_cpu_s"] / pair["plain_cpu_s"] for pair in pairs])
     sleeps = []
     for _ in range(2 * config.n_pairs):
         study_s, head_s = sleeping(config.n_cells, config.workers)
         plain_s = sleeping_plainly(config.n_cells, config.workers)
         sleeps.append({"study_wall_s": study_s, "plain_wall_s": plain_s, "head_cpu_s_per_cell": head_s})
-    wall = mean_interval([pair["study_wall_s"] / pair["plain_wall_s"] for pair in sleeps])
-    head = mean_interval([pair["head_cpu_s_per_cell"] for pair in sleeps])
-    print(f"CPU of the study over plain processes: {ratio.value:.3f} [{ratio.low:.3f}, {ratio.high:.3f}]")
-    print(f"wall time of sleeping cells over plain processes: {wall.value:.4f} [{wall.low:.4f}, {wall.high:.4f}]")
-    print(f"CPU of the head: {1e3 * head.value:.1f} ms per cell [{1e3 * head.low:.1f}, {1e3 * head.high:.1f}]")
-    result = {
-        "command": f"python -m benchmarks.study_overhead --n-pairs {config.n_pairs} --n-cells {config.n_cells}",
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
-        "cpu_ratio": asdict(ratio),
-        "wall_ratio": asdict(wall),
-        "head_cpu_s_per_cell": asdict(head),
-        "pairs": pairs,
-        "sleeping_pairs": sleeps,
-    }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
+    write_report(
+        "study_overhead",
+        {
+            "cpu_over_plain": plain(_ratio(pairs, "study_cpu_s", "plain_cpu_s"), 4),
+            "wall_over_plain": plain(_ratio(sleeps, "study_wall_s", "plain_wall_s"), 5),
+            "head_cpu_s_per_cell": plain(mean([pair["head_cpu_s_per_cell"] for pair in sleeps]), 6),
+            "pairs": pairs,
+            "sleeping_pairs": sleeps,
+        },
+    )
+
+
+def _ratio(pairs: Sequence[dict[str, float]], over: str, under: str) -> Estimate:
+    """Geometric mean of the ratios of two measures, pair by pair."""
+    first, second = (dict(enumerate(pair[key] for pair in pairs)) for key in (over, under))
+    return paired_ratio(first, second)
 
 
 def as_study(text: str, workers: int) -> float:

@@ -1,7 +1,8 @@
 """`python -m benchmarks.view`: measures the speed and the cost of a page, in a Chromium that draws without a GPU.
 
 Measured are the time to the first picture, the frames per second of a recording and of live missions, the hosts that
-the page contacts, and the wall times of missions with and without an open page, in turn.
+the page contacts, and the wall times of missions with and without an open page, in turn. The numbers go to
+`results/view.json`.
 """
 
 import os
@@ -16,10 +17,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
+from typing import Any
 from urllib.parse import urlsplit
 
 import tyro
 
+from agent_proc.statistics.paired import paired_ratio
+from benchmarks.report import write_report
+from experiments.tables.parts import plain
 from legpush.runs.report import read_report
 from tests.chromium import Browser, Page, browser, until
 
@@ -44,20 +49,22 @@ class Config:
 
 
 def main(config: Config) -> None:
-    """Measure everything and print the results."""
+    """Measure everything and report the results."""
     with tempfile.TemporaryDirectory(prefix="bench-view-") as name:
         folder = Path(name)
         os.environ["TMPDIR"] = name  # so that no other runs are found
         recording = folder / "mission.mcap"
         run(folder / "recorded", config, "--record", str(recording))
         with browser() as chrome, viewer(str(recording)) as url:
-            measure_openings(chrome, f"{url}{config.query}", config.openings)
-            measure_frames(chrome, f"{url}{config.query}", config.seconds)
-        for niceness in (0, 19):
-            measure_missions(folder, config, niceness)
+            first_picture = measure_openings(chrome, f"{url}{config.query}", config.openings)
+            frames_hz = measure_frames(chrome, f"{url}{config.query}", config.seconds)
+        missions = [measure_missions(folder, config, niceness) for niceness in (0, 19)]
+    write_report(
+        "view", {"first_picture": first_picture, "recording_frames_hz": round(frames_hz, 1), "missions": missions}
+    )
 
 
-def measure_openings(chrome: Browser, url: str, n: int) -> None:
+def measure_openings(chrome: Browser, url: str, n: int) -> dict[str, Any]:
     """Measure the time from before the window opens until the scene is drawn."""
     seconds = []
     for _ in range(n):
@@ -68,19 +75,23 @@ def measure_openings(chrome: Browser, url: str, n: int) -> None:
             hosts = {urlsplit(each).netloc for each in page.requests if not each.startswith(("data:", "blob:"))}
         if hosts != {urlsplit(url).netloc}:
             raise RuntimeError(f"Expected requests to {url} only, the page contacted {hosts}")
-    print(f"first picture: {statistics.median(seconds):.2f} s ({min(seconds):.2f} to {max(seconds):.2f}, n {n})")
-    print(f"hosts that the page contacted: {', '.join(hosts)}")
+    return {
+        "n": n,
+        "median_s": round(statistics.median(seconds), 3),
+        "least_s": round(min(seconds), 3),
+        "longest_s": round(max(seconds), 3),
+    }
 
 
-def measure_frames(chrome: Browser, url: str, seconds: float) -> None:
+def measure_frames(chrome: Browser, url: str, seconds: float) -> float:
     """Measure the frames per second of a playing recording."""
     with chrome.page(url) as page:
         until_drawn(page)
         sleep(3.0)
-        print(f"recording that plays: {frames_per_second(page, seconds):.1f} frames/s")
+        return frames_per_second(page, seconds)
 
 
-def measure_missions(folder: Path, config: Config, niceness: int) -> None:
+def measure_missions(folder: Path, config: Config, niceness: int) -> dict[str, Any]:
     """Measure wall times of missions with a following page and without one, in turn, and frames while the robot
     moves."""
     pairs, rates, crcs = [], [], set()
@@ -96,14 +107,20 @@ def measure_missions(folder: Path, config: Config, niceness: int) -> None:
                 seen = seen_by.result()
             pairs.append((alone["wall_time_s"], seen["wall_time_s"]))
             crcs |= {alone["state_crc"], seen["state_crc"]}
-    ratios = [seen / alone for alone, seen in pairs]
-    without, with_ = (statistics.median(seconds) for seconds in zip(*pairs, strict=True))
-    print(
-        f"mission {config.scenario}, a browser with niceness {niceness}, n {config.missions}: "
-        f"{statistics.median(rates):.1f} frames/s while it moves ({min(rates):.1f} to {max(rates):.1f}); "
-        f"{without:.2f} s without, {with_:.2f} s with a page, ratio {statistics.median(ratios):.3f} "
-        f"({min(ratios):.3f} to {max(ratios):.3f}); {len(crcs)} end state(s)"
-    )
+    alone_s, seen_s = zip(*pairs, strict=True)
+    ratio = paired_ratio(dict(enumerate(seen_s)), dict(enumerate(alone_s)))
+    return {
+        "scenario": config.scenario,
+        "niceness_of_browser": niceness,
+        "n": config.missions,
+        "median_frames_hz": round(statistics.median(rates), 1),
+        "least_frames_hz": round(min(rates), 1),
+        "largest_frames_hz": round(max(rates), 1),
+        "median_without_s": round(statistics.median(alone_s), 3),
+        "median_with_s": round(statistics.median(seen_s), 3),
+        "with_over_without": plain(ratio, 4),
+        "n_end_states": len(crcs),
+    }
 
 
 def frames_while_moving(page: Page, run_of: "Future[dict[str, float]]") -> float:

@@ -1,15 +1,17 @@
 """`python docs/generate.py`: writes the generated parts of the documentation.
 
-These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types, and the tables
-of `architecture.md`, from docstrings and import contracts. Everything between the lines `<!-- generated: NAME -->` and
-`<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a generated part is stale.
+These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
+`architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
+studies and benchmarks and the templates in `templates/`; and the list of studies in `experiments/README.md`. Everything
+between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
+test fails when a generated part is stale.
 """
 
 import ast
 import inspect as python_inspect
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from textwrap import dedent
 from typing import Final
@@ -17,8 +19,8 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import source_tree
-from legpush import geometry
+from docs import numbers, source_tree, study_list
+from legpush import bounds, geometry
 from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
@@ -27,6 +29,9 @@ from legpush.scene import footprints, occupancy, reference, scenario
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
 ARCHITECTURE: Final = DOCS / "architecture.md"
+MEASURED: Final = DOCS / "measured.md"
+README: Final = DOCS.parent / "README.md"
+EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     "planning": (
@@ -96,12 +101,21 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
     ),
 }
 """Records of each generated part of `protocol.md`, in the order of their tables."""
+TEMPLATES: Final = tuple(sorted(path.stem for path in numbers.TEMPLATES.glob("*.md")))
+"""Names of the generated parts with numbers."""
 _BLOCK: Final = re.compile(r"(?<=<!-- generated: )(?P<name>\w+)(?P<open> -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
 def main() -> None:
     """Write all generated parts."""
-    for page, parts in ((PROTOCOL, protocol_parts()), (ARCHITECTURE, architecture_parts())):
+    measured = measured_parts()
+    for page, parts in (
+        (PROTOCOL, protocol_parts()),
+        (ARCHITECTURE, architecture_parts()),
+        (MEASURED, measured),
+        (README, measured),
+        (EXPERIMENTS, experiments_parts()),
+    ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)
     for name, text in schemas().items():
@@ -114,15 +128,25 @@ def filled(text: str, parts: Mapping[str, str]) -> str:
 
 
 def protocol_parts() -> dict[str, str]:
-    """The generated parts of `protocol.md`: the version and the tables of records."""
+    """The generated parts of `protocol.md`: the version, the bounds, and the tables of records."""
     tables = {name: "\n".join(map(_table, records)) for name, records in SECTIONS.items()}
-    return {"version": f"{PROTOCOL_VERSION}\n", **tables}
+    return {"version": f"{PROTOCOL_VERSION}\n", "bounds": _bounds_table(), **tables}
 
 
 def architecture_parts() -> dict[str, str]:
     """The generated parts of `architecture.md`: a table of each package, and the imports that are forbidden."""
     tables = {name: source_tree.package_table(name) for name in source_tree.FOLDERS}
     return {"rules": source_tree.shared_rules(), **tables}
+
+
+def measured_parts() -> dict[str, str]:
+    """The generated parts of `measured.md` and of the README: tables of measured numbers."""
+    return {name: numbers.filled_template(name) for name in TEMPLATES}
+
+
+def experiments_parts() -> dict[str, str]:
+    """The generated parts of the README of the experiments: the lists of studies."""
+    return {folder.partition("/")[0]: f"{study_list.study_list(folder)}\n" for folder in study_list.FOLDERS}
 
 
 def schemas() -> dict[str, str]:
@@ -153,25 +177,36 @@ def _table(record: type[msgspec.Struct]) -> str:
     return "\n".join([*lines, ""])
 
 
+def _bounds_table() -> str:
+    """The bounds of numbers with their reasons; a least and a largest value with one reason share a row."""
+    lines = ["| bound | value | reason |", "| --- | --- | --- |"]
+    for names, reason in _docs(ast.parse(python_inspect.getsource(bounds)).body):
+        values = [getattr(bounds, name) for name in names]
+        texts = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+        lines.append(f"| {', '.join(f'`{name}`' for name in names)} | {' to '.join(texts)} | {reason} |")
+    return "\n".join([*lines, ""])
+
+
 def _field_docs(record: type[msgspec.Struct]) -> Iterator[tuple[str, str]]:
     """The text below each field of the class."""
     (definition,) = ast.parse(dedent(python_inspect.getsource(record))).body
     if not isinstance(definition, ast.ClassDef):
         raise TypeError(f"Expected a class, got {record}")
-    name = None
-    for node in definition.body:
+    for names, text in _docs(definition.body):
+        yield names[-1], text
+
+
+def _docs(body: Sequence[ast.stmt]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Each text below annotated assignments, with the names that are assigned without a text in between."""
+    names: tuple[str, ...] = ()
+    for node in body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            name = node.target.id
-        elif (
-            name
-            and isinstance(node, ast.Expr)
-            and isinstance(node.value, ast.Constant)
-            and isinstance(node.value.value, str)
-        ):
-            yield name, _flat(node.value.value)
-            name = None
-        else:
-            name = None
+            names = (*names, node.target.id)
+            continue
+        text = node.value.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) else None
+        if names and isinstance(text, str):
+            yield names, _flat(text)
+        names = ()
 
 
 def _flat(text: str) -> str:
@@ -197,6 +232,8 @@ def _words(kind: inspect.Type) -> str:
         case inspect.BoolType():
             return "boolean"
         case inspect.StrType():
+            if kind.max_length is not None:
+                return f"string of at most {kind.max_length} characters"
             return f"string, `{kind.pattern}`".replace("|", "\\|") if kind.pattern else "string"
         case inspect.BytesType():
             bounded = kind.min_length is not None or kind.max_length is not None

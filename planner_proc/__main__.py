@@ -4,6 +4,7 @@ import sys
 import threading
 
 from legpush.bus.bus import Bus
+from legpush.numerics.entry import enter_profile
 from legpush.plans.server import serve_plans
 from legpush.service import ServiceConfig, run_process
 
@@ -16,4 +17,5 @@ def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(run_process("planner", ServiceConfig, serve))

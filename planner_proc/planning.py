@@ -5,9 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from legpush.bounds import MAX_CELLS
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
 from legpush.plans.planner import Interrupted
-from legpush.scene.occupancy import MAX_CELLS, OccupancyGrid
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.box_plan import make_box_plan
 from planner_proc.clearance.field import NEAR_M, ClearanceField
 from planner_proc.search.registry import search_fault

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.bounds import MAX_WAYPOINTS
 from legpush.geometry import Point2, Pose2, wrap_angle
-from legpush.messages.common import MAX_WAYPOINTS
 from legpush.messages.planning import Plan, Tree, TrunkPathQuery
 from legpush.plans.planner import Interrupted
 from planner_proc.clearance.field import ROUNDING_M, ClearanceField

@@ -5,6 +5,7 @@ import threading
 
 from legpush.bus.bus import Bus
 from legpush.lockstep.server import serve_actions
+from legpush.numerics.entry import enter_profile
 from legpush.service import ServiceConfig, run_process
 
 
@@ -16,4 +17,5 @@ def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(run_process("sim", ServiceConfig, serve))

@@ -1,9 +1,10 @@
-"""A simulator that attaches the models of its scenarios to recordings."""
+"""A simulator that attaches the models of its scenarios, and its numerics, to recordings."""
 
 from typing import Final
 
 from legpush.bus.bus import Bus
 from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.numerics.current import NUMERICS_FILE, current
 from legpush.scene.scenario import Scenario
 from sim_proc.model.world import model_xml
 from sim_proc.simulator import Simulator
@@ -33,10 +34,12 @@ class DescribedSimulator:
         return outcome
 
     def _describe(self, scenario: Scenario) -> None:
-        """Attach the model of a scenario, once for each scenario."""
+        """Attach the model of a scenario, once for each scenario, and the numerics with the first."""
         if scenario in self._described or len(self._described) >= MAX_MODELS:
             return
         number = len(self._described)
+        if number == 0:
+            self._bus.attach(NUMERICS_FILE, "application/json", current().as_json())
         self._described.append(scenario)
         name = f"model-{number}.xml" if number else "model.xml"
         self._bus.attach(name, "application/xml", model_xml(scenario).encode())

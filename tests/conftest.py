@@ -1,6 +1,29 @@
-"""Where tests run in parallel, slow files come first; quick ones fill the time of the processes that are done early."""
+"""Tests run under the numerics profile, and where they run in parallel, slow files come first.
+
+Quick ones fill the time of the processes that are done early.
+"""
+
+import sys
 
 import pytest
+
+from legpush.numerics.entry import enter_profile
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Start pytest again under the profile, so that one process computes the bits that child processes compute.
+
+    A process of pytest-xdist has the environment of the one that started it. One that a debugger follows stays as it
+    is.
+    """
+    main = sys.modules["__main__"].__spec__
+    if hasattr(config, "workerinput") or (main is not None and main.name.partition(".")[0] != "pytest"):
+        return
+    capture = config.pluginmanager.getplugin("capturemanager")
+    if capture is not None:
+        capture.suspend_global_capture(in_=True)
+    enter_profile()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

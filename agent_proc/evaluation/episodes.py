@@ -14,7 +14,8 @@ import numpy as np
 from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import push_view
 from agent_proc.policies.policy import Policy
-from agent_proc.statistics import Estimate, mean_interval, wilson
+from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.intervals import mean, share
 from legpush.errors import StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Reset
@@ -137,9 +138,8 @@ class Summary:
 
     n: int
     success_rate: Estimate
-    """With Wilson's score interval."""
     position_error_m: Estimate
-    """Mean with a bootstrap interval, as all means here."""
+    """Mean, as the next two."""
     angle_error_deg: Estimate
     n_cycles: Estimate
     n_falls: int
@@ -151,12 +151,10 @@ class Summary:
 
     def __str__(self) -> str:
         """For people."""
-        position, angle, rate = self.position_error_m, self.angle_error_deg, self.success_rate
         return (
-            f"{100 * position.value:.2f} cm [{100 * position.low:.2f}, {100 * position.high:.2f}], "
-            f"{angle.value:.2f}° [{angle.low:.2f}, {angle.high:.2f}], "
-            f"success {rate.value:.0%} [{rate.low:.0%}, {rate.high:.0%}], "
-            f"{self.n_cycles.value:.1f} cycles, {self.n_falls} falls, n = {self.n}"
+            f"position error {self.position_error_m.scaled(100.0).text('.2f')} cm, "
+            f"angle error {self.angle_error_deg.text('.2f')} deg, success {self.success_rate.text('.0%')}, "
+            f"{self.n_cycles.value:.1f} cycles, {self.n_falls} falls"
         )
 
 
@@ -168,10 +166,10 @@ def summarize(rows: Sequence[Row]) -> dict[str, Summary]:
 def _summary(rows: Sequence[Row]) -> Summary:
     return Summary(
         n=len(rows),
-        success_rate=wilson(sum(row.success for row in rows), len(rows)),
-        position_error_m=mean_interval([row.position_error_m for row in rows]),
-        angle_error_deg=mean_interval([row.angle_error_deg for row in rows]),
-        n_cycles=mean_interval([float(row.n_cycles) for row in rows]),
+        success_rate=share(sum(row.success for row in rows), len(rows)),
+        position_error_m=mean([row.position_error_m for row in rows]),
+        angle_error_deg=mean([row.angle_error_deg for row in rows]),
+        n_cycles=mean([float(row.n_cycles) for row in rows]),
         n_falls=sum(row.ending == "fell" for row in rows),
         max_abs_roll_deg=max(row.max_abs_roll_deg for row in rows),
         max_abs_pitch_deg=max(row.max_abs_pitch_deg for row in rows),

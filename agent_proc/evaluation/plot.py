@@ -4,13 +4,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from agent_proc.evaluation.episodes import Row
 from agent_proc.evaluation.sweep import Sweep
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.estimate import kinds_in_words
+from agent_proc.statistics.intervals import mean
 from legpush.arrays import Floats
 
 JITTER: Final = 0.12
@@ -24,9 +26,10 @@ MEASURES: Final[tuple[tuple[str, Callable[[Row], float]], ...]] = (
 def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None:
     """Draw the errors by case with means and 95 % intervals, or maps over a grid of two fields, and write a PNG."""
     draw = _maps if sweep.grid and len(sweep.fields) == len(("x", "y")) else _columns
-    figure = draw(rows, sweep)
-    figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
-    figure.savefig(path, dpi=110)
+    with mpl.rc_context({"text.parse_math": False, "text.usetex": False}):
+        figure = draw(rows, sweep)
+        figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
+        figure.savefig(path, dpi=110)
 
 
 def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
@@ -39,11 +42,11 @@ def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
     for axis, (label, measure) in zip(axes, MEASURES[:2], strict=True):
         values = np.array([measure(row) for row in rows])
         axis.plot(at + scatter, values, ".", color="tab:blue", alpha=0.5, label="episode")
-        for index in range(len(cases)):
-            mean = mean_interval(values[at == index].tolist())
-            spread = [[mean.value - mean.low], [mean.high - mean.value]]
-            label_once = "mean, 95 % interval" if index == 0 else None
-            axis.errorbar(index, mean.value, spread, fmt="o", color="tab:red", capsize=4, label=label_once)
+        means = [mean(values[at == index].tolist()) for index in range(len(cases))]
+        middle, ends = np.array([one.value for one in means]), np.array([one.ends for one in means]).T
+        kinds = kinds_in_words(one.kind for one in means)
+        reach = np.abs(ends - middle)
+        axis.errorbar(range(len(cases)), middle, reach, fmt="o", color="tab:red", capsize=4, label=f"mean, {kinds}")
         axis.set_ylabel(label)
         axis.set_ylim(bottom=0.0)
         axis.grid(axis="y", alpha=0.3)

@@ -5,10 +5,12 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from agent_proc.evaluation.episodes import evaluate, summarize
-from agent_proc.learning.learner import Learner, observation_moments, policy_zip
+from agent_proc.learning.learner import Learner, observation_moments
 from agent_proc.learning.training_plan import TrainingPlan
-from agent_proc.policies.folder import Card, Check, CurvePoint, Normalizer, PolicyFolder
+from agent_proc.policies.actor import Normalizer
+from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
 from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.policies.sb3.layers import actor_layers
 from legpush.lockstep.world import SteppingWorld
 
 FIRST_CHECK_SEED: Final = 1_000_000
@@ -33,8 +35,9 @@ def build_policy(
     normalizer = None
     if (moments := observation_moments(learner.normalizer)) is not None:
         mean, variance = moments
-        normalizer = Normalizer(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
-    return PolicyFolder(card=card, networks=policy_zip(learner.model), normalizer=normalizer)
+        normalizer = Normalizer(mean=mean, variance=variance)
+    layers = actor_layers(plan.profile.algorithm, learner.model.policy.state_dict())
+    return PolicyFolder(card=card, layers=layers, normalizer=normalizer)
 
 
 def check_policy(

@@ -1,18 +1,20 @@
-"""The checkpoint of a training: one file, whole or absent, with a digest that detects damage."""
+"""The checkpoint of a training: one file of plain data, whole or absent, with a digest that detects damage."""
 
 import hashlib
-import pickle
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+import msgspec
+from msgspec import Struct
+
+from agent_proc.learning.learner_state import LearnerState
 from agent_proc.policies.folder import Check, CurvePoint
 from legpush.errors import LegpushError
 from legpush.files import write_whole
 
-FORMAT: Final = 2
-"""To be raised when a class that a checkpoint pickles moves or changes."""
+FORMAT: Final = 3
+"""To be raised when a field of a checkpoint changes."""
 MAGIC: Final = b"legpush training checkpoint %d\n" % FORMAT
 HEADER: Final = re.compile(rb"legpush training checkpoint (\d{1,9})\n")
 """The header of a checkpoint of any format."""
@@ -25,13 +27,11 @@ class CheckpointError(LegpushError):
     exit_code = 2
 
 
-@dataclass(frozen=True, kw_only=True)
-class Checkpoint:
+class Checkpoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """State of a training between two rollouts."""
 
     step: int
-    learner: bytes
-    """The result of `learner.capture`."""
+    learner: LearnerState
     curve: tuple[CurvePoint, ...]
     checks: tuple[Check, ...]
     """Evaluations up to now."""
@@ -44,12 +44,12 @@ def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     Raises:
         DiskError: It cannot be written; the previous one is untouched.
     """
-    body = pickle.dumps(checkpoint)
+    body = msgspec.msgpack.encode(checkpoint)
     write_whole(path, MAGIC + hashlib.sha256(body).digest() + body)
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
-    """Read a checkpoint; load only files of your own trainings, since they may contain code.
+    """Read a checkpoint.
 
     Raises:
         CheckpointError: It is missing, damaged, or of another format.
@@ -67,5 +67,7 @@ def load_checkpoint(path: Path) -> Checkpoint:
     head = len(MAGIC) + N_DIGEST
     if not data.startswith(MAGIC) or hashlib.sha256(data[head:]).digest() != data[len(MAGIC) : head]:
         raise CheckpointError(f"{path}: expected the whole checkpoint of a training, got {len(data)} other bytes")
-    checkpoint: Checkpoint = pickle.loads(data[head:])  # noqa: S301 - of the user's own training, and undamaged
-    return checkpoint
+    try:
+        return msgspec.msgpack.decode(data[head:], type=Checkpoint)
+    except (msgspec.MsgspecError, RecursionError) as error:
+        raise CheckpointError(f"{path}: expected the checkpoint of a training ({error})") from error

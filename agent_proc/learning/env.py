@@ -1,34 +1,35 @@
 """Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from math import degrees, hypot
 from typing import Any
 
 import gymnasium
 import numpy as np
+from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
-from agent_proc.task.action import action_space, to_push
+from agent_proc.learning.random_state import Pcg64State, set_state, state_of
+from agent_proc.policies.sb3.spaces import action_space, observation_space
+from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import EpisodeEnding, episode_ending
-from agent_proc.task.observation import TABLES, observation_space, observe
+from agent_proc.task.observation import TABLES, observe
 from agent_proc.task.reward_paper import paper_reward
 from agent_proc.task.reward_tuned import tuned_reward
-from legpush.errors import ConfigError, PeerError
+from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.scenario import PoseDeg, Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class EnvSnapshot:
+class EnvSnapshot(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An environment in the middle of an episode, from which another process can continue it bit for bit."""
 
-    generator: Mapping[str, Any]
+    generator: Pcg64State
     """State of the generator from which later episodes are drawn."""
     reset: Reset
     pushes: tuple[Push, ...]
@@ -126,7 +127,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """
         episode = self._going_on()
         return EnvSnapshot(
-            generator=self.np_random.bit_generator.state,
+            generator=state_of(self.np_random),
             reset=episode.reset,
             pushes=tuple(episode.pushes),
             state_crc=episode.state_crc,
@@ -136,15 +137,15 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Continue from a snapshot by repeating its episode up to there; returns the observation.
 
         Raises:
-            PeerError: The repeated episode leads to another state.
+            DivergedError: The repeated episode leads to another state.
         """
         super().reset(seed=0)
-        self.np_random.bit_generator.state = dict(snapshot.generator)
+        set_state(self.np_random, snapshot.generator)
         episode = self._episode = self._begin(snapshot.reset)
         for push in snapshot.pushes:
             episode.advance(push, self._world.step(push))
         if episode.state_crc != snapshot.state_crc:
-            raise PeerError(
+            raise DivergedError(
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
                 f"{episode.state_crc:08x}: the simulator computes something else"
             )

@@ -1,8 +1,6 @@
-"""Builds the learning algorithms from a profile, and captures and restores their whole state."""
+"""Builds the learning algorithms from a profile, and takes their policies out of them."""
 
-import io
-import pickle
-import random
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
@@ -12,29 +10,31 @@ import torch
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
-from agent_proc.policies.networks import policy_arguments
+from agent_proc.learning.env import EnvSnapshot
+from agent_proc.policies.sb3.arguments import policy_arguments
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfile, PpoSettings, Td3Profile
 from legpush.arrays import Floats
 from legpush.errors import ConfigError
 
 DEPTH: Final = 3
 """Index of the depth among the elements of a variable-entry action."""
-UNSAVED: Final = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
-"""Attributes in which an algorithm keeps its last steps; a policy does not need them."""
 
 
 class Rewindable(Protocol):
     """Environments whose state can be saved and restored."""
 
-    def snapshot(self) -> Any:
+    @property
+    def num_envs(self) -> int:
+        """Number of environments."""
+
+    def snapshot(self) -> tuple[EnvSnapshot, ...]:
         """The present state as plain data."""
 
-    def restore(self, snapshot: Any) -> object:
+    def restore(self, snapshots: Sequence[EnvSnapshot]) -> object:
         """Return to a saved state."""
 
 
@@ -134,58 +134,6 @@ def _off_policy(
     return SAC("MlpPolicy", env, **shared)
 
 
-# -- capture and restore -----------------------------------------------------------------------------------------------
-
-
-def capture(learner: Learner) -> bytes:
-    """Capture everything on which the next step depends; to be called where a rollout begins."""
-    model, normalizer, monitor = learner.model, learner.normalizer, learner.monitor
-    weights = io.BytesIO()
-    model.save(weights)
-    state = {
-        "model": weights.getvalue(),
-        "replay": model.replay_buffer if isinstance(model, OffPolicyAlgorithm) else None,
-        "action_space_rng": model.action_space.np_random.bit_generator.state,
-        "normalizer": {name: _moments(rms) for name, rms in _running(normalizer).items()},
-        "returns": normalizer.returns,
-        "monitor": (monitor.episode_returns, monitor.episode_lengths, monitor.episode_count),
-        "last": (normalizer.old_obs, normalizer.old_reward),
-        "rng": (random.getstate(), np.random.get_state(), torch.get_rng_state().numpy()),  # noqa: NPY002 - SB3 draws from it
-        "env": learner.env.snapshot(),
-    }
-    return pickle.dumps(state)
-
-
-def restore(learner: Learner, captured: bytes) -> Learner:
-    """Restore a captured learner; its environments return to their captured state."""
-    state = pickle.loads(captured)  # noqa: S301 - a checkpoint of the user's own training
-    normalizer, monitor, old = learner.normalizer, learner.monitor, learner.model
-    model = type(old).load(
-        io.BytesIO(state["model"]), env=normalizer, device="cpu", force_reset=False, tensorboard_log=old.tensorboard_log
-    )
-    if isinstance(model, OffPolicyAlgorithm):
-        model.replay_buffer = state["replay"]
-    for name, rms in _running(normalizer).items():
-        rms.mean, rms.var, rms.count = state["normalizer"][name]
-    normalizer.returns = state["returns"]
-    monitor.episode_returns, monitor.episode_lengths, monitor.episode_count = state["monitor"]
-    normalizer.old_obs, normalizer.old_reward = state["last"]
-    learner.env.restore(state["env"])
-    model.action_space.np_random.bit_generator.state = state["action_space_rng"]
-    python, numpy, torch_bytes = state["rng"]
-    random.setstate(python)
-    np.random.set_state(numpy)  # noqa: NPY002 - SB3 draws from it
-    torch.set_rng_state(torch.from_numpy(torch_bytes))
-    return Learner(model=model, normalizer=normalizer, monitor=monitor, env=learner.env)
-
-
-def policy_zip(model: BaseAlgorithm) -> bytes:
-    """The model in the format of Stable-Baselines3, without its last steps."""
-    file = io.BytesIO()
-    model.save(file, exclude=UNSAVED)
-    return file.getvalue()
-
-
 def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | None:
     """Mean and variance of the normalizer of observations, (n,) each; None if they are not normalized."""
     if not normalizer.norm_obs:
@@ -194,11 +142,3 @@ def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | Non
     if not isinstance(rms, RunningMeanStd):
         raise TypeError(f"Expected one array of observations, got {type(rms).__name__}")
     return rms.mean.copy(), rms.var.copy()
-
-
-def _running(normalizer: VecNormalize) -> dict[str, Any]:
-    return {"ret": normalizer.ret_rms, **({"obs": normalizer.obs_rms} if normalizer.norm_obs else {})}
-
-
-def _moments(rms: RunningMeanStd) -> tuple[Any, Any, float]:
-    return rms.mean.copy() if isinstance(rms.mean, np.ndarray) else rms.mean, rms.var, rms.count

@@ -11,6 +11,7 @@ from legpush.errors import ConfigError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.simulator import Stepper
 from legpush.lockstep.world import SteppingWorld
+from legpush.numerics.current import tell_if_native
 from legpush.plugins import load_plugin
 from legpush.scenarios.file import load_scenario
 
@@ -47,6 +48,7 @@ def make_push_env(
     if render_mode is not None:
         raise TypeError(f"got an unexpected keyword argument 'render_mode' ({render_mode!r}): there is no rendering")
     if world is None:
+        tell_if_native()
         world = LocalWorld(cast(Stepper, load_plugin("legpush.simulators", simulator)()))
     if task is None:
         return PushEnv(_task(scenario, settings), world)

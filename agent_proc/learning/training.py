@@ -17,11 +17,12 @@ from stable_baselines3.common.utils import configure_logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from agent_proc.learning.best_policy import build_policy, check_policy, is_better
-from agent_proc.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from agent_proc.learning.learner import Learner, capture, make_learner, restore, set_exploration, undisturbed_draws
+from agent_proc.learning.checkpoint import Checkpoint, CheckpointError, load_checkpoint, save_checkpoint
+from agent_proc.learning.learner import Learner, make_learner, set_exploration, undisturbed_draws
+from agent_proc.learning.learner_state import capture, restore
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Check, CurvePoint, write_policy
-from agent_proc.policies.networks import use_one_thread
+from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 
@@ -79,8 +80,12 @@ class Training:
         Raises:
             CheckpointError: There is none, or it cannot be used.
         """
-        held = load_checkpoint(self._folder / CHECKPOINT_FILE)
-        self._learner = restore(self._learner, held.learner)
+        path = self._folder / CHECKPOINT_FILE
+        held = load_checkpoint(path)
+        try:
+            restore(self._learner, held.learner)
+        except ValueError as error:
+            raise CheckpointError(f"{path}: expected a checkpoint of this training: {error}") from error
         model = self._learner.model
         model.set_logger(configure_logger(model.verbose, model.tensorboard_log, TENSORBOARD_RUN, False))
         self._curve, self._checks, self._best = list(held.curve), list(held.checks), held.best

@@ -4,7 +4,6 @@ import logging
 import os
 import threading
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from time import time
 from typing import Annotated, Final
@@ -20,6 +19,7 @@ from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.map import load_push_map
 from agent_proc.reporting.report_files import write_report
 from agent_proc.walking.actor import as_it_is
+from legpush.bounds import BoxMass, Friction, WaitS
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
@@ -34,7 +34,7 @@ from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.policy_names import DEFAULT_POLICY
 from legpush.recording.branch import parse_point
-from legpush.runs.folder import REPORT_FILE
+from legpush.runs.folder import REPORT_FILE, require_no_links
 from legpush.scenarios.file import load_scenario
 from legpush.scene.names import PlannerName
 from legpush.service import ServiceConfig
@@ -94,8 +94,9 @@ class AgentConfig(ServiceConfig):
         super().__post_init__()
         require(Name, self.sim, "--sim")
         require(Seed, self.seed, "--seed")
-        if not (isfinite(self.deadline_s) and self.deadline_s > 0.0):
-            raise ConfigError(f"Expected more than 0 seconds for --deadline-s, got {self.deadline_s}")
+        require(WaitS, self.deadline_s, "--deadline-s", "seconds")
+        require(BoxMass, self.branch_box_mass_kg, "--branch-box-mass-kg")
+        require(Friction, self.branch_box_friction, "--branch-box-friction")
 
     def branch(self) -> Branch | None:
         """The recorded mission to continue, or None.
@@ -180,7 +181,7 @@ def writable_folder(folder: Path) -> Path:
     """Make the folder if need be, and return it.
 
     Raises:
-        ConfigError: It cannot be made, or nothing can be written to it.
+        ConfigError: It cannot be made, nothing can be written to it, or there is a link in it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -188,4 +189,5 @@ def writable_folder(folder: Path) -> Path:
         raise ConfigError(f"Expected a folder that can be made for --out, got {folder} ({error.strerror})") from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise ConfigError(f"Expected a folder that can be written to for --out, got {folder}")
+    require_no_links(folder)
     return folder

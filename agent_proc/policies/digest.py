@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from agent_proc.policies.folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE, policy_path
+from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE, policy_path
 from agent_proc.policies.folder_files import read_file
 from legpush.errors import PolicyError
 from legpush.plugins import plugin_values
@@ -29,7 +29,7 @@ def policy_sha256(name: str) -> str:
         return hashlib.sha256(_model(Path(name))).hexdigest()
     folder = policy_path(name)
     digest = hashlib.sha256()
-    for file in (CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE):
+    for file in (CARD_FILE, WEIGHTS_FILE):
         if (folder / file).exists():
             digest.update(read_file(folder / file))
     return digest.hexdigest()

@@ -1,42 +1,34 @@
-"""A trained policy as a folder: its networks, its normalizer, and a card that describes it."""
+"""A trained policy as a folder: its weights, and a card that describes it."""
 
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import msgspec
-import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
-from agent_proc.policies.folder_files import read_file, require_small_zip
+from agent_proc.policies.actor import Actor, Layer, Normalizer
+from agent_proc.policies.folder_files import decode_file, read_file
+from agent_proc.policies.weights_file import decode_weights, encode_weights
 from agent_proc.profiles.profile import AnyProfile, read_profile
+from agent_proc.task.action import CHOICES, n_actions
 from agent_proc.task.config import TaskConfig
-from legpush.errors import ConfigError, PolicyError
+from agent_proc.task.elements import Element, action_elements, observation_elements
+from agent_proc.task.observation import n_observed
+from legpush.errors import ConfigError, PolicyError, one_line
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
 
-FORMAT: Final = 1
-NETWORKS_FILE: Final = "policy.zip"
-NORMALIZER_FILE: Final = "normalizer.json"
+FORMAT: Final = 2
+OLD_FORMAT: Final = 1
+"""With the networks in a zip of Stable-Baselines3."""
+WEIGHTS_FILE: Final = "policy.safetensors"
 CARD_FILE: Final = "card.json"
 README_FILE: Final = "README.md"
-
-
-class Normalizer(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Normalizes observations: `clip((observation - mean) / sqrt(variance + epsilon))`."""
-
-    mean: tuple[float, ...]
-    variance: tuple[float, ...]
-    clip: float = 10.0
-    epsilon: float = 1e-8
-
-    def apply(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The normalized observation, (n,), as in training."""
-        scaled = (observation - np.array(self.mean)) / np.sqrt(np.array(self.variance) + self.epsilon)
-        clipped: NDArray[np.float32] = np.clip(scaled, -self.clip, self.clip).astype(np.float32)
-        return clipped
+OBSERVATION: Final = "observation"
+ACTION: Final = "action"
+"""Fields of the card that follow from its task."""
 
 
 class CurvePoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -78,7 +70,6 @@ class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Card:
     """What a policy does and how it was trained."""
 
-    format: Literal[1] = FORMAT
     command: str
     """The command that trained it."""
     task: TaskConfig
@@ -94,13 +85,22 @@ class Card:
     curve: tuple[CurvePoint, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PolicyFolder:
     """The content of the folder of a policy."""
 
     card: Card
-    networks: bytes
+    layers: tuple[Layer, ...]
+    """Of the actor."""
     normalizer: Normalizer | None
+
+    def actor(self) -> Actor:
+        """The network of the actor."""
+        profile, task = self.card.profile, self.card.task
+        activation = profile.network.activation
+        if task.action_form == "discrete":
+            return Actor(self.layers, activation, "argmax", CHOICES)
+        return Actor(self.layers, activation, "clip" if profile.algorithm == "ppo" else "tanh")
 
 
 def shipped_policies() -> tuple[str, ...]:
@@ -132,11 +132,9 @@ def write_policy(folder: Path, policy: PolicyFolder) -> None:
     """
 
     def fill(part: Path) -> None:
-        (part / NETWORKS_FILE).write_bytes(policy.networks)
-        if policy.normalizer is not None:
-            (part / NORMALIZER_FILE).write_bytes(msgspec.json.encode(policy.normalizer))
-        (part / CARD_FILE).write_bytes(msgspec.json.format(msgspec.json.encode(policy.card), indent=1) + b"\n")
-        (part / README_FILE).write_text(_readme(policy.card), encoding="utf-8")
+        (part / WEIGHTS_FILE).write_bytes(encode_weights(policy.layers, policy.normalizer))
+        (part / CARD_FILE).write_bytes(encode_card(policy.card))
+        (part / README_FILE).write_text(readme(policy.card), encoding="utf-8")
 
     replace_folder(folder, fill)
 
@@ -148,17 +146,39 @@ def read_policy(folder: Path) -> PolicyFolder:
         PolicyError: A file is missing or cannot be used; the message names it.
     """
     card = read_card(folder)
-    networks = read_file(folder / NETWORKS_FILE)
-    require_small_zip(networks, str(folder / NETWORKS_FILE))
-    normalizer = None
-    if card.profile.normalize_observation:
-        normalizer = _decode(folder / NORMALIZER_FILE, Normalizer)
-        if len(normalizer.mean) != len(normalizer.variance):
-            raise PolicyError(
-                f"{folder / NORMALIZER_FILE}: expected as many variances as means, got {len(normalizer.variance)} "
-                f"and {len(normalizer.mean)}"
-            )
-    return PolicyFolder(card=card, networks=networks, normalizer=normalizer)
+    path = folder / WEIGHTS_FILE
+    layers, normalizer = decode_weights(
+        read_file(path), widths(card), normalized=card.profile.normalize_observation, where=str(path)
+    )
+    return PolicyFolder(card=card, layers=layers, normalizer=normalizer)
+
+
+def widths(card: Card) -> tuple[int, ...]:
+    """Number of observed elements, of units in each hidden layer, and of values of the last layer."""
+    task = card.task
+    n_values = sum(CHOICES) if task.action_form == "discrete" else n_actions(task)
+    return n_observed(task), *card.profile.network.hidden, n_values
+
+
+def encode_card(card: Card) -> bytes:
+    """The card as JSON, with the meaning of every number that the policy sees and gives."""
+    whole = {
+        "format": FORMAT,
+        "command": card.command,
+        OBSERVATION: observation_elements(card.task),
+        ACTION: action_elements(card.task),
+        **{name: getattr(card, name) for name in ("task", "profile", *_CARD_FIELDS) if name != "command"},
+    }
+    return msgspec.json.format(msgspec.json.encode(whole), indent=1) + b"\n"
+
+
+def is_old_format(folder: Path) -> bool:
+    """Whether a policy folder has the earlier format.
+
+    Raises:
+        PolicyError: Its card is missing, or is no JSON.
+    """
+    return bool(decode_file(folder / CARD_FILE, dict).get("format") == OLD_FORMAT)
 
 
 def read_card(folder: Path) -> Card:
@@ -168,8 +188,27 @@ def read_card(folder: Path) -> Card:
         PolicyError: The file is missing, or a field is wrong; the message names it.
     """
     path = folder / CARD_FILE
-    plain = _decode(path, dict)
+    plain = decode_file(path, dict)
+    if plain.get("format") == OLD_FORMAT:
+        raise PolicyError(
+            f"{path}: expected a policy folder of format {FORMAT}, got format {OLD_FORMAT}, which earlier versions of "
+            f"legpush wrote: `legpush policy export {folder} --to safetensors --out NEW` makes one of this format"
+        )
+    card = parse_card(plain, path, FORMAT)
+    for name, here in ((OBSERVATION, observation_elements(card.task)), (ACTION, action_elements(card.task))):
+        _require_elements(plain.get(name), here, f"{path}: at `{name}`")
+    return card
+
+
+def parse_card(plain: dict[str, Any], path: Path, form: int) -> Card:
+    """The card in the fields of the JSON file at `path`, which has the format `form`.
+
+    Raises:
+        PolicyError: A field is wrong; the message names it.
+    """
     try:
+        if plain.get("format") != form:
+            raise PolicyError(f"{path}: at `format`: expected {form}, got {plain.get('format')!r}")
         profile = read_profile(plain.get("profile", {}), "profile")
         rest: dict[str, Any] = {
             name: msgspec.convert(plain[name], kind) for name, kind in _CARD_FIELDS.items() if name in plain
@@ -181,8 +220,18 @@ def read_card(folder: Path) -> Card:
         raise PolicyError(f"{path}: expected the card of a policy ({error})") from error
 
 
+def _require_elements(plain: Any, here: tuple[Element, ...], where: str) -> None:
+    """Check that the elements on a card have the names, units and frames that this version has for its task."""
+    try:
+        there = msgspec.convert(plain, tuple[Element, ...])
+    except msgspec.ValidationError as error:
+        raise PolicyError(f"{where}: {error}") from error
+    got, expected = ([(each.name, each.unit, each.frame) for each in elements] for elements in (there, here))
+    if got != expected:
+        raise PolicyError(f"{where}: expected the elements of this version, {expected}, got {got}")
+
+
 _CARD_FIELDS: Final[dict[str, Any]] = {
-    "format": Literal[1],
     "command": str,
     "task": TaskConfig,
     "seed": int,
@@ -195,15 +244,8 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
 """Types of all fields but the profile, whose type depends on its algorithm."""
 
 
-def _decode(path: Path, kind: Any) -> Any:
-    try:
-        return msgspec.json.decode(read_file(path), type=kind)
-    except (msgspec.MsgspecError, RecursionError) as error:
-        raise PolicyError(f"{path}: {error}") from error
-
-
-def _readme(card: Card) -> str:
-    """The card as text for the README."""
+def readme(card: Card) -> str:
+    """The card as text for the README of a folder."""
     task, profile = card.task, card.profile
     lines = [
         f"# Policy: {task.entry} entry, {profile.algorithm.upper()}",
@@ -211,12 +253,20 @@ def _readme(card: Card) -> str:
         f"Trained on the scenario `{task.scenario.name}` with {card.steps} push cycles, seed {card.seed}, "
         f"{card.n_simulators} simulators:",
         "",
-        f"    {card.command}",
+        f"    {one_line(card.command)}",
         "",
-        f"- profile: {profile.description}; observation `{task.observation}`, reward `{task.reward}`",
+        f"- profile: {one_line(profile.description)}; observation `{task.observation}`, reward `{task.reward}`",
         f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
         f"- evaluation that it was kept for: {card.check or 'none'}",
         f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",
+        "",
+        "| observation | unit | frame | meaning |",
+        "| --- | --- | --- | --- |",
+        *(f"| {e.name} | {e.unit} | {e.frame} | {e.meaning} |" for e in observation_elements(task)),
+        "",
+        "| action | from, to | meaning |",
+        "| --- | --- | --- |",
+        *(f"| {e.name} | {e.low:g}, {e.high:g} | {e.meaning} |" for e in action_elements(task)),
         "",
     ]
     return "\n".join(lines)

@@ -3,7 +3,9 @@
 import io
 import zipfile
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
+
+import msgspec
 
 from legpush.errors import PolicyError
 
@@ -31,6 +33,18 @@ def read_file(path: Path) -> bytes:
     if len(content) > MAX_BYTES:
         raise PolicyError(f"{path}: expected at most {MAX_BYTES} bytes, got more")
     return content
+
+
+def decode_file(path: Path, kind: Any) -> Any:
+    """The content of a JSON file of a policy folder, as a `kind`.
+
+    Raises:
+        PolicyError: It cannot be read, or is no JSON of that kind.
+    """
+    try:
+        return msgspec.json.decode(read_file(path), type=kind)
+    except (msgspec.MsgspecError, RecursionError) as error:
+        raise PolicyError(f"{path}: {error}") from error
 
 
 def require_small_zip(content: bytes, where: str) -> None:

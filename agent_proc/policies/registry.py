@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import cast
 
 from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.folder import OLD_FORMAT, is_old_format, policy_path
+from agent_proc.policies.learned import load_learned
+from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
 from legpush.errors import LegpushError, PolicyError
@@ -27,11 +30,17 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
     require_repeated(name, repeated)
     require_trust(name, trust_file)
     got = policy_sha256(name)
+    kind = policy_kind(name)
     # Earlier versions recorded no SHA-256 of code.
-    if got != sha256 and not (sha256 == "" and policy_kind(name) in ("module:function", "plug-in")):
+    if got != sha256 and not (sha256 == "" and kind in ("module:function", "plug-in")):
+        reason = ""
+        if kind == "own":
+            reason = ". Another version of legpush comes with another one: use the version that made the recording"
+        elif kind == "folder" and is_old_format(policy_path(name)):
+            reason = f". It has format {OLD_FORMAT}, which this version only converts: use the one that recorded it"
         raise PolicyError(
             f"Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with {got[:16]}...: what "
-            "it decided cannot be decided again"
+            f"it decided cannot be decided again{reason}"
         )
     return make_policy(name, trust_file=trust_file)
 
@@ -41,7 +50,7 @@ def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool =
 
     The name must come from the user, since some of these run code; `policy_from_data` is for names from elsewhere.
     `normalizer` belongs to a model file (`.zip`) only, which needs `trust_file`. The learning libraries are imported
-    only for a trained policy.
+    only for a model file.
 
     Raises:
         PolicyError: There is no such policy, or it cannot be used.
@@ -56,19 +65,11 @@ def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool =
         return _from_address(name)
     if kind in ("own", "plug-in"):
         return _made_by(load_plugin(GROUP, name), name)
-    try:
-        if is_file:
-            from agent_proc.policies.sb3_file import load_sb3_file
-
-            return load_sb3_file(Path(name), normalizer)
-        from agent_proc.policies.learned import load_learned
-    except ModuleNotFoundError as error:
-        raise PolicyError(
-            f"Expected the learning libraries for the policy {name!r}, but {error.name} is not installed; "
-            "pip install 'legpush[agent]' installs them"
-        ) from error
-
-    return load_learned(name)
+    if not is_file:
+        return load_learned(name)
+    with learning_libraries(f"the model file {name!r}"):
+        from agent_proc.policies.sb3.model_file import load_sb3_file
+    return load_sb3_file(Path(name), normalizer)
 
 
 def _from_address(name: str) -> Policy:

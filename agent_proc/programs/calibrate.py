@@ -16,6 +16,7 @@ from agent_proc.push_model.calibration import calibrate, cells
 from agent_proc.push_model.map import PushMap, make_push_map, measured_faces, write_push_map
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
+from legpush.numerics.entry import enter_profile
 from legpush.options.learning import CalibrateOptions
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Box
@@ -81,12 +82,10 @@ def _show(push_map: PushMap, console: Console) -> None:
         )
     console.print(table)
     for circle in push_map.circles:
-        radius, axle = circle.radius_m, circle.axle_m
         console.print(
             Text(
-                f"{circle.face} face, one foot: turns on a radius of {radius.value:.3f} m [{radius.low:.3f}, "
-                f"{radius.high:.3f}] about a point beside one {axle.value:.3f} m [{axle.low:.3f}, {axle.high:.3f}] "
-                "behind the centre"
+                f"{circle.face} face, one foot: turns on a radius of {circle.radius_m.text('.3f')} m about a point "
+                f"beside one {circle.axle_m.text('.3f')} m behind the centre"
             ),
             soft_wrap=True,
         )
@@ -99,4 +98,5 @@ def _bar(console: Console) -> Progress:
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(main())

@@ -10,6 +10,7 @@ import tyro
 from agent_proc.pushing.solvable import solvable_by
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
+from legpush.numerics.entry import enter_profile
 from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
@@ -50,4 +51,5 @@ def run(options: RandomScenario) -> int:
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(main())

@@ -20,6 +20,7 @@ from agent_proc.policies.registry import make_policy
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.files import write_whole
+from legpush.numerics.entry import enter_profile
 from legpush.options.learning import EvaluateOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
@@ -101,4 +102,5 @@ def _bar(console: Console) -> Progress:
 
 
 if __name__ == "__main__":
+    enter_profile()
     sys.exit(main())

@@ -7,7 +7,7 @@ import tyro
 
 from agent_proc.reporting.map_picture import is_own_picture, save_map_picture
 from agent_proc.reporting.map_view import read_view
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, one_line
 from legpush.options.maps import MapOptions
 from legpush.service import run_program
 
@@ -30,7 +30,7 @@ def run(options: MapOptions) -> int:
         save_map_picture(view, picture)
     except OSError as error:
         raise ConfigError(f"{picture}: expected a file that can be written ({error.strerror})") from error
-    sys.stdout.write("".join(f"{line}\n" for line in view.lines()))
+    sys.stdout.write("".join(f"{one_line(line)}\n" for line in view.lines()))
     sys.stdout.write(f"wrote {picture}\n")
     return 0
 

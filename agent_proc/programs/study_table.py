@@ -46,8 +46,9 @@ def run(options: StudyTable, console: Console) -> int:
     for line in lines:
         estimate = line.estimate
         values = (str(line.group[column]) for column in by)
-        interval = f"{estimate.low:.4g} to {estimate.high:.4g}"
-        table.add_row(*map(Text, (line.title, *values, str(line.n), f"{estimate.value:.4g}", interval, line.how)))
+        low, high = estimate.low, estimate.high
+        interval = "-" if low is None or high is None else f"{low:.4g} to {high:.4g}"
+        table.add_row(*map(Text, (line.title, *values, str(estimate.n), f"{estimate.value:.4g}", interval, line.how)))
     wide = Console(file=io.StringIO(), width=MOST_WIDTH)
     with wide.capture() as text:
         wide.print(table)

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 import tyro
@@ -17,19 +17,24 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.learning import training, training_plan
+from agent_proc.learning import training_plan
 from agent_proc.learning.training_plan import TrainingPlan
-from agent_proc.learning.vec_env import PushVecEnv
+from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
+from legpush.numerics.current import explained
+from legpush.numerics.entry import enter_profile
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
-from legpush.versions import installed_versions
+from legpush.versions import NUMERICS, installed_versions
+
+if TYPE_CHECKING:
+    from agent_proc.learning.training import Training
 
 CONFIG_FILE: Final = "config.json"
 
@@ -40,9 +45,27 @@ def main() -> int:
 
 
 def train(options: TrainOptions, console: Console) -> int:
-    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted."""
-    resumed = options.resume is not None
+    """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted.
+
+    Raises:
+        PolicyError: A learning library is not installed.
+    """
+    with learning_libraries("a training"):
+        from agent_proc.learning import training
     folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
+    try:
+        return _learn(folder, plan, options, console)
+    except (LegpushError, OSError) as error:
+        if is_disk_full(error) and (folder / training.CHECKPOINT_FILE).exists():
+            console.print(Text(f"after space is made, to go on: {_again(folder)}"), soft_wrap=True)
+        raise
+
+
+def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Console) -> int:
+    """Learn in the folder until the training is done or interrupted; returns the exit code."""
+    from agent_proc.learning import training
+    from agent_proc.learning.vec_env import PushVecEnv
+
     stop, links_stop = stop_on_signals(), threading.Event()
     with (
         own_folder(folder),
@@ -54,17 +77,33 @@ def train(options: TrainOptions, console: Console) -> int:
         env = PushVecEnv(plan.task, worlds, stop=links_stop)
         try:
             job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=show)
-            if resumed:
-                job.resume()
+            if options.resume is not None:
+                _resume(job, plan)
             result = job.run()
         finally:
             env.close()
     if not result.finished:
-        again = shlex.join(["legpush", "train", "--resume", str(folder)])
-        console.print(Text(f"interrupted after {result.step} steps; to go on: {again}"), soft_wrap=True)
+        console.print(Text(f"interrupted after {result.step} steps; to go on: {_again(folder)}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
     return 0
+
+
+def _again(folder: Path) -> str:
+    """The command that goes on with the training in the folder."""
+    return shlex.join(["legpush", "train", "--resume", str(folder)])
+
+
+def _resume(job: "Training", plan: TrainingPlan) -> None:
+    """Continue from the last checkpoint.
+
+    Raises:
+        DivergedError: The simulators compute something else than before; says so if the numerics are others.
+    """
+    try:
+        job.resume()
+    except DivergedError as error:
+        raise DivergedError(explained(str(error), plan.versions.get(NUMERICS))) from error
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
@@ -108,7 +147,7 @@ def read_plan(folder: Path) -> TrainingPlan:
         plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
         profile = read_profile(plain["profile"], f"{path}: profile")
         rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
-    except (OSError, msgspec.MsgspecError, KeyError) as error:
+    except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
     return TrainingPlan(profile=profile, **rest)
 
@@ -160,5 +199,6 @@ def _shown(console: Console) -> Iterator[Any]:
 
 
 if __name__ == "__main__":
+    enter_profile()
     logging.captureWarnings(True)
     sys.exit(main())

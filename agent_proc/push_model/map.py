@@ -1,7 +1,7 @@
 """Measured effects of pushes on one box by face, leg, curve and depth, and the circles on which it turns."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import degrees
 from pathlib import Path
 from typing import Final, Literal
@@ -12,8 +12,7 @@ from msgspec import Struct
 
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.model import MIRROR, PushModel
-from agent_proc.statistics import N_BOOTSTRAP, Estimate
-from legpush.arrays import Floats
+from agent_proc.statistics.estimate import Estimate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.messages.common import USUAL_DEPTH_M
@@ -65,13 +64,23 @@ class PushEffect(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     turn_sd_deg: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class Length(Estimate):
+    """A length on a turning circle."""
+
+    kind: str = "percentile bootstrap 95 %"
+    """Maps of earlier versions do not name the kind; all of them have this one."""
+    n: int = 0
+    """Number of pushes; 0 in maps of earlier versions."""
+
+
 class TurningCircle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The circle on which one foot alone pushes the box, with 95 % intervals."""
 
     face: Face
-    radius_m: Estimate
+    radius_m: Length
     """Radius of the circle of the axle, the point that does not slip sideways."""
-    axle_m: Estimate
+    axle_m: Length
     """Distance of that point behind the box's centre."""
 
 
@@ -172,17 +181,20 @@ def _effect(face: Face, leg: FrontLeg, w1: float, w2: float, depth_m: float, sam
 
 
 def _circle(face: Face, samples: Sequence[Sample]) -> TurningCircle:
-    """Radius and axle from the mean effects; intervals by percentile bootstrap with a fixed seed."""
-    values = np.array([(s.forward_m, -MIRROR[s.leg] * s.left_m, -MIRROR[s.leg] * s.turn_rad) for s in samples])
-    drawn = values[np.random.default_rng(0).integers(len(values), size=(N_BOOTSTRAP, len(values)))].mean(axis=1)
-    return TurningCircle(face=face, radius_m=_ratio(values, drawn, 0), axle_m=_ratio(values, drawn, 1))
+    """Radius and axle: means of the displacements over the mean turn."""
+    turn_rad = [-MIRROR[sample.leg] * sample.turn_rad for sample in samples]
+    return TurningCircle(
+        face=face,
+        radius_m=_length([sample.forward_m for sample in samples], turn_rad),
+        axle_m=_length([-MIRROR[sample.leg] * sample.left_m for sample in samples], turn_rad),
+    )
 
 
-def _ratio(values: Floats, drawn: Floats, column: int) -> Estimate:
-    """Ratio of the mean of a column to the mean turn."""
-    mean = values.mean(axis=0)
-    low, high = np.quantile(drawn[:, column] / drawn[:, 2], (0.025, 0.975)).round(4).tolist()
-    return Estimate(value=round(float(mean[column] / mean[2]), 4), low=low, high=high)
+def _length(displacements_m: Sequence[float], turns_rad: Sequence[float]) -> Length:
+    # Missions read maps and make none, so they do not load SciPy.
+    from agent_proc.statistics.intervals import ratio_of_means
+
+    return Length(**asdict(ratio_of_means(displacements_m, turns_rad).rounded(4)))
 
 
 def write_push_map(push_map: PushMap, path: Path) -> None:

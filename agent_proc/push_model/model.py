@@ -17,7 +17,7 @@ NOMINAL: Final = Box(pose=PoseDeg(x_m=0.0, y_m=0.0, yaw_deg=0.0))
 class PushModel:
     """Displacement of the box by one push cycle of FL, by depth; FR does the mirror image.
 
-    Rows begin at depth 0 and are interpolated linearly. Measured by `experiments/push_effect.py` with a box of 0.1 kg
+    Rows begin at depth 0 and are interpolated linearly. Measured by the study `push_effect` with a box of 0.1 kg
     at friction 0.5.
     """
 

@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from legpush.arrays import Flags
+from legpush.bounds import MAX_OBSTACLES
 from legpush.options.maps import MapOptions
 from legpush.scenarios.file import load_with_map
 from legpush.scenarios.grid import merged_cells
 from legpush.scenarios.map_files import OccupancyMap, read_cells
 from legpush.scenarios.map_formats import CELL_SUFFIXES, MAP_SERVER_SUFFIXES, suffix_of
 from legpush.scene.occupancy import occupancy_grid
-from legpush.scene.scenario import MAX_OBSTACLES, Scenario
+from legpush.scene.scenario import Scenario
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,15 +7,16 @@ from typing import Annotated, Any, Final
 
 from msgspec import Meta, Struct
 
-from agent_proc.push_model.calibration import Cell, open_floor, push_series
+from agent_proc.push_model.calibration import CalibrationError, Cell, open_floor, push_series
 from agent_proc.studies.cell_parts import STATE_CRC, new_simulator, scenario_of
+from legpush.bounds import MAX_DEPTH_M, Unit
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
-from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M, Unit
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.scene.faces import PUSHABLE
 from legpush.scene.names import Face
-from legpush.scene.robot import FRONT_LEGS
+from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scene.scenario import Box, Scenario
 from legpush.study.cells import CellKind, Column
 
@@ -28,6 +29,9 @@ COLUMNS: Final = (
     ),
     Column(name="legs", unit="", about="leg of each push"),
     *(Column(name=f"each_{name}", unit=unit, about="by each push, in the pushed frame") for name, unit in _MEASURES),
+    Column(name="max_abs_tilt_deg", unit="deg", about="largest roll or pitch of the trunk"),
+    Column(name="min_support_margin_m", unit="m", about="least distance of the CoM from the border of its support"),
+    Column(name="longest_push_s", unit="s", about="simulated time of the longest push"),
     STATE_CRC,
 )
 
@@ -80,10 +84,16 @@ def run(cell: ResolvedCalibration) -> Mapping[str, Any]:
     series = Cell(face=cell.face, curve=(cell.w1, cell.w2), depth_m=cell.depth_m, seed=cell.seed)
     legs: list[str] = []
     each: dict[str, list[float]] = {name: [] for name, _ in _MEASURES}
+    tilts_deg, margins_m, times_s = list[float](), list[float](), list[float]()
     for push, moved, outcome in push_series(LocalWorld(new_simulator()), open_floor(cell.box, cell.face), series):
         legs.append(push.leg)
         for name, value in zip(each, (moved.x_m, moved.y_m, degrees(moved.yaw_rad)), strict=True):
             each[name].append(value)
+        if (trace := outcome.trace) is None:
+            raise CalibrationError("Expected a trace of each push, got none")
+        tilts_deg.append(degrees(max(abs(angle) for angles in trace.roll_pitch_rad for angle in angles)))
+        margins_m.append(min(trace.support_margin_m))
+        times_s.append(len(trace.tick) * CONTROL_PERIOD_S)
         crc = outcome.state_crc
     means = {
         f"{leg.lower()}_{name}": fmean(_of_leg(leg, legs, values))
@@ -91,7 +101,12 @@ def run(cell: ResolvedCalibration) -> Mapping[str, Any]:
         for name, values in each.items()
     }
     lists = {f"each_{name}": values for name, values in each.items()}
-    return {**means, "legs": legs, **lists, "state_crc": f"{crc:08x}"}
+    extremes = {
+        "max_abs_tilt_deg": max(tilts_deg),
+        "min_support_margin_m": min(margins_m),
+        "longest_push_s": max(times_s),
+    }
+    return {**means, "legs": legs, **lists, **extremes, "state_crc": f"{crc:08x}"}
 
 
 def _of_leg(leg: str, legs: Sequence[str], values: Sequence[float]) -> list[float]:

@@ -6,10 +6,11 @@ from math import ceil
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from agent_proc.studies.table import Line
+from agent_proc.studies.table import PAIRED, Line
 from legpush.errors import ConfigError
 
 N_COLUMNS: Final = 3
@@ -65,14 +66,14 @@ def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:
         shift = (SPREAD_OF_NUMBERS if numeric else SPREAD) * gap * ((index + 0.5) / len(series) - 0.5)
         x = [places[repr(_at(line, along))] + shift for line in found]
         middle = [line.estimate.value for line in found]
-        low = [max(0.0, line.estimate.value - line.estimate.low) for line in found]
-        high = [max(0.0, line.estimate.high - line.estimate.value) for line in found]
-        axis.errorbar(x, middle, [low, high], fmt="o", capsize=3, markersize=4, label=label)
+        ends = np.array([line.estimate.ends for line in found]).T
+        reach = np.maximum(np.array([[-1.0], [1.0]]) * (ends - np.array(middle)), 0.0)
+        axis.errorbar(x, middle, reach, fmt="o", capsize=3, markersize=4, label=label)
     if not numeric or len(at) <= MOST_TICKS:
         axis.set_xticks(list(places.values()), [_shown(value) for value in values])
     if not numeric:
         axis.set_xlim(min(at) - 0.6, max(at) + 0.6)
-    if lines[0].how.startswith("paired"):
+    if lines[0].how.startswith(PAIRED):
         axis.axhline(0.0, color="0.6", linewidth=1.0, zorder=0)
     axis.set_title(lines[0].title, fontsize="medium")
     axis.set_xlabel(along or "")

@@ -6,9 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isfinite
-from typing import Any, Final, Literal
+from typing import Any, Final
 
-from agent_proc.statistics import Estimate, mean_interval, wilson
+from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.intervals import mean, share
+from agent_proc.statistics.paired import paired_difference
 from legpush.errors import ConfigError
 from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.rows import CELL, DIFFERING
@@ -17,7 +19,7 @@ SEED: Final = "seed"
 """The axis over which tables take means, if they are not told otherwise."""
 NO_RESULTS: Final = frozenset({CELL, "code", *DIFFERING})
 """Columns that are neither inputs nor results."""
-How = Literal["share, Wilson", "mean, bootstrap", "paired, bootstrap"]
+PAIRED: Final = "paired"
 Row = Mapping[str, Any]
 
 
@@ -39,11 +41,10 @@ class Line:
     unit: str
     group: Mapping[str, Any]
     """Values of the columns that make the groups."""
-    n: int
-    """Number of cells, or of pairs."""
     estimate: Estimate
-    how: How
-    """What the number is, and how its interval is made."""
+    """Its `n` is the number of cells, or of pairs."""
+    how: str
+    """What the number is, and how its interval is made, such as `share, Wilson 95 %`."""
 
     @property
     def title(self) -> str:
@@ -134,8 +135,9 @@ def make_table(
             else:
                 estimated = _paired(study, rows, measure, pairing)
             if estimated is not None:
-                n, estimate, how = estimated
-                lines.append(Line(measure=measure, unit=unit, group=group, n=n, estimate=estimate, how=how))
+                estimate, what = estimated
+                how = f"{what}, {estimate.kind}"
+                lines.append(Line(measure=measure, unit=unit, group=group, estimate=estimate, how=how))
     return lines
 
 
@@ -148,28 +150,30 @@ def as_csv(lines: Sequence[Line], by: Sequence[str]) -> str:
         estimate = line.estimate
         values = (line.group[name] for name in by)
         writer.writerow(
-            [line.measure, line.unit, *values, line.n, estimate.value, estimate.low, estimate.high, line.how]
+            [line.measure, line.unit, *values, estimate.n, estimate.value, estimate.low, estimate.high, line.how]
         )
     return text.getvalue()
 
 
-def _paired(study: StudyRows, rows: Iterable[Row], measure: str, pairing: Pairing) -> tuple[int, Estimate, How] | None:
+def _paired(study: StudyRows, rows: Iterable[Row], measure: str, pairing: Pairing) -> tuple[Estimate, str] | None:
     """Return the mean difference between cells and those with the value of the pairing, all other axes being equal."""
     others = [axis for axis in study.record.axes if axis != pairing.axis]
-    base = {_key(row, others): row[measure] for row in study.rows if row[pairing.axis] == pairing.value}
-    pairs: list[tuple[Any, Any]] = [(row[measure], base.get(_key(row, others))) for row in rows]
-    found = [float(a) - float(b) for a, b in pairs if _is_number(a) and _is_number(b)]
-    return (len(found), mean_interval(found), "paired, bootstrap") if found else None
+    base = (row for row in study.rows if row[pairing.axis] == pairing.value)
+    here, there = (
+        {_key(row, others): float(row[measure]) for row in some if _is_number(row[measure])} for some in (rows, base)
+    )
+    estimate = paired_difference(here, there)
+    return (estimate, PAIRED) if estimate.n else None
 
 
-def _estimated(values: Sequence[Any]) -> tuple[int, Estimate, How] | None:
+def _estimated(values: Sequence[Any]) -> tuple[Estimate, str] | None:
     """Return the share of true values, or the mean of numbers; cells without a finite value do not count."""
     found = [value for value in values if _is_number(value)]
     if not found:
         return None
     if all(isinstance(value, bool) for value in found):
-        return len(found), wilson(sum(found), len(found)), "share, Wilson"
-    return len(found), mean_interval([float(value) for value in found]), "mean, bootstrap"
+        return share(sum(found), len(found)), "share"
+    return mean([float(value) for value in found]), "mean"
 
 
 def _grouped(rows: Sequence[Row], by: Sequence[str]) -> list[tuple[Mapping[str, Any], list[Row]]]:

@@ -12,10 +12,11 @@ from typing import Annotated, Any, Final, Literal
 import msgspec
 from msgspec import Meta, Struct
 
-from agent_proc.learning.training import BEST, Training
+from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.profiles.profile import load_profile, read_profile
+from agent_proc.policies.folder import Card, read_card
+from agent_proc.profiles.profile import Widths, load_profile, read_profile
 from agent_proc.studies.cell_parts import new_simulator, scenario_of
 from agent_proc.task.config import Domain, Interval, TaskConfig
 from legpush.errors import ConfigError
@@ -33,6 +34,16 @@ COLUMNS: Final = (
     Column(name="angle_error_deg", unit="deg", about="mean of the best policy"),
     Column(name="falls", unit="", about="falls in the evaluation of the best policy"),
     Column(name="cycles", unit="", about="mean number of pushes of the best policy"),
+    Column(name="last_success_rate", unit="", about="of the last policy in its evaluation"),
+    Column(name="last_position_error_m", unit="m", about="mean of the last policy"),
+    Column(name="last_angle_error_deg", unit="deg", about="mean of the last policy"),
+    Column(name="last_falls", unit="", about="falls in the evaluation of the last policy"),
+    Column(name="n_evaluated", unit="", about="episodes of an evaluation"),
+    Column(name="episode_step", unit="", about="by each episode of the training: push cycles before its end"),
+    Column(name="episode_return", unit="", about="by each episode: sum of its rewards"),
+    Column(name="episode_success", unit="", about="by each episode: whether the box ended within the tolerances"),
+    Column(name="episode_position_error_m", unit="m", about="by each episode, at its end"),
+    Column(name="episode_angle_error_deg", unit="deg", about="by each episode, at its end"),
     Column(name="policy_zip", unit="", about="folder of the best policy, as a zip file in base64", may_differ=True),
 )
 
@@ -50,6 +61,8 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Form of the action."""
     steps: Annotated[int, Meta(ge=1)] | None = None
     """Replaces the profile's number of push cycles."""
+    hidden: Widths | None = None
+    """Replaces the widths of the profile's networks."""
     n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
     """Simulators to learn with, all in the process of the cell; the result depends on their number."""
     mass_kg: Interval | None = None
@@ -83,6 +96,9 @@ def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
     profile = load_profile(cell.profile)
     if cell.steps is not None:
         profile = msgspec.structs.replace(profile, steps=cell.steps)
+    if cell.hidden is not None:
+        network = msgspec.structs.replace(profile.network, hidden=cell.hidden)
+        profile = msgspec.structs.replace(profile, network=network)
     task = TaskConfig(
         entry=cell.entry,
         action_form=cell.actions,
@@ -115,7 +131,8 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         finally:
             env.close()
         packed = pack(folder / BEST) if result.best is not None else ""
-    if result.best is None:
+        card = read_card(folder / LAST) if result.best is not None else None
+    if result.best is None or card is None:
         raise ConfigError(f"Expected a training with an evaluation, got none in {result.step} steps")
     best = result.best
     return {
@@ -126,7 +143,31 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         "angle_error_deg": best.angle_error_deg,
         "falls": best.falls,
         "cycles": best.cycles,
+        **of_last(card),
         "policy_zip": packed,
+    }
+
+
+def of_last(card: Card) -> dict[str, Any]:
+    """Return the evaluation of the last policy, and the episodes of the training.
+
+    Raises:
+        ConfigError: The card has no evaluation.
+    """
+    check = card.check
+    if check is None:
+        raise ConfigError("Expected the evaluation of the last policy on its card, got none")
+    return {
+        "last_success_rate": check.success_rate,
+        "last_position_error_m": check.position_error_m,
+        "last_angle_error_deg": check.angle_error_deg,
+        "last_falls": check.falls,
+        "n_evaluated": len(check.seeds),
+        "episode_step": [point.step for point in card.curve],
+        "episode_return": [round(point.episode_return, 4) for point in card.curve],
+        "episode_success": [point.success for point in card.curve],
+        "episode_position_error_m": [round(point.position_error_m, 5) for point in card.curve],
+        "episode_angle_error_deg": [round(point.angle_error_deg, 4) for point in card.curve],
     }
 
 

@@ -1,9 +1,8 @@
-"""The actions of a learner: their spaces, and how they become pushes."""
+"""The actions of a policy: which there are, and how they become pushes."""
 
 from typing import Any, Final
 
 import numpy as np
-from gymnasium import spaces
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView
@@ -13,16 +12,14 @@ from legpush.errors import ConfigError
 from legpush.messages.stepping import Push
 from legpush.scene.robot import FrontLeg
 
-N_WEIGHTS: Final = 8
-"""The published grid: w = (k + 1) / 10 for k below this."""
+CHOICES: Final = (8, 8, 2)
+"""Number of values of each element of a discrete action, the published grid: w1 and w2 are (k + 1) / 10."""
 MODEL: Final = PushModel()
 
 
-def action_space(task: TaskConfig) -> spaces.Space[Any]:
-    """The space of actions: `MultiDiscrete([8, 8, 2])`, or w1, w2, leg (and depth) in [-1, 1]."""
-    if task.action_form == "discrete":
-        return spaces.MultiDiscrete([N_WEIGHTS, N_WEIGHTS, 2])
-    return spaces.Box(-1.0, 1.0, (3 if task.entry == "fixed" else 4,), np.float32)
+def n_actions(task: TaskConfig) -> int:
+    """Number of elements of an action: w1, w2, leg, and with variable entry the depth."""
+    return 4 if task.entry == "variable" else 3
 
 
 def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
@@ -31,11 +28,11 @@ def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
     The leg is FL below the midpoint and FR above; with mirrored observations these are the legs of the mirror image.
 
     Raises:
-        ConfigError: The action is not in its space.
+        ConfigError: It is no action of the task.
     """
-    space = action_space(task)
-    if not space.contains(action):
-        raise ConfigError(f"Expected an action in {space}, got {action!r}")
+    if not _is_action(action, task):
+        kind = f"integers below {CHOICES}" if task.action_form == "discrete" else "numbers in [-1, 1]"
+        raise ConfigError(f"Expected an action of {n_actions(task)} {kind}, got {action!r}")
     if task.action_form == "discrete":
         w1, w2, right = (action[0] + 1) / 10, (action[1] + 1) / 10, action[2] == 1
     else:
@@ -48,6 +45,14 @@ def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
     if task.entry == "variable":
         depth_m = task.least_depth_m + float(unit[3]) * (deepest_push_m(task, view) - task.least_depth_m)
     return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m)
+
+
+def _is_action(action: NDArray[Any], task: TaskConfig) -> bool:
+    if action.shape != (n_actions(task),):
+        return False
+    if task.action_form == "discrete":
+        return action.dtype.kind in "iu" and bool(((action >= 0) & (action < CHOICES)).all())
+    return np.can_cast(action.dtype, np.float32) and bool((np.abs(action) <= 1.0).all())
 
 
 def deepest_push_m(task: TaskConfig, view: PushView) -> float:

@@ -1,15 +1,18 @@
 """The configuration of a pushing task: its action, observation, reward and scenarios, as one record."""
 
 from dataclasses import dataclass, field, fields
-from typing import Literal
+from typing import Any, Final, Literal
 
+from legpush.bounds import MAX_DEPTH_M, BoxMass, Friction, Length
 from legpush.errors import ConfigError
-from legpush.messages.common import MAX_DEPTH_M
+from legpush.fields import require
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 
 Interval = tuple[float, float]
 """Lowest and highest value."""
+_BOUNDS: Final[dict[str, Any]] = {"mass_kg": BoxMass, "friction": Friction, "distance_m": Length}
+"""Type of the values of each interval of a `Domain`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +34,12 @@ class Domain:
     def __post_init__(self) -> None:
         for name in (entry.name for entry in fields(self)):
             interval = getattr(self, name)
-            if interval is not None and not 0.0 < interval[0] <= interval[1]:
+            if interval is None:
+                continue
+            if not 0.0 < interval[0] <= interval[1]:
                 raise ConfigError(f"Expected 0 < low <= high for {name} of the domain, got {interval}")
+            for value in interval:
+                require(_BOUNDS[name], value, f"{name} of the domain")
 
 
 @dataclass(frozen=True, kw_only=True)

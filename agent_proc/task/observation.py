@@ -1,9 +1,8 @@
-"""What a policy of a task observes: the table of its profile, its space, and its vector."""
+"""What a policy of a task observes: the table of its profile, its bounds, and its vector."""
 
 from typing import Final
 
 import numpy as np
-from gymnasium import spaces
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView
@@ -15,10 +14,15 @@ from agent_proc.task.observation_table import Table, bounds, read_table
 TABLES: Final[dict[str, Table]] = {"paper": PAPER, "relative": RELATIVE}
 
 
-def observation_space(task: TaskConfig) -> spaces.Box:
-    """The space of the observation: bounds of each element, (n,)."""
+def n_observed(task: TaskConfig) -> int:
+    """Number of elements of the observation."""
+    return sum(entry.size for entry in TABLES[task.observation])
+
+
+def observation_bounds(task: TaskConfig) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Lowest and highest values of the observation, (n,) each."""
     low, high = bounds(TABLES[task.observation], task.scenario)
-    return spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
+    return low.astype(np.float32), high.astype(np.float32)
 
 
 def observe(task: TaskConfig, view: PushView) -> NDArray[np.float32]:

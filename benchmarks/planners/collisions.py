@@ -1,61 +1,43 @@
-"""Judges the paths of thousands of random requests by an exact geometric test that shares no code with the planner."""
+"""The kind of cell that judges the path of a random request by an exact geometric test.
 
-import json
-from collections import Counter
-from dataclasses import dataclass
+The test shares no code with the planner.
+"""
+
+from collections.abc import Mapping
 from math import inf
 from time import perf_counter
-from typing import Final
+from typing import Annotated, Any, Final
 
 import numpy as np
+from msgspec import Meta, Struct
 
-from agent_proc.statistics import wilson
 from benchmarks.planners.random_requests import random_request
-from benchmarks.planners.tables import RESULTS, Row, fill, numbers
 from legpush.scene.clearance import clearance
+from legpush.study.cells import CellKind, Column, as_it_is
 from planner_proc.conformance.truth import SAME_M, faults
 from planner_proc.planning import make_plans
 
-TABLE: Final = RESULTS / "planner_collisions.csv.gz"
-SUMMARY: Final = RESULTS / "planner_collisions.json"
+COLUMNS: Final = (
+    Column(name="planner", unit="", about="the search of the request"),
+    Column(name="steering", unit="", about="the steering of the request"),
+    Column(name="status", unit="", about="of the last plan: exact, approximate, failed or invalid"),
+    Column(name="n_paths", unit="", about="plans with a path"),
+    Column(name="n_colliding", unit="", about="paths that come closer than the required clearance"),
+    Column(name="least_margin_m", unit="m", about="least distance beyond the required clearance"),
+    Column(name="faults", unit="", about="what else is wrong with the plans"),
+    Column(name="planning_s", unit="s", about="time for all plans", may_differ=True),
+)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Collisions:
-    """Plan random requests and judge each path at the required clearance."""
+class RandomRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A random request by its number."""
 
-    n: int = 10_000
-    """Number of requests."""
+    number: Annotated[int, Meta(ge=0)]
 
 
-def main(config: Collisions) -> None:
-    """Judge the requests that are not in the table yet, and summarize all."""
-    rows = fill(TABLE, ("number",), [(number,) for number in range(config.n)], judged)
-    collided = [row["number"] for row in rows if int(row["n_colliding"])]
-    n_paths = sum(int(row["n_paths"]) for row in rows)
-    other = [f"{row['number']}: {row['faults']}" for row in rows if row["faults"]]
-    summary = {
-        "requests": len(rows),
-        "paths": n_paths,
-        "colliding_paths": sum(int(row["n_colliding"]) for row in rows),
-        "colliding_share_95_at_most": wilson(len(collided), max(1, n_paths)).high,
-        "least_margin_m": min(numbers(rows, "least_margin_m")),
-        "other_faults": other,
-        "statuses": dict(Counter(row["status"] for row in rows)),
-        "by_planner": {
-            name: dict(Counter(row["status"] for row in rows if f"{row['planner']}, {row['steering']}" == name))
-            for name in sorted({f"{row['planner']}, {row['steering']}" for row in rows})
-        },
-        "planning_s_median": round(float(np.median(numbers(rows, "planning_s"))), 4),
-        "planning_s_longest": max(numbers(rows, "planning_s")),
-    }
-    SUMMARY.write_text(json.dumps(summary, indent=1) + "\n")
-    print(json.dumps(summary, indent=1))
-
-
-def judged(number: int) -> Row:
-    """Plan one request and judge every revision of its plan; return a row of the table."""
-    query = random_request(number)
+def judged(cell: RandomRequest) -> Mapping[str, Any]:
+    """Plan one request and judge every revision of its plan at the required clearance."""
+    query = random_request(cell.number)
     begin_s = perf_counter()
     plans = list(make_plans(query, lambda: False))
     planning_s = perf_counter() - begin_s
@@ -73,8 +55,18 @@ def judged(number: int) -> Row:
         "steering": query.steering,
         "status": plans[-1].status,
         "n_paths": n_paths,
-        "n_colliding": n_colliding,
-        "least_margin_m": f"{least_m:.9f}" if n_paths else "",
+        "n_colliding": int(n_colliding),
+        "least_margin_m": least_m if n_paths else None,
         "faults": "; ".join(found),
-        "planning_s": round(planning_s, 4),
+        "planning_s": planning_s,
     }
+
+
+JUDGED: Final = CellKind(
+    specification=RandomRequest,
+    run=judged,
+    resolved=RandomRequest,
+    resolve=as_it_is,
+    columns=COLUMNS,
+)
+"""The kind of cell."""

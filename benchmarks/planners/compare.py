@@ -1,154 +1,82 @@
-"""Compares all planners, straight and steered, on golden and random maps: success, time, length, clearance,
-smoothness."""
+"""The kind of cell that asks a planner of legpush for a path, with improvements, and measures every answer.
 
-from dataclasses import asdict, dataclass
-from itertools import product
+All planners get equal budgets of iterations, and steered ones a smaller one, as their iterations take many times as
+long.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict
 from time import perf_counter
 from typing import Any, Final
 
-import numpy as np
+from msgspec import Struct
 from msgspec.structs import replace
 
-from agent_proc.statistics import mean_interval, wilson
-from benchmarks.planners.compare_plot import draw
-from benchmarks.planners.maps import MAPS, question
+from benchmarks.planners.maps import question
 from benchmarks.planners.measures import measured, points_of
-from benchmarks.planners.random_requests import PLANNERS
-from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
-from experiments.evaluations import write_table
+from legpush.fields import Seed
 from legpush.messages.planning import Plan
+from legpush.scene.names import PlannerName, Steering
 from legpush.scene.scenario import Anytime
+from legpush.study.cells import CellKind, Column, as_it_is
 from planner_proc.planning import make_plans
 
-TABLE: Final = RESULTS / "planner_compare.csv.gz"
-SUMMARY: Final = RESULTS / "planner_compare.csv"
-VARIANTS: Final = (
-    *((planner, "straight") for planner in PLANNERS),
-    ("rrt_star", "dubins"),
-    ("bit_star", "dubins"),
-    ("rrt_connect", "reeds_shepp"),
-    ("rrt_star", "reeds_shepp"),
-)
 RADIUS_M: Final = 0.4
 """Turning radius of the steered planners."""
 BUDGET: Final = 3000
 IMPROVEMENTS: Final = Anytime(n_improvements=3, improvement_iterations=300)
 STEERED_BUDGET: Final = 600
 STEERED_IMPROVEMENTS: Final = Anytime(n_improvements=3, improvement_iterations=60)
-"""The budget is smaller because an iteration with curves takes many times as long."""
+MEASURES: Final = (
+    Column(name="length_m", unit="m", about="length of the last path"),
+    Column(name="clearance_m", unit="m", about="least clearance of the last path"),
+    Column(name="curvature_rms_per_m", unit="1/m", about="curvature of the last path, root mean square"),
+    Column(name="keeps_clearance", unit="", about="whether the last path keeps the required clearance"),
+)
+COLUMNS: Final = (
+    Column(name="status", unit="", about="of the last plan: exact, approximate, failed or invalid"),
+    Column(name="first_s", unit="s", about="time until the first exact path", may_differ=True),
+    Column(name="final_s", unit="s", about="time until the last plan", may_differ=True),
+    Column(name="first_length_m", unit="m", about="length of the first exact path"),
+    *MEASURES,
+)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Compare:
-    """Run every planner on every map, with equal budgets of iterations."""
+class Compared(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A planner, a map and a seed."""
 
-    n_seeds: int = 20
-    """Number of seeds for each planner on each map."""
-
-
-def main(config: Compare) -> None:
-    """Measure what is not in the table yet, then summarize and draw."""
-    # The seeds are the outer loop, so that other work on the machine affects all planners equally.
-    wanted = [
-        (planner, steering, name, seed)
-        for seed, name, (planner, steering) in product(range(config.n_seeds), MAPS, VARIANTS)
-    ]
-    rows = fill(TABLE, ("planner", "steering", "map", "seed"), wanted, _measure)
-    shortest_m = _shortest_m(rows)
-    for row in rows:
-        row["times_shortest"] = float(row["length_m"]) / shortest_m[row["map"]] if row["length_m"] else ""
-    summary = [
-        _summary(planner, steering, name, rows) for (planner, steering), name in product(VARIANTS, ("all", *MAPS))
-    ]
-    write_table(summary, SUMMARY)
-    _print(rows)
-    draw(summary, RESULTS / "planner_compare.png")
+    seed: Seed
+    map: str
+    """One of `benchmarks.planners.maps`."""
+    planner: PlannerName
+    steering: Steering = "straight"
 
 
-def _measure(planner: str, steering: str, name: str, seed: int) -> Row:
-    """Plan one request with improvements and time each answer; return a row of the table."""
-    straight = steering == "straight"
+def compared(cell: Compared) -> Mapping[str, Any]:
+    """Plan one request with improvements and time each answer."""
+    straight = cell.steering == "straight"
     changes: dict[str, Any] = {
-        "planner": planner,
-        "steering": steering,
-        "seed": seed,
+        "planner": cell.planner,
+        "steering": cell.steering,
+        "seed": cell.seed,
         "max_iterations": BUDGET if straight else STEERED_BUDGET,
         "anytime": IMPROVEMENTS if straight else STEERED_IMPROVEMENTS,
         "min_turning_radius_m": 0.0 if straight else RADIUS_M,
     }
-    query = replace(question(name), **changes)
+    query = replace(question(cell.map), **changes)
     plans: list[Plan] = []
     times_s: list[float] = []
     begin_s = perf_counter()
     for plan in make_plans(query, lambda: False):
         plans.append(plan)
         times_s.append(perf_counter() - begin_s)
-    exact = [k for k, plan in enumerate(plans) if plan.status == "exact"]
-    row: Row = {"status": plans[-1].status, "first_s": "", "final_s": round(times_s[-1], 5), "first_length_m": ""}
-    empty = {"length_m": "", "clearance_m": "", "curvature_rms_per_m": "", "keeps_clearance": ""}
-    if not exact:
-        return row | empty
-    row |= {"first_s": round(times_s[exact[0]], 5), "first_length_m": round(plans[exact[0]].length_m, 4)}
-    measures = asdict(measured(query, points_of(plans[-1])))
-    return row | {key: round(value, 5) if isinstance(value, float) else value for key, value in measures.items()}
+    first = next((k for k, plan in enumerate(plans) if plan.status == "exact"), None)
+    row: dict[str, Any] = {"status": plans[-1].status, "final_s": times_s[-1]}
+    if first is None:
+        return {**row, "first_s": None, "first_length_m": None, **dict.fromkeys(column.name for column in MEASURES)}
+    row |= {"first_s": times_s[first], "first_length_m": plans[first].length_m}
+    return row | asdict(measured(query, points_of(plans[-1])))
 
 
-def _summary(planner: str, steering: str, name: str, rows: list[Row]) -> Row:
-    """Summarize one planner on one map, or on `all` maps."""
-    here = [
-        row for row in rows if (row["planner"], row["steering"]) == (planner, steering) and name in ("all", row["map"])
-    ]
-    good = [row for row in here if row["status"] == "exact"]
-    share = wilson(len(good), len(here))
-    found: Row = {
-        "planner": planner,
-        "steering": steering,
-        "map": name,
-        "n": len(here),
-        "success": round(share.value, 4),
-        "success_low": round(share.low, 4),
-        "success_high": round(share.high, 4),
-        "colliding": sum(row["keeps_clearance"] == "False" for row in good),
-    }
-    for key, statistic in (
-        ("first_s", median_interval),
-        ("final_s", median_interval),
-        ("first_length_m", _mean),
-        ("length_m", _mean),
-        ("times_shortest", _mean),
-        ("clearance_m", _mean),
-        ("curvature_rms_per_m", _mean),
-    ):
-        values = numbers(good, key)
-        middle, low, high = statistic(values) if values else (np.nan, np.nan, np.nan)
-        found |= {key: round(middle, 5), f"{key}_low": round(low, 5), f"{key}_high": round(high, 5)}
-    return found
-
-
-def _shortest_m(rows: list[Row]) -> dict[str, float]:
-    """Return, for each map, the length of the shortest path that any planner found with any seed."""
-    return {name: min(numbers((row for row in rows if row["map"] == name), "length_m")) for name in MAPS}
-
-
-def _mean(values: list[float]) -> tuple[float, float, float]:
-    mean = mean_interval(values)
-    return mean.value, mean.low, mean.high
-
-
-def _print(rows: list[Row]) -> None:
-    """Print a line per planner, over all maps."""
-    titles = ("exact".rjust(7), *(title.ljust(22) for title in ("first [ms]", "final [ms]", "length / shortest")))
-    print(" ".join((" " * 26, *titles, "RMS curvature [1/m]")))
-    for planner, steering in VARIANTS:
-        here = [row for row in rows if (row["planner"], row["steering"]) == (planner, steering)]
-        good = [row for row in here if row["status"] == "exact"]
-        relative = numbers(good, "times_shortest")
-        columns = (
-            f"{planner}, {steering}".ljust(26),
-            f"{len(good)}/{len(here)}".rjust(7),
-            spread(numbers(good, "first_s"), 1e3).ljust(22),
-            spread(numbers(good, "final_s"), 1e3, 0).ljust(22),
-            "{:.3f} [{:.3f}, {:.3f}]".format(*_mean(relative)).ljust(22),
-            spread(numbers(good, "curvature_rms_per_m"), digits=2),
-        )
-        print(" ".join(columns))
+COMPARED: Final = CellKind(specification=Compared, run=compared, resolved=Compared, resolve=as_it_is, columns=COLUMNS)
+"""The kind of cell."""

@@ -1,113 +1,119 @@
-"""Compares our planners with planners of other projects, by the same exact test at the same clearance.
+"""The kind of cell that compares our planners with planners of other projects at the same clearance.
 
-All take turns on the same maps. Ours return a smooth path with headings, theirs return corners. The time is that from
-the query to the path, including the map. `pip install 'legpush[bench]'` installs the others; python_motion_planning is
-under the GPL.
+Ours return a smooth path with headings, theirs return corners. The time is that from the query to the path, including
+the map. `pip install 'legpush[bench]'` installs the others; python_motion_planning is under the GPL.
 """
 
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import cache, partial
-from itertools import product
 from time import perf_counter
-from typing import Final
+from typing import Any, Final, Literal, get_args
 
+from msgspec import Struct
 from msgspec.structs import replace
 
+from benchmarks.planners.compare import MEASURES
 from benchmarks.planners.maps import question
 from benchmarks.planners.measures import measured, points_of
-from benchmarks.planners.peers_plot import draw
-from benchmarks.planners.tables import RESULTS, Row, fill, median_interval, numbers, spread
-from experiments.evaluations import read_table, write_table
 from legpush.arrays import Floats
+from legpush.errors import ConfigError
+from legpush.fields import Seed
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.names import PlannerName
 from legpush.scene.scenario import Anytime, Smoothing
+from legpush.study.cells import CellKind, Column, as_it_is
 from planner_proc.planning import make_plans
 from planner_proc.smoothing import polylines
 
 Planner = Callable[[TrunkPathQuery, int], Floats | None]
-
-TABLE: Final = RESULTS / "planner_peers_runs.csv.gz"
-SUMMARY: Final = RESULTS / "planner_peers.csv"
-MAPS: Final = ("published", "published_detour", "around a wall", "maze", "random 1", "random 3")
-OURS: Final[tuple[PlannerName, ...]] = ("rrt_connect", "rrt", "rrt_star")
-REFERENCE: Final = "legpush rrt_connect"
+Label = Literal[
+    "legpush rrt_connect",
+    "legpush rrt",
+    "legpush rrt_star",
+    "legpush rrt_connect, not smoothed",
+    "python_motion_planning RRT",
+    "python_motion_planning RRT*",
+    "python_motion_planning RRT* until as short",
+    "pathplanning rrt",
+    "pathplanning rrt_connect",
+]
+LABELS: Final[tuple[Label, ...]] = get_args(Label)
 NOT_SMOOTHED: Final = Smoothing(method="none")
 """Leaves the corners, as the others do, but shortens the path."""
-AS_SHORT: Final = "python_motion_planning RRT* until as short"
-"""Label of the planner that continues until its path is as short as that of the reference with the same seed."""
-LONG_MAPS: Final = ("published", "around a wall")
-N_LONG: Final = 5
+UNTIL: Final = "python_motion_planning RRT* until as short"
+"""Continues until its path is as short as that of our `rrt_connect` with the same seed."""
+WARM_UP_SEED: Final = 1_000_000
+
+COLUMNS: Final = (
+    Column(name="seconds", unit="s", about="from the query to the path", may_differ=True),
+    Column(name="found", unit="", about="whether there is a path"),
+    *MEASURES,
+)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Peers:
-    """Compare with planners of other projects.
+class Peer(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A planner, a map and a seed."""
 
-    With NUMBA_DISABLE_JIT=1 in the environment, python_motion_planning runs as pure Python; a second call adds those
-    rows.
+    seed: Seed
+    map: str
+    """One of `benchmarks.planners.maps`."""
+    planner: Label
+    compiled: bool = True
+    """Whether python_motion_planning runs through Numba. Without it, NUMBA_DISABLE_JIT=1 has to be set."""
+
+
+def peer(cell: Peer) -> Mapping[str, Any]:
+    """Plan one request, time it, and measure the path.
+
+    Raises:
+        ConfigError: The environment compiles, or does not compile, as the cell wants.
     """
-
-    n_seeds: int = 20
-    """Number of seeds for each planner on each map."""
-
-
-def main(config: Peers) -> None:
-    """Measure what is not in the table yet, then summarize and draw."""
-    planners = _planners()
-    for name, planner in product(MAPS, planners.values()):
-        # The first call compiles code and fills caches, which is not measured.
-        if not _is_long(planner):
-            planner(question(name), config.n_seeds)
-    wanted = [
-        (label, name, seed)
-        for seed, name, (label, planner) in product(range(config.n_seeds), MAPS, planners.items())
-        if not _is_long(planner) or (name in LONG_MAPS and seed < N_LONG)
-    ]
-
-    def measure(label: str, name: str, seed: int) -> Row:
-        if _is_long(planners[label]):
-            _length_m(question(name), seed)
-        begin_s = perf_counter()
-        points_m = planners[label](question(name), seed)
-        row: Row = {"seconds": round(perf_counter() - begin_s, 6), "found": points_m is not None}
-        if points_m is None:
-            return row | {"length_m": "", "clearance_m": "", "curvature_rms_per_m": "", "keeps_clearance": ""}
-        measures = asdict(measured(question(name), points_m))
-        return row | {key: round(value, 5) if isinstance(value, float) else value for key, value in measures.items()}
-
-    rows = fill(TABLE, ("planner", "map", "seed"), wanted, measure)
-    summary = [_summary(label, name, rows) for name in MAPS for label in dict.fromkeys(row["planner"] for row in rows)]
-    write_table(summary, SUMMARY)
-    for row in read_table(SUMMARY):
-        print("  ".join(f"{value:>24s}" if key in ("planner", "map") else f"{value:>9s}" for key, value in row.items()))
-    draw(rows, RESULTS / "planner_peers.png")
+    plan, query = _planner(cell.planner, cell.compiled), question(cell.map)
+    if cell.planner == UNTIL:
+        _length_m(query, cell.seed)
+    else:
+        _warm_up(cell.planner, cell.map, cell.compiled)
+    begin_s = perf_counter()
+    points_m = plan(query, cell.seed)
+    row: dict[str, Any] = {"seconds": perf_counter() - begin_s, "found": points_m is not None}
+    if points_m is None:
+        return row | dict.fromkeys(column.name for column in MEASURES)
+    return row | asdict(measured(query, points_m))
 
 
-def _planners() -> dict[str, Planner]:
-    """Return the planners by their labels in the table, ours first."""
+@cache
+def _warm_up(label: Label, name: str, compiled: bool) -> None:
+    """Plan once, since the first call of a process compiles code and fills caches."""
+    _planner(label, compiled)(question(name), WARM_UP_SEED)
+
+
+def _planner(label: Label, compiled: bool) -> Planner:
     from benchmarks.planners import peer_planners as peers
 
-    numba = "Numba" if peers.COMPILED else "pure Python"
-    return {
-        **{f"legpush {name}": partial(_ours, planner=name) for name in OURS},
-        f"{REFERENCE}, not smoothed": partial(_ours, planner="rrt_connect", smoothing=NOT_SMOOTHED),
-        f"python_motion_planning RRT, {numba}": partial(peers.motion_planning, star=False),
-        f"python_motion_planning RRT*, {numba}": partial(peers.motion_planning, star=True),
-        f"{AS_SHORT}, {numba}": partial(peers.motion_planning, star=True, until=_length_m),
-        "pathplanning rrt, C": partial(peers.path_planning, planner="rrt"),
-        "pathplanning rrt_connect, C": partial(peers.path_planning, planner="rrt_connect"),
-    }
-
-
-def _is_long(planner: Planner) -> bool:
-    return isinstance(planner, partial) and planner.keywords.get("until") is not None
+    if compiled != peers.COMPILED:
+        raise ConfigError(
+            f"Expected NUMBA_DISABLE_JIT={int(not compiled)} in the environment for compiled = {compiled}"
+        )
+    match label.split(" ", 1):
+        case "legpush", "rrt_connect, not smoothed":
+            return partial(_ours, planner="rrt_connect", smoothing=NOT_SMOOTHED)
+        case "legpush", "rrt" | "rrt_connect" | "rrt_star" as name:
+            return partial(_ours, planner=name)
+        case "python_motion_planning", "RRT":
+            return partial(peers.motion_planning, star=False)
+        case "python_motion_planning", "RRT*":
+            return partial(peers.motion_planning, star=True)
+        case "python_motion_planning", _:
+            return partial(peers.motion_planning, star=True, until=_length_m)
+        case _, name:
+            return partial(peers.path_planning, planner=name)
+    raise ConfigError(f"Expected a planner among {', '.join(LABELS)}, got {label}")
 
 
 @cache
 def _length_m(query: TrunkPathQuery, seed: int) -> float:
-    """Return the length of the path of the reference, or 0 without one."""
+    """Return the length of the path of our `rrt_connect`, or 0 without one."""
     points_m = _ours(query, seed, planner="rrt_connect")
     return 0.0 if points_m is None else polylines.length(points_m)
 
@@ -122,23 +128,5 @@ def _ours(
     return points_of(plan) if plan.status == "exact" else None
 
 
-def _summary(label: str, name: str, rows: list[Row]) -> Row:
-    """Summarize one planner on one map, with its times and lengths over those of the reference with the same seed."""
-    here = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (label, name)}
-    ours = {row["seed"]: row for row in rows if (row["planner"], row["map"]) == (REFERENCE, name)}
-    found = [row for row in here.values() if row["found"] == "True"]
-    pairs = [(row, ours[row["seed"]]) for row in found if row["seed"] in ours and ours[row["seed"]]["found"] == "True"]
-    slower = [float(row["seconds"]) / float(other["seconds"]) for row, other in pairs]
-    longer = [float(row["length_m"]) / float(other["length_m"]) for row, other in pairs]
-    return {
-        "map": name,
-        "planner": label,
-        "n": len(here),
-        "found": len(found),
-        "keeps_clearance": sum(row["keeps_clearance"] == "True" for row in found),
-        "ms": spread(numbers(found, "seconds"), 1e3),
-        "times_as_slow": spread(slower),
-        "length_m": spread(numbers(found, "length_m"), digits=2),
-        "times_as_long": spread(longer, digits=3),
-        "curvature_rms_per_m": round(median_interval(numbers(found, "curvature_rms_per_m"))[0], 2) if found else "",
-    }
+PEER: Final = CellKind(specification=Peer, run=peer, resolved=Peer, resolve=as_it_is, columns=COLUMNS)
+"""The kind of cell."""

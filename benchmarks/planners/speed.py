@@ -1,7 +1,9 @@
-"""Measures the time to the first exact path, in the process, over the bus and on large maps, and the memory it
-takes."""
+"""`python -m benchmarks.planners.speed`: measures the time to the first exact path, and the memory it takes.
 
-import json
+Plans are asked for in this process and over the bus, on the published map and on large ones. The numbers go to
+`results/planner_speed.json`.
+"""
+
 import re
 import sys
 import threading
@@ -15,10 +17,14 @@ from typing import Final
 
 import numpy as np
 import psutil
+import tyro
 from msgspec.structs import replace
 
+from agent_proc.statistics.intervals import median
 from benchmarks.planners.maps import HUGE, LARGE, question
-from benchmarks.planners.tables import RESULTS, Row, median_interval
+from benchmarks.report import write_report
+from experiments.rows import Row
+from experiments.tables.parts import plain
 from legpush.bus.bus import Bus
 from legpush.messages import codec
 from legpush.messages.planning import Plan, TrunkPathQuery
@@ -28,7 +34,6 @@ from planner_proc.conformance.client import RUN, PlannerProcess
 from planner_proc.planning import make_plan
 from planner_proc.search.registry import routes
 
-SUMMARY: Final = RESULTS / "planner_speed.json"
 MB: Final = 1e6
 
 
@@ -43,8 +48,7 @@ class Speed:
 
 
 def main(config: Speed) -> None:
-    """Measure, save and print."""
-    SUMMARY.parent.mkdir(exist_ok=True)
+    """Measure and report."""
     sizes = (("published", config.n), (LARGE, config.n_large), (HUGE, config.n_large))
     summary: dict[str, Row] = {name: {"n": n} for name, n in sizes}
     plans: dict[tuple[str, int], bytes] = {}
@@ -66,8 +70,7 @@ def main(config: Speed) -> None:
             summary[name]["over the bus, first request"] = round(1e3 * times_s[0], 2)
             summary[name]["equal to the plan of this process, bit for bit"] = equal
             summary[name]["peak memory of the planner's process [MB]"] = round(_peak_bytes(process) / MB, 1)
-    SUMMARY.write_text(json.dumps(summary, indent=1) + "\n")
-    print(json.dumps(summary, indent=1))
+    write_report("planner_speed", {"maps": summary})
 
 
 def _in_process(question_: TrunkPathQuery, n: int) -> tuple[Row, list[bytes]]:
@@ -141,11 +144,13 @@ def _require_exact(plan: Plan) -> None:
 
 
 def _ms(times_s: list[float]) -> Row:
-    median, low, high = (1e3 * value for value in median_interval(times_s))
     best, worst = 1e3 * min(times_s), 1e3 * max(times_s)
     return {
-        "median_ms": round(median, 2),
-        "median_95_ms": [round(low, 2), round(high, 2)],
+        "median_ms": plain(median(times_s).scaled(1e3), 2),
         "fastest_ms": round(best, 2),
         "slowest_ms": round(worst, 2),
     }
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Speed))

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from legpush.bounds import MAX_WAYPOINTS
 from legpush.geometry import Point2, Pose2
-from legpush.messages.common import MAX_WAYPOINTS
 from legpush.messages.planning import BoxPathQuery
 from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from planner_proc.box.pushes import Pushes, Stage, Way

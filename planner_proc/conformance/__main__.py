@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.text import Text
 
 from legpush.bus.bus import Bus
+from legpush.errors import one_line
 from legpush.files import write_whole
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.service import run_program, stop_on_signals
@@ -54,7 +55,7 @@ def check(options: PlanCheckOptions, command: tuple[str, ...], console: Console)
             findings.append(finding)
             mark, style = ("pass", "green") if finding.passed else ("FAIL", "bold red")
             note = f": {finding.reason}" if finding.reason else ""
-            console.print(Text.assemble((mark, style), f"  {finding.name}{note}"), soft_wrap=True)
+            console.print(Text.assemble((mark, style), f"  {finding.name}{one_line(note)}"), soft_wrap=True)
     n_failed = sum(not finding.passed for finding in findings)
     verdict = "all checks passed" if not n_failed else f"{n_failed} of {len(findings)} checks failed"
     console.print(Text(verdict, style="bold"))

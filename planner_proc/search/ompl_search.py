@@ -11,8 +11,8 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
+from legpush.bounds import MAX_WAYPOINTS
 from legpush.geometry import Point2
-from legpush.messages.common import MAX_WAYPOINTS
 from legpush.messages.planning import TrunkPathQuery
 from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from legpush.scene.names import PlannerName

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from importlib.metadata import version as _version
 
     from legpush.errors import (
+        BrokenEpisodeError,
         ConfigError,
         LegpushError,
         MotionError,
@@ -34,6 +35,7 @@ __all__ = [
     "Alter",
     "Box",
     "BoxPathQuery",
+    "BrokenEpisodeError",
     "ConfigError",
     "Follow",
     "Goal",
@@ -65,6 +67,7 @@ __all__ = [
 
 _ADDRESSES = {
     "legpush.errors": (
+        "BrokenEpisodeError",
         "ConfigError",
         "LegpushError",
         "MotionError",

@@ -5,22 +5,24 @@ import sys
 from collections.abc import Sequence
 from functools import singledispatch
 from importlib.metadata import version
-from typing import Annotated, Final
+from typing import Annotated, Final, NoReturn
 
 import tyro
 
-from legpush.errors import ConfigError, LegpushError
+from legpush.errors import ConfigError, exit_code_of, one_line, printable
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.maps import MapOptions
+from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
+from legpush.options.policies import Policies
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
-from legpush.processes.start_program import Program, start_program
+from legpush.processes.start_program import Program, start_program, start_python
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
@@ -33,8 +35,10 @@ PROGRAMS: Final[dict[type, Program]] = {
     EvaluateOptions: "agent_proc.programs.evaluate",
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
+    Policies: "agent_proc.programs.policy",
     ExportOptions: "sim_proc.export",
     ViewOptions: "sim_proc.view",
+    CanaryOptions: "legpush.canary",
 }
 """Programs that run in a process of their own, by the options of their command."""
 
@@ -46,6 +50,7 @@ Command = (
     | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
     | Annotated[MapOptions, tyro.conf.subcommand("map")]
+    | Annotated[Policies, tyro.conf.subcommand("policy")]
     | Annotated[RenderOptions, tyro.conf.subcommand("render")]
     | Annotated[RecordOptions, tyro.conf.subcommand("record")]
     | Annotated[InfoOptions, tyro.conf.subcommand("info")]
@@ -54,6 +59,9 @@ Command = (
     | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
     | Annotated[ExportOptions, tyro.conf.subcommand("export")]
     | Annotated[ViewOptions, tyro.conf.subcommand("view")]
+    | Annotated[PythonOptions, tyro.conf.subcommand("python")]
+    | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
+    | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
     | Annotated[Studies, tyro.conf.subcommand("study")]
 )
 
@@ -61,56 +69,58 @@ Command = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` and return the exit code; an error is one line on standard error."""
     argv = sys.argv[1:] if argv is None else argv
-    if list(argv[:1]) == ["plan-check"]:
-        return _plan_check(argv[1:])
+    if list(argv[:1]) == ["python"] and not {"-h", "--help"} & set(argv[1:2]):
+        start_python(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
     try:
-        command: (
-            RunOptions
-            | TrainOptions
-            | EvaluateOptions
-            | CalibrateOptions
-            | PlanCheckOptions
-            | Scenarios
-            | MapOptions
-            | RenderOptions
-            | RecordOptions
-            | InfoOptions
-            | RecoverOptions
-            | ReplayOptions
-            | BranchOptions
-            | ExportOptions
-            | ViewOptions
-            | Studies
-        ) = tyro.cli(
-            Command,
-            prog="legpush",
-            description=DESCRIPTION,
-            args=argv,
-            config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
-        )
-        for options, program in PROGRAMS.items():
-            if isinstance(command, options):
-                start_program(program, argv[1:])
-        return execute(command)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return error.exit_code
+        return exit_code_of(lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv))
     except KeyboardInterrupt:
         return 130
 
 
-def _plan_check(argv: Sequence[str]) -> int:
+def _parse_and_run(argv: Sequence[str]) -> int:
+    """Parse the command line, and run its command."""
+    command: (
+        RunOptions
+        | TrainOptions
+        | EvaluateOptions
+        | CalibrateOptions
+        | PlanCheckOptions
+        | Scenarios
+        | MapOptions
+        | Policies
+        | RenderOptions
+        | RecordOptions
+        | InfoOptions
+        | RecoverOptions
+        | ReplayOptions
+        | BranchOptions
+        | ExportOptions
+        | ViewOptions
+        | PythonOptions
+        | KernelOptions
+        | CanaryOptions
+        | Studies
+    ) = tyro.cli(
+        Command,
+        prog="legpush",
+        description=DESCRIPTION,
+        args=argv,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
+    )
+    for options, program in PROGRAMS.items():
+        if isinstance(command, options):
+            start_program(program, argv[1:])
+    return execute(command)
+
+
+def _plan_check(argv: Sequence[str]) -> NoReturn:
     """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
-    try:
-        flags, _ = split_at_dashes(argv)
-        tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-        start_program("planner_proc.conformance", argv)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return error.exit_code
+    flags, _ = split_at_dashes(argv)
+    tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
+    start_program("planner_proc.conformance", argv)
 
 
 @singledispatch
@@ -146,7 +156,7 @@ def _list_scenarios(_: ListScenarios) -> int:
 def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
 
-    sys.stdout.write(dump_scenario(load_scenario(command.scenario)))
+    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
     return 0
 
 
@@ -186,7 +196,7 @@ def _info(command: InfoOptions) -> int:
     from legpush.recording.info import lines
     from legpush.recording.mcap_file.reader import read_recording
 
-    sys.stdout.write("".join(f"{line}\n" for line in lines(read_recording(command.files))))
+    sys.stdout.write("".join(f"{one_line(line)}\n" for line in lines(read_recording(command.files))))
     return 0
 
 
@@ -209,6 +219,13 @@ def _branch(command: BranchOptions) -> int:
     from legpush.launch.branch import branch
 
     return branch(command)
+
+
+@execute.register
+def _kernel(command: KernelOptions) -> int:
+    from legpush.launch.kernel import install_kernel
+
+    return install_kernel(command)
 
 
 @execute.register

@@ -1,11 +1,18 @@
 """Errors that legpush reports to its user as one sentence, without a traceback."""
 
+import errno
+import sys
+from collections.abc import Callable
 from typing import Any, ClassVar, Final, Literal
 
+FAILED: Final = 3
+"""The exit code of a process with a fault of its own, and of a program whose process or peer failed."""
 NO_OPENGL: Final = 4
 """Exit code of a program that cannot draw because no OpenGL library can be used."""
 DISK_FULL: Final = 5
 """Exit code of a program that could not go on because the disk is full; with more space it can go on."""
+FULL: Final = (errno.ENOSPC, errno.EDQUOT)
+"""Numbers of the system's errors that mean `DISK_FULL`."""
 INTERRUPTED: Final = 130
 """Exit code of a program that was interrupted before its work was done."""
 
@@ -70,6 +77,10 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class DivergedError(PeerError):
+    """A simulator that led equal motions to another state than before; names the step and both states."""
+
+
 class JournalError(LegpushError):
     """An episode journal that does not belong to this run or contradicts it; names the entry."""
 
@@ -77,7 +88,7 @@ class JournalError(LegpushError):
 
 
 class DiskFullError(LegpushError):
-    """A journal that cannot go on because the disk is full; what was written before is whole."""
+    """A file that cannot be written or go on because the disk is full; what was written before is whole."""
 
     exit_code = DISK_FULL
 
@@ -91,8 +102,58 @@ class RecordingError(LegpushError):
 class MotionError(LegpushError):
     """A motion that the simulator cannot carry out in its present state, such as walking before a path was given."""
 
+    exit_code = 2
+
+
+class BrokenEpisodeError(LegpushError):
+    """A motion at which the simulator failed: the episode is broken, and only a reset goes on; names the failure."""
+
+    exit_code = 2
+
 
 class StopRequestedError(LegpushError):
     """The user or the launcher asked this process to stop before its work was done."""
 
     exit_code = 130
+
+
+def exit_code_of(work: Callable[[], int]) -> int:
+    """Do the work and return its exit code, or that of its error, which becomes one line on standard error.
+
+    A full disk has an exit code of its own, whatever could not be written. Other errors than a `LegpushError` and a
+    full disk are raised.
+    """
+    try:
+        return work()
+    except (LegpushError, OSError) as error:
+        if not isinstance(error, LegpushError) and not is_disk_full(error):
+            raise
+        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        return code_of(error)
+
+
+def code_of(error: BaseException) -> int:
+    """Return the exit code of a program that ends with this error."""
+    if is_disk_full(error):
+        return DISK_FULL
+    return error.exit_code if isinstance(error, LegpushError) else 1
+
+
+def is_disk_full(error: BaseException) -> bool:
+    """Whether the error, or one that caused it, is that of a full disk or an exhausted quota."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, DiskFullError) or (isinstance(cause, OSError) and cause.errno in FULL):
+            return True
+        cause = cause.__cause__
+    return False
+
+
+def printable(text: str) -> str:
+    """Return the text with control characters but line breaks as escape sequences, so that no terminal obeys them."""
+    return "\n".join(map(one_line, text.split("\n")))
+
+
+def one_line(text: str) -> str:
+    """Return the text with line breaks and other control characters as escape sequences."""
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)

@@ -4,7 +4,7 @@ import re
 from typing import Annotated, Any, Final
 
 import msgspec
-from msgspec import Meta
+from msgspec import Meta, inspect
 
 from legpush.errors import ConfigError
 
@@ -13,7 +13,7 @@ SEEDS: Final = 2**32
 
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 """A part of keys on the bus, and of file names."""
-Seed = Annotated[int, Meta(ge=0, lt=SEEDS)]
+Seed = Annotated[int, Meta(ge=0, le=SEEDS - 1)]
 """Seed of a random generator."""
 
 _EXPECTED: Final = {
@@ -22,16 +22,25 @@ _EXPECTED: Final = {
 }
 
 
-def require(kind: Any, value: object, flag: str) -> None:
-    """Check the value of a flag against `Name` or `Seed`.
+def require(kind: Any, value: object, flag: str, unit: str = "") -> None:
+    """Check the value of a flag, unless it is None, against its type: `Name`, `Seed` or a number of `legpush.bounds`.
 
     Raises:
-        ConfigError: The value does not fit; names the flag.
+        ConfigError: The value does not fit; names the flag and what is valid.
     """
     try:
-        msgspec.convert(value, kind)
+        if value is not None:
+            msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
-        raise ConfigError(f"{_EXPECTED[kind]} for {flag}, got {value!r}") from error
+        expected = _EXPECTED.get(kind) or f"Expected {range_of(inspect.type_info(kind))}{unit and f' {unit}'}"
+        raise ConfigError(f"{expected} for {flag}, got {value!r}") from error
+
+
+def range_of(number: inspect.Type) -> str | None:
+    """Return the range of a number as a text, such as `0 to 1`; None if this is no number that has both bounds."""
+    if not isinstance(number, inspect.IntType | inspect.FloatType) or None in (number.ge, number.le):
+        return None
+    return " to ".join(str(end) if isinstance(end, int) else f"{end:g}" for end in (number.ge, number.le))
 
 
 def require_seeds(first: int, n: int, flag: str) -> None:

@@ -6,9 +6,13 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
+from typing import Final
 
 from legpush.errors import LegpushError
+
+SPACE: Final = 65536
+"""Number of bytes for which `require_space` looks."""
 
 
 class DiskError(LegpushError):
@@ -85,6 +89,21 @@ def replace_folder(folder: Path, fill: Callable[[Path], None]) -> None:
         shutil.rmtree(part, ignore_errors=True)
         if old.exists() and not folder.exists():
             old.replace(folder)
+
+
+def require_space(folder: Path) -> None:
+    """Check that there is some space left for files in a folder.
+
+    Raises:
+        DiskError: There is none, or nothing can be written there.
+    """
+    try:
+        with TemporaryFile(dir=folder) as file:
+            file.write(bytes(SPACE))
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise DiskError(f"{folder}: expected space for {SPACE} bytes ({error.strerror})") from error
 
 
 def sha256_of(paths: Sequence[Path]) -> str:

@@ -7,21 +7,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from legpush.arrays import Floats
+from legpush.bounds import Coordinate, QuaternionPart, Reading, Yaw
 
-Point2 = tuple[float, float]
+Point2 = tuple[Coordinate, Coordinate]
 """x and y."""
-Point3 = tuple[float, float, float]
-"""x, y and z."""
-Quaternion = tuple[float, float, float, float]
+Point3 = tuple[Reading, Reading, Reading]
+"""x, y and z, as measured."""
+Quaternion = tuple[QuaternionPart, QuaternionPart, QuaternionPart, QuaternionPart]
 """w, x, y and z."""
 
 
 class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A pose in the plane of the floor, in the world frame unless its name says otherwise."""
 
-    x_m: float
-    y_m: float
-    yaw_rad: float
+    x_m: Coordinate
+    y_m: Coordinate
+    yaw_rad: Yaw
 
     def __matmul__(self, other: "Pose2") -> "Pose2":
         """Compose: `world_from_a @ a_from_b` is `world_from_b`."""

@@ -15,6 +15,7 @@ from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.mission import Mission, Tell
 from legpush.lockstep.simulator import Stepper
+from legpush.numerics.current import tell_if_native
 from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin
 from legpush.policy_names import DEFAULT_POLICY, require_trust
@@ -67,10 +68,13 @@ def run(
 ) -> MissionRun:
     """Run a whole mission in this process, as `legpush run` does in three.
 
+    Numerics are those of this process, which is under the profile of `legpush run` if `legpush python` started it. If
+    it can compute other bits, a warning is logged once.
+
     Args:
         scenario: The name of a built-in scenario, the path of a scenario file, or a record.
         seed: Seed of the offsets of start and box, and of the path. Equal seeds give equal missions, bit for bit, with
-            the same `state_crc` as `legpush run`.
+            the same `state_crc` as `legpush run` under equal numerics.
         policy: The policy that chooses the pushes: the name of a plug-in (`scripted`, `fixed`, `variable`), the path of
             a policy folder or model file, `module:function`, or an object with a method `decide`.
         trust_policy_file: Load a model file. It is a pickle: loading it runs any code in it.
@@ -90,6 +94,7 @@ def run(
         PolicyError: The policy cannot be used, or raised an exception.
         UnsolvableError: The planner finds no path. Its `run` is the mission up to this error.
         ConfigError: Another argument cannot be used.
+        BrokenEpisodeError: The simulator failed in a motion, such as at numbers that physics cannot carry.
         LegpushError: The base of all of these.
         KeyboardInterrupt: The user interrupted the mission.
     """
@@ -102,6 +107,7 @@ def run(
     make_plans = cast(MakePlans, load_plugin("legpush.planners", planner_program))
     make_simulator = load_plugin("legpush.simulators", simulator)
     run_mission = cast(Mission, load_plugin("legpush.missions", mission))
+    tell_if_native()
     records: list[StepRecord | PlanRecord] = []
     with threadpool_limits(limits=1), _progress(progress) as tell:
         report = run_mission(
@@ -148,6 +154,7 @@ def world(
     )
     make_plans = cast(MakePlans, load_plugin("legpush.planners", planner_program))
     make_simulator = load_plugin("legpush.simulators", simulator)
+    tell_if_native()
     with threadpool_limits(limits=1):
         yield StepwiseWorld(LocalWorld(cast(Stepper, make_simulator()), make_plans), resolved, seed, with_trace=trace)
 

@@ -8,6 +8,8 @@ from typing import Any, Final
 import msgspec
 from msgspec import inspect
 
+from legpush.fields import range_of
+
 _LOCATED: Final = re.compile(r"\A(?P<what>.*) - at `\$\.?(?P<path>.*)`\Z", re.DOTALL)
 _WORDS: Final = {
     "`object`": "a table",
@@ -18,6 +20,8 @@ _WORDS: Final = {
     "`bool`": "a truth value",
 }
 """Words for the types of a schema."""
+_BEYOND: Final = re.compile(r"\AExpected `(int|float)` [<>]=? ")
+"""A number out of its range."""
 _FIELD_NAME: Final = re.compile(r"field `(?P<name>.*)`\Z", re.DOTALL)
 
 
@@ -53,6 +57,8 @@ def explain(
         )
     if (literal := _literal(node)) is not None:
         what = f"Expected one of {', '.join(map(str, literal.values))}"
+    if _BEYOND.match(what) and (valid_range := _range(node)):
+        what = f"Expected {'a whole number' if '`int`' in what else 'a number'} from {valid_range}"
     if isinstance(value, str | int | float) and not what.endswith(f"got {value}"):
         what += f" {value!r}" if ", got " in what else f", got {value!r}"
     for of_messages, of_files in _WORDS.items():
@@ -91,6 +97,12 @@ def _chosen(node: inspect.Type, plain: Any) -> inspect.Type:
             if one.tag_field is None or plain.get(one.tag_field) == one.tag:
                 return one
     return node
+
+
+def _range(node: inspect.Type) -> str | None:
+    """Return the range of a number that may be optional; None if it lacks a bound."""
+    kinds = node.types if isinstance(node, inspect.UnionType) else (node,)
+    return next(filter(None, map(range_of, kinds)), None)
 
 
 def _records(node: inspect.UnionType) -> tuple[inspect.StructType, ...]:

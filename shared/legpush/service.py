@@ -7,8 +7,8 @@ failed; 5 the disk is full; 130 interrupted before the work was done.
 import logging
 import os
 import signal
-import sys
 import threading
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import FrameType
@@ -20,9 +20,10 @@ from legpush.bus import endpoints
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
 from legpush.bus.faults import Faults
-from legpush.errors import LegpushError
+from legpush.errors import FAILED, exit_code_of, one_line
 from legpush.fields import Name, require
 from legpush.messages.common import Role
+from legpush.numerics.current import tell_if_native
 
 log = logging.getLogger(__name__)
 
@@ -90,20 +91,26 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     """Parse, connect, `work`, disconnect; return the exit code. A `LegpushError` is one line on standard error.
 
     SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. The exit code
-    is the result of `work`, where None means 0.
+    is the result of `work`, where None means 0. Any other exception is a fault of this process: its traceback goes to
+    standard error, and the exit code is 3, because 1 would mean that the work was done without success.
     """
     stop = stop_on_signals()
 
     def connect_and_work() -> int:
         config = parse(role, kind)
         start_log(f"{role}/{config.name}", config.log_level)
+        tell_if_native()
         at = config.endpoints()
         with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded) as bus:
             code = work(config, bus, stop) or 0
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
         return code
 
-    return exit_code_of(connect_and_work)
+    try:
+        return exit_code_of(connect_and_work)
+    except Exception:  # noqa: BLE001 - whatever it is, the launcher has to learn of it
+        traceback.print_exc()
+        return FAILED
 
 
 def run_program(name: str, work: Callable[[], int]) -> int:
@@ -112,25 +119,11 @@ def run_program(name: str, work: Callable[[], int]) -> int:
     return exit_code_of(work)
 
 
-def exit_code_of(work: Callable[[], int]) -> int:
-    """Do the work and return its exit code, or that of a `LegpushError`, which is one line on standard error."""
-    try:
-        return work()
-    except LegpushError as error:
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
-        return error.exit_code
-
-
 def start_log(who: str, level: str) -> None:
     """Log to standard error, one line per record, with the time and the process `who`."""
     handler = logging.StreamHandler()
     handler.setFormatter(_OneLine(f"%(asctime)s.%(msecs)03d {who} %(levelname)s %(message)s", "%H:%M:%S"))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
-
-
-def one_line(text: str) -> str:
-    """Return the text with line breaks and other control characters as escape sequences."""
-    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
 
 
 class _OneLine(logging.Formatter):

@@ -114,6 +114,7 @@ class StepwiseWorld:
 
         Raises:
             MotionError: The motion cannot be carried out; the state is unchanged.
+            BrokenEpisodeError: The simulator failed in it.
         """
         self.outcome = self._world.step(motion, with_trace=self._with_trace)
         return self.outcome

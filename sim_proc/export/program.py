@@ -10,11 +10,10 @@ from typing import Final
 
 import tyro
 
-from legpush.errors import ConfigError, LegpushError
+from legpush.errors import ConfigError, exit_code_of, one_line
 from legpush.exports import FILMS, Format
 from legpush.files import new_file, sha256_of
 from legpush.options.export import ExportOptions
-from legpush.service import one_line
 from sim_proc.export.columns import columns_of
 from sim_proc.export.source import Source, longest, notes, read_source
 from sim_proc.export.table_csv import write_csv
@@ -28,11 +27,7 @@ LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
 
 def main() -> int:
     """Parse the command line, export, and return the exit code."""
-    try:
-        return export(tyro.cli(ExportOptions, prog="legpush export"))
-    except LegpushError as error:
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
-        return error.exit_code
+    return exit_code_of(lambda: export(tyro.cli(ExportOptions, prog="legpush export")))
 
 
 def export(options: ExportOptions) -> int:

@@ -82,7 +82,7 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
         half = [(wall.x_max_m - wall.x_min_m) / 2, (wall.y_max_m - wall.y_min_m) / 2, room.wall_height_m / 2]
         centre = [wall.x_min_m + half[0], wall.y_min_m + half[1], half[2]]
         later = wall.appears_at_s > 0.0
-        body = spec.worldbody.add_body(name=wall_name(index), mocap=True, pos=centre) if later else spec.worldbody
+        body = _add_later_body(spec, wall_name(index), centre) if later else spec.worldbody
         body.add_geom(
             name=wall_name(index),
             type=mujoco.mjtGeom.mjGEOM_BOX,
@@ -92,6 +92,17 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
             contype=0,
             conaffinity=0,
         )
+
+
+def _add_later_body(spec: mujoco.MjSpec, name: str, centre: list[float]) -> mujoco.MjsBody:
+    """Add the body of a wall that appears later.
+
+    Nothing moves it, so its mass does not matter. It is stated since MuJoCo refuses the rounded inertia of some thin
+    walls.
+    """
+    return spec.worldbody.add_body(
+        name=name, mocap=True, pos=centre, explicitinertial=True, mass=1.0, inertia=[1.0, 1.0, 1.0]
+    )
 
 
 def _add_goal(spec: mujoco.MjSpec, goal: Goal, box: Box) -> None:

@@ -10,9 +10,10 @@ from typing import Annotated
 
 import tyro
 
-from legpush.errors import NO_OPENGL, ConfigError, LegpushError
+from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
 from legpush.exports import View
 from legpush.history.steps import read_episode
+from legpush.runs.folder import require_no_links
 from sim_proc.render.film import film_of, timeline_of
 from sim_proc.render.rendering import Take, frame_rows, render, use_backend, usual_speed
 
@@ -38,10 +39,7 @@ def main() -> None:
     """Film the run; write one line to stderr if that fails."""
     config = tyro.cli(VideoConfig)
     try:
-        code = film_run(config)
-    except LegpushError as error:
-        sys.stderr.write(f"error: {error}\n")
-        code = error.exit_code
+        code = exit_code_of(lambda: film_run(config))
     except KeyboardInterrupt:
         code = 130
     sys.exit(code)
@@ -51,7 +49,7 @@ def film_run(config: VideoConfig) -> int:
     """Write `mission.mp4` into the folder and return the exit code.
 
     Raises:
-        ConfigError: The folder has no journal.
+        ConfigError: The folder has no journal, or a link.
         JournalError: No episode begins in the journal.
         RecordingError: The episode has no traces.
         LegpushError: ffmpeg failed.
@@ -59,6 +57,7 @@ def film_run(config: VideoConfig) -> int:
     journals = sorted(config.folder.glob("episode-*.journal"))
     if not journals:
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {config.folder}")
+    require_no_links(config.folder)
     where = str(journals[-1])
     film = film_of(timeline_of(read_episode(journals[-1]), where), where)
     if not use_backend(f"legpush render {config.folder}"):

@@ -1,5 +1,6 @@
 """Writes films as files: renders frames in parallel, in segments that ffmpeg joins."""
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -18,7 +19,7 @@ from typing import Final
 import imageio_ffmpeg
 import numpy as np
 
-from legpush.errors import LegpushError
+from legpush.errors import DiskFullError, LegpushError
 from legpush.exports import View
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
@@ -201,10 +202,12 @@ def _ffmpeg(*arguments: str) -> None:
     """Run ffmpeg. The last argument is the file that it writes.
 
     Raises:
-        LegpushError: ffmpeg failed; with its message.
+        DiskFullError: There is no space for the file.
+        LegpushError: ffmpeg failed otherwise; with its message.
     """
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-nostdin", "-loglevel", "error", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         why = done.stderr.strip() or f"it ended with {done.returncode}"
-        raise LegpushError(f"ffmpeg could not write {Path(arguments[-1]).name}: {why}")
+        kind = DiskFullError if os.strerror(errno.ENOSPC) in why else LegpushError
+        raise kind(f"ffmpeg could not write {Path(arguments[-1]).name}: {why}")

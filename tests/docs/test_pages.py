@@ -136,6 +136,7 @@ def test_the_legpush_commands_of_a_page_are_understood(
 
     monkeypatch.setattr(cli, "execute", execute)
     monkeypatch.setattr(cli, "start_program", start_program)
+    monkeypatch.setattr(cli, "start_python", lambda argv: start_program("python", argv))
     wanted = [line for line in shell_lines(page) if line.startswith("legpush ")]
     for line in wanted:
         try:

@@ -1,10 +1,13 @@
 """Hypothesis strategies for any record, made from its type annotations: every field, every bound, every variant."""
 
+from math import pi, radians
 from typing import Any, TypeVar
 
 from hypothesis import strategies as st
 from msgspec import inspect
 
+from legpush.bounds import LEAST_LENGTH_M, MAX_LENGTH_M
+from legpush.scene.reference import Arcs, Sine, Straight
 from legpush.scene.scenario import Box, Rectangle
 
 T = TypeVar("T")
@@ -46,6 +49,10 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
             return st.builds(_rectangle, *(4 * [_COORDINATE]), st.floats(0.0, 1e6))
         case inspect.StructType(cls=cls, fields=fields) if cls is Box:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_box)
+        case inspect.StructType(cls=cls, fields=fields) if cls is Sine:
+            return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_sine)
+        case inspect.StructType(cls=cls, fields=fields) if cls is Arcs:
+            return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_arcs)
         case inspect.StructType():
             return st.builds(info.cls, **{field.name: _of(field.type) for field in info.fields})
         case inspect.Metadata():
@@ -63,6 +70,29 @@ def _box(fields: dict[str, Any]) -> Box:
     if fields["shape"] == "cylinder":
         width_m = length_m
     return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
+
+
+def _sine(fields: dict[str, Any]) -> Sine:
+    """One of as many periods as its length allows."""
+    amplitude_m, wavelength_m, n_periods = fields["amplitude_m"], fields["wavelength_m"], fields["n_periods"]
+    most = 0.99 * MAX_LENGTH_M / (wavelength_m + 2 * pi * amplitude_m)
+    return Sine(amplitude_m=amplitude_m, wavelength_m=wavelength_m, n_periods=min(n_periods, most))
+
+
+def _arcs(fields: dict[str, Any]) -> Arcs:
+    """One that is made smaller if it is too long."""
+    radius_m, segments = fields["radius_m"], fields["segments"]
+    length_m = sum(
+        each.length_m if isinstance(each, Straight) else radius_m * radians(each.angle_deg) for each in segments
+    )
+    scale = min(1.0, 0.99 * MAX_LENGTH_M / length_m)
+    return Arcs(
+        radius_m=max(radius_m * scale, LEAST_LENGTH_M),
+        segments=tuple(
+            Straight(length_m=max(each.length_m * scale, LEAST_LENGTH_M)) if isinstance(each, Straight) else each
+            for each in segments
+        ),
+    )
 
 
 def _rectangle(x_m: float, y_m: float, length_m: float, width_m: float, appears_at_s: float) -> Rectangle:

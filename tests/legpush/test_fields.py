@@ -1,9 +1,14 @@
 """Names, seeds and places of steps: what is taken, and what is refused with its flag."""
 
-import pytest
+from math import inf, nan, nextafter
+from typing import Annotated
 
+import pytest
+from msgspec import Meta, inspect
+
+from legpush.bounds import BoxMass, Count
 from legpush.errors import ConfigError
-from legpush.fields import SEEDS, Name, Seed, episode_and_step, require, require_seeds
+from legpush.fields import SEEDS, Name, Seed, episode_and_step, range_of, require, require_seeds
 
 
 @pytest.mark.parametrize(("kind", "value"), [(Name, "a"), (Name, "A-b_9" * 12), (Seed, 0), (Seed, SEEDS - 1)])
@@ -21,6 +26,24 @@ def test_a_name_that_could_not_be_part_of_a_key_is_refused(value: str) -> None:
 def test_a_seed_out_of_range_is_refused(value: int) -> None:
     with pytest.raises(ConfigError, match=f"Expected a seed from 0 to 4294967295 for --seed, got {value}"):
         require(Seed, value, "--seed")
+
+
+@pytest.mark.parametrize("value", [nan, inf, -inf, 1e308, -1.0, nextafter(0.001, 0.0), nextafter(1000.0, inf), 10**308])
+def test_a_number_out_of_its_range_is_refused_with_the_range(value: float) -> None:
+    with pytest.raises(ConfigError, match=r"Expected 0\.001 to 1000 kg for --mass, got "):
+        require(BoxMass, value, "--mass", "kg")
+
+
+def test_a_number_in_its_range_and_none_are_taken() -> None:
+    for value in (0.001, 1000.0, 1, None):
+        require(BoxMass, value, "--mass")
+
+
+def test_a_range_has_both_ends() -> None:
+    assert range_of(inspect.type_info(Count)) == "0 to 9007199254740992"
+    assert range_of(inspect.type_info(BoxMass)) == "0.001 to 1000"
+    for kind in (float, str, Annotated[float, Meta(ge=0.0)], Annotated[int, Meta(le=3)]):
+        assert range_of(inspect.type_info(kind)) is None
 
 
 def test_a_row_of_seeds_has_to_end_before_the_seeds_do() -> None:

@@ -1,12 +1,14 @@
 """Files are whole or not there, whatever fails, and files that are there are never lost."""
 
 import os
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from legpush.files import DiskError, new_file, replace_folder, sha256_of, write_whole
+from legpush.errors import DISK_FULL, code_of
+from legpush.files import DiskError, new_file, replace_folder, require_space, sha256_of, write_whole
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -98,6 +100,29 @@ def test_a_folder_that_cannot_be_filled_leaves_the_previous_one(tmp_path: Path) 
     with pytest.raises(DiskError, match=r"policy: expected to write it \(No space left on device\)"):
         replace_folder(folder, fill)
     assert contents(tmp_path) == {"policy/a": b"first"}
+
+
+def test_a_full_disk_has_an_exit_code_of_its_own_and_other_errors_have_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(part: Path) -> None:
+        full_disk(0)
+
+    require_space(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(DiskError, match="no: expected space for 65536 bytes") as missing:
+        require_space(tmp_path / "no")
+    assert code_of(missing.value) == 3
+    monkeypatch.setattr(os, "fsync", full_disk)
+    attempts: list[Callable[[], object]] = [
+        lambda: write_whole(tmp_path / "a", b"x"),
+        lambda: replace_folder(tmp_path / "b", full),
+        lambda: require_space(tmp_path),
+    ]
+    for attempt in attempts:
+        with pytest.raises(DiskError) as caught:
+            attempt()
+        assert code_of(caught.value) == DISK_FULL
 
 
 def test_the_digest_is_that_of_all_files_in_order(tmp_path: Path) -> None:

@@ -10,8 +10,16 @@ import pytest
 
 from legpush import service
 from legpush.bus.bus import Bus
-from legpush.errors import ConfigError, EndpointError, LegpushError, PeerError, ScenarioError, StopRequestedError
-from legpush.service import ServiceConfig, one_line, parse, run_process
+from legpush.errors import (
+    ConfigError,
+    EndpointError,
+    LegpushError,
+    PeerError,
+    ScenarioError,
+    StopRequestedError,
+    one_line,
+)
+from legpush.service import ServiceConfig, parse, run_process
 
 
 def test_without_flags_a_process_uses_the_ports_of_this_machine() -> None:
@@ -98,6 +106,19 @@ def test_what_the_work_returns_is_the_exit_code(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(service, "stop_on_signals", threading.Event)
     assert run_process("sim", ServiceConfig, lambda *_: 1) == 1
     assert run_process("sim", ServiceConfig, lambda *_: None) == 0
+
+
+def test_a_fault_of_the_process_is_told_from_work_without_success(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["sim", "--listen", "--connect"])
+    monkeypatch.setattr(service, "stop_on_signals", threading.Event)
+
+    def work(*_: object) -> int:
+        raise ZeroDivisionError("a fault")
+
+    assert run_process("sim", ServiceConfig, work) == 3
+    assert "ZeroDivisionError: a fault" in capsys.readouterr().err
 
 
 def test_a_record_of_the_log_is_one_line_that_says_who_whatever_is_in_it(capsys: pytest.CaptureFixture[str]) -> None:

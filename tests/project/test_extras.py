@@ -17,7 +17,7 @@ OWN = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
 """Packages that are installed."""
 PARTS = [
     ("shared/legpush", ()),
-    ("shared/legpush/gym", ("agent",)),
+    ("shared/legpush/gym", ("train",)),
     ("shared/legpush/study", ("study",)),
     ("shared/legpush/study/engines", ("ray", "slurm")),
     ("planner_proc", ("planner",)),
@@ -25,8 +25,11 @@ PARTS = [
     ("sim_proc/export", ("view",)),
     ("sim_proc/view", ("view",)),
     ("agent_proc", ("agent",)),
+    ("agent_proc/gym_envs.py", ("train",)),
+    ("agent_proc/learning", ("train",)),
+    ("agent_proc/policies/sb3", ("train",)),
 ]
-"""Source folder, without those in it that are parts themselves, and the extras that its hosts install."""
+"""Source folder or module, without those in it that are parts themselves, and the extras that its hosts install."""
 BESIDE = [
     ("benchmarks", ("bench",)),
     ("docs", ("all",)),
@@ -50,7 +53,8 @@ class Absent:
 package, others, *absent = sys.argv[1:]
 sys.meta_path.insert(0, Absent())
 top = importlib.import_module(package)
-names = [package, *(module.name for module in pkgutil.walk_packages(top.__path__, package + "."))]
+path = getattr(top, "__path__", ())
+names = [package, *(module.name for module in pkgutil.walk_packages(path, package + "."))]
 names = [name for name in names if not any(f"{name}.".startswith(f"{other}.") for other in others.split())]
 for name in names:
     importlib.import_module(name)
@@ -73,7 +77,7 @@ def parts_in(folder: str) -> list[str]:
 
 def module_name(folder: str) -> str:
     """What a source folder is imported as."""
-    return folder.removeprefix("shared/").replace("/", ".")
+    return folder.removeprefix("shared/").removesuffix(".py").replace("/", ".")
 
 
 def foreign_imports(root: Path, folder: str) -> Iterator[tuple[Path, str]]:
@@ -81,7 +85,7 @@ def foreign_imports(root: Path, folder: str) -> Iterator[tuple[Path, str]]:
     others = parts_in(folder)
     beside = dict(BESIDE)
     ours = OWN | beside.keys() | {path.stem for path in (root / folder).glob("*.py")} if folder in beside else OWN
-    for path in sorted((root / folder).rglob("*.py")):
+    for path in sorted((root / folder).rglob("*.py")) or [root / folder]:
         if any(path.is_relative_to(root / other) for other in others):
             continue
         for node in ast.walk(ast.parse(path.read_text())):
@@ -137,10 +141,11 @@ def test_every_module_of_a_process_is_imported_where_only_its_extra_is_installed
     assert int(done.stdout) > 0
 
 
-@pytest.mark.parametrize("extra", ["planner", "sim"])
-def test_no_extra_but_that_of_the_agent_installs_pytorch(declarations: Declarations, extra: str) -> None:
-    assert {"torch", "stable-baselines3"} <= declarations.needed("agent")
-    assert not {"torch", "stable-baselines3"} & declarations.needed(extra)
+@pytest.mark.parametrize("extra", ["planner", "sim", "agent", "view"])
+def test_no_extra_but_that_of_training_installs_pytorch(declarations: Declarations, extra: str) -> None:
+    learning = {"torch", "stable-baselines3", "gymnasium", "tensorboard"}
+    assert learning <= declarations.needed("train")
+    assert not learning & declarations.needed(extra)
 
 
 @pytest.mark.parametrize("extra", ["planner", "agent"])

@@ -27,14 +27,17 @@ ROGUES = {
     "Only the bus's session imports Zenoh": ("legpush.bus", "import zenoh"),
     "Only model, physics and pictures import MuJoCo": ("sim_proc.render", "import mujoco"),
     "Only three modules of the planner import OMPL": ("planner_proc.search", "from ompl import base"),
-    "Only policies and learning import PyTorch and Stable-Baselines3": (
+    "Missions and evaluations load no learning library": (
         "agent_proc.evaluation",
+        "from agent_proc.learning import env",
+    ),
+    "Only learning and policies.sb3 import PyTorch and Stable-Baselines3": (
+        "agent_proc.policies",
         "import stable_baselines3",
     ),
-    "Only the learning task, policies, learning and legpush.gym import Gymnasium": (
-        "agent_proc.evaluation",
-        "import gymnasium",
-    ),
+    "Only learning, policies.sb3 and legpush.gym import Gymnasium": ("agent_proc.task", "import gymnasium"),
+    "Only the file of weights imports safetensors": ("agent_proc.policies", "from safetensors.numpy import load"),
+    "Only agent_proc.policies.onnx_file imports ONNX": ("agent_proc.policies", "import onnx"),
     "Only reporting and the pictures of evaluations and studies import matplotlib": (
         "agent_proc.evaluation",
         "from matplotlib import pyplot",

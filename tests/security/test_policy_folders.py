@@ -10,10 +10,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent_proc.policies.folder import NETWORKS_FILE, NORMALIZER_FILE, policy_path
+from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE, policy_path
 from agent_proc.policies.folder_files import MAX_BYTES
 from agent_proc.policies.learned import load_learned
 from agent_proc.policies.registry import make_policy, policy_from_data
+from agent_proc.policies.sb3.old_folder import NETWORKS_FILE, read_old_policy
 from legpush.errors import PolicyError
 from tests.security.evil import RAN, Bomb, marks, weights_of_bombs, write_model
 
@@ -26,46 +27,63 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "policy"
 
 
-def test_the_folder_is_good_before_anything_is_put_into_it(folder: Path) -> None:
+@pytest.fixture
+def old(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The same of format 1, whose weights are a zip of Stable-Baselines3."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(Path(__file__).parents[1] / "compatibility" / "policies" / "tuned", tmp_path / "old")
+    return tmp_path / "old"
+
+
+def test_the_folders_are_good_before_anything_is_put_into_them(folder: Path, old: Path) -> None:
     load_learned(str(folder))
+    read_old_policy(old)
 
 
-def test_a_pickle_in_the_weights_is_not_run(folder: Path) -> None:
+def test_a_pickle_in_the_place_of_weights_is_not_run(folder: Path) -> None:
+    (folder / WEIGHTS_FILE).write_bytes(pickle.dumps(Bomb()))
+
+    with pytest.raises(PolicyError, match="expected weights in the format safetensors"):
+        load_learned(str(folder))
+    assert marks(folder.parent) == set()
+
+
+def test_a_pickle_in_old_weights_is_not_run(old: Path) -> None:
     with zipfile.ZipFile(io.BytesIO(weights_of_bombs())) as outer:
         inner = zipfile.ZipFile(io.BytesIO(outer.read("policy.pth")))
     pickle.loads(inner.read("archive/data.pkl"))
-    assert marks(folder.parent) == {RAN}, "the bomb does not work"
-    (folder.parent / RAN).unlink()
+    assert marks(old.parent) == {RAN}, "the bomb does not work"
+    (old.parent / RAN).unlink()
 
-    (folder / NETWORKS_FILE).write_bytes(weights_of_bombs())
+    (old / NETWORKS_FILE).write_bytes(weights_of_bombs())
     with pytest.raises(PolicyError, match=r"policy\.zip: expected a policy of Stable-Baselines3"):
-        load_learned(str(folder))
-    assert marks(folder.parent) == set()
+        read_old_policy(old)
+    assert marks(old.parent) == set()
 
 
-def test_pickled_settings_beside_the_weights_are_not_run(folder: Path) -> None:
-    write_model(folder.parent / "model.zip")
-    settings = zipfile.ZipFile(folder.parent / "model.zip").read("data")
-    weights = zipfile.ZipFile(folder / NETWORKS_FILE).read("policy.pth")
-    with zipfile.ZipFile(folder / NETWORKS_FILE, "w") as archive:
+def test_pickled_settings_beside_old_weights_are_not_run(old: Path) -> None:
+    write_model(old.parent / "model.zip")
+    settings = zipfile.ZipFile(old.parent / "model.zip").read("data")
+    weights = zipfile.ZipFile(old / NETWORKS_FILE).read("policy.pth")
+    with zipfile.ZipFile(old / NETWORKS_FILE, "w") as archive:
         archive.writestr("data", settings)
         archive.writestr("policy.pth", weights)
 
-    load_learned(str(folder))
+    read_old_policy(old)
 
-    assert marks(folder.parent) == set()
+    assert marks(old.parent) == set()
 
 
-def test_a_bare_pickle_in_the_place_of_weights_is_not_run(folder: Path) -> None:
-    with zipfile.ZipFile(folder / NETWORKS_FILE, "w") as archive:
+def test_a_bare_pickle_in_the_place_of_old_weights_is_not_run(old: Path) -> None:
+    with zipfile.ZipFile(old / NETWORKS_FILE, "w") as archive:
         archive.writestr("policy.pth", pickle.dumps(Bomb(), protocol=2))
 
     with pytest.raises(PolicyError, match=r"policy\.zip: expected a policy of Stable-Baselines3"):
-        load_learned(str(folder))
-    assert marks(folder.parent) == set()
+        read_old_policy(old)
+    assert marks(old.parent) == set()
 
 
-@pytest.mark.parametrize("name", ["card.json", NETWORKS_FILE, NORMALIZER_FILE])
+@pytest.mark.parametrize("name", [CARD_FILE, WEIGHTS_FILE])
 def test_a_link_that_leaves_the_folder_is_refused(folder: Path, name: str) -> None:
     shutil.move(folder / name, folder.parent / name)
     (folder / name).symlink_to(folder.parent / name)
@@ -75,21 +93,21 @@ def test_a_link_that_leaves_the_folder_is_refused(folder: Path, name: str) -> No
 
 
 def test_a_link_within_the_folder_is_read(folder: Path) -> None:
-    (folder / NETWORKS_FILE).rename(folder / "weights.zip")
-    (folder / NETWORKS_FILE).symlink_to("weights.zip")
+    (folder / WEIGHTS_FILE).rename(folder / "weights")
+    (folder / WEIGHTS_FILE).symlink_to("weights")
 
     load_learned(str(folder))
 
 
 def test_a_pipe_is_refused_instead_of_waited_for(folder: Path) -> None:
-    (folder / NORMALIZER_FILE).unlink()
-    os.mkfifo(folder / NORMALIZER_FILE)
+    (folder / WEIGHTS_FILE).unlink()
+    os.mkfifo(folder / WEIGHTS_FILE)
 
     with pytest.raises(PolicyError, match="something that is no file"):
         load_learned(str(folder))
 
 
-@pytest.mark.parametrize("name", ["card.json", NETWORKS_FILE, NORMALIZER_FILE])
+@pytest.mark.parametrize("name", [CARD_FILE, WEIGHTS_FILE])
 def test_a_huge_file_is_refused(folder: Path, name: str) -> None:
     os.truncate(folder / name, MAX_BYTES + 1)
 
@@ -104,21 +122,30 @@ def compressed(name: str, content: bytes) -> bytes:
     return file.getvalue()
 
 
-def test_a_zip_that_unpacks_to_too_much_is_refused_also_within_another(folder: Path) -> None:
+def test_a_zip_that_unpacks_to_too_much_is_refused_also_within_another(old: Path) -> None:
     zeros = bytes(MAX_BYTES + 1)
     for bomb in (compressed("policy.pth", zeros), compressed("policy.pth", compressed("archive/data/0", zeros))):
         assert len(bomb) < MAX_BYTES / 100
-        (folder / NETWORKS_FILE).write_bytes(bomb)
+        (old / NETWORKS_FILE).write_bytes(bomb)
         with pytest.raises(PolicyError, match=f"unpacks to at most {MAX_BYTES} bytes, got {MAX_BYTES + 1}"):
-            load_learned(str(folder))
+            read_old_policy(old)
 
 
-def test_a_card_with_huge_networks_is_refused_before_they_are_made(folder: Path) -> None:
+def test_a_card_with_huge_networks_is_refused(folder: Path) -> None:
     card = msgspec.json.decode((folder / "card.json").read_bytes())
-    card["profile"]["network"]["hidden"] = [10**9, 10**9]
+    card["profile"]["network"]["hidden"] = [10**9] * 3
     (folder / "card.json").write_bytes(msgspec.json.encode(card))
 
-    with pytest.raises(PolicyError, match=r"card\.json: expected networks of at most"):
+    with pytest.raises(PolicyError, match=r"expected the array layers\.3\.bias for the networks on the card"):
+        load_learned(str(folder))
+
+
+def test_a_header_of_huge_arrays_is_refused_before_they_are_made(folder: Path) -> None:
+    n_bytes = 4 * 10**12
+    header = msgspec.json.encode({"layers.0.bias": {"dtype": "F32", "shape": [10**12], "data_offsets": [0, n_bytes]}})
+    (folder / WEIGHTS_FILE).write_bytes(len(header).to_bytes(8, "little") + header)
+
+    with pytest.raises(PolicyError, match="expected weights in the format safetensors"):
         load_learned(str(folder))
 
 

@@ -1,5 +1,6 @@
 """Models become files of a recording, once each, and only while something records."""
 
+import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,6 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.messages.stepping import Push, Reset
+from legpush.numerics.current import current
 from legpush.scene.scenario import Scenario
 from sim_proc.described_simulator import MAX_MODELS, DescribedSimulator
 
@@ -21,7 +23,8 @@ class Attachments:
         self.taps = SimpleNamespace(own=SimpleNamespace(buffer=self.buffer))
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
-        assert media_type == "application/xml"
+        kinds = {"xml": "application/xml", "json": "application/json"}
+        assert media_type == kinds[name.rpartition(".")[2]]
         self.files[name] = data
 
 
@@ -36,7 +39,8 @@ def test_each_scenario_is_described_once_by_a_model_that_compiles(bus: Any, at_t
     for scenario in (at_the_box, heavy, at_the_box):
         simulator.perform(Reset(scenario=scenario, seed=0), with_trace=False)
 
-    assert list(bus.files) == ["model.xml", "model-1.xml"]
+    assert list(bus.files) == ["numerics.json", "model.xml", "model-1.xml"]
+    assert json.loads(bus.files.pop("numerics.json"))["name"] == current().name
     models = [mujoco.MjModel.from_xml_string(xml.decode()) for xml in bus.files.values()]
     assert [model.body("box").mass[0] for model in models] == pytest.approx([at_the_box.box.mass_kg, 0.7])
 
@@ -60,4 +64,4 @@ def test_a_training_that_draws_scenarios_does_not_attach_them_all(bus: Any, at_t
     for index in range(MAX_MODELS + 2):
         box = replace(at_the_box.box, mass_kg=0.1 + 0.01 * index)
         simulator.perform(Reset(scenario=replace(at_the_box, box=box), seed=0), with_trace=False)
-    assert len(bus.files) == MAX_MODELS
+    assert len(bus.files) == 1 + MAX_MODELS

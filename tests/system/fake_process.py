@@ -2,6 +2,7 @@
 
 `--die-at N` kills it with SIGKILL in its N-th motion or plan, counted from 0: simulator and planner in the middle of
 it; the agent when it has asked (`--die-when asked`) or got the answer (`answered`) and written nothing about it yet.
+With `--fail-at N` the simulator raises an exception in its N-th motion.
 """
 
 import os
@@ -37,6 +38,8 @@ class FakeConfig(ServiceConfig):
     """Of that motion or plan."""
     journal: Path = Path("episode-0000.journal")
     """The agent's."""
+    fail_at: int = -1
+    """Count of the motion in which the simulator raises an exception."""
 
 
 class Death:
@@ -59,14 +62,17 @@ class Death:
 
 
 class MortalStepper(FakeStepper):
-    """A simulator that dies in time."""
+    """A simulator that dies in time, or fails."""
 
-    def __init__(self, death: Death) -> None:
+    def __init__(self, config: FakeConfig) -> None:
         super().__init__()
-        self._death = death
+        self._death = Death(config)
+        self._fail_at = config.fail_at
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
         self._death.asked()
+        if len(self.performed) == self._fail_at:
+            raise OverflowError("math range error")
         return super().perform(motion, with_trace=with_trace)
 
 
@@ -85,7 +91,7 @@ class MortalSimLink(SimLink):
 
 
 def serve_sim(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:
-    serve_actions(bus, MortalStepper(Death(config)), stop)
+    serve_actions(bus, MortalStepper(config), stop)
 
 
 def serve_planner(config: FakeConfig, bus: Bus, stop: threading.Event) -> None:

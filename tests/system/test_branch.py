@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from legpush.errors import PeerError
+from legpush.errors import DivergedError
 from legpush.history.journal import Journal
 from legpush.lockstep.episode import Episode
 from legpush.messages.stepping import Motion, Outcome, Push
+from legpush.numerics.current import current
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import FakeStepper, agent, crc_after, mission, opened, sim
@@ -71,8 +72,22 @@ def test_a_trace_that_the_recording_lacks_is_made_again(tmp_path: Path) -> None:
     assert outcomes[-1].state_crc == crc_after(motions)
 
 
+OTHER_STATE = (
+    "other numerics: recorded with numerics that were not noted, here .*; "
+    "Expected state 00000007 after step 5, as recorded, got "
+)
+
+
+def test_a_simulator_with_the_recorded_numerics_that_comes_to_another_state_has_diverged(tmp_path: Path) -> None:
+    past = past_of(tmp_path, Traceless)
+    past.numerics = current().name
+    past.changes = lambda outcome: replace(outcome, state_crc=7)  # type: ignore[attr-defined]
+    with sim(tmp_path), pytest.raises(DivergedError, match=r"^Expected state 00000007 after step 5, as recorded, got "):
+        run(tmp_path, mission()[:BRANCH_AT], past)
+
+
 def test_a_simulator_that_comes_to_another_state_than_was_recorded_is_refused(tmp_path: Path) -> None:
     past = past_of(tmp_path, Traceless)
     past.changes = lambda outcome: replace(outcome, state_crc=7)  # type: ignore[attr-defined]
-    with sim(tmp_path), pytest.raises(PeerError, match="Expected state 00000007 after step 5, as recorded, got "):
+    with sim(tmp_path), pytest.raises(DivergedError, match=OTHER_STATE):
         run(tmp_path, mission()[:BRANCH_AT], past)

@@ -34,7 +34,9 @@ def test_a_map_says_what_the_simulated_box_does(push_map: Path) -> None:
     assert (measured.box.mass_kg, measured.box.friction) == (0.9, 0.3)
     rear, right = measured.circles
     assert (rear.face, right.face) == ("rear", "right")
-    assert 0.4 < rear.radius_m.low < rear.radius_m.value < rear.radius_m.high < 0.6
+    low, high = rear.radius_m.ends
+    assert 0.4 < low < rear.radius_m.value < high < 0.6
+    assert (rear.radius_m.kind, rear.radius_m.n) == ("BCa bootstrap 95 %", 8)
     assert 0.6 < right.radius_m.value < 1.1
     assert 0.05 < rear.axle_m.value < 0.2
     assert all(effect.n == 4 for effect in measured.effects)

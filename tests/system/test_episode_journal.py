@@ -4,12 +4,15 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
-from legpush.errors import JournalError, MotionError
+from legpush.errors import DivergedError, JournalError, MotionError
 from legpush.history.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
 from legpush.history.steps import PlanRecord, StepRecord, read_episode
 from legpush.lockstep.episode import Episode
 from legpush.messages.stepping import Motion, Outcome, Walk
+from legpush.numerics.current import current
+from legpush.versions import NUMERICS
 from tests.legpush.examples import QUERY, RESET
 from tests.legpush.fakes import (
     FakeStepper,
@@ -115,3 +118,35 @@ def test_an_episode_that_was_led_through_again_has_its_new_number_in_the_journal
     assert numbers == sorted(set(numbers))
     observed = [entry for entry in entries if isinstance(entry, Observed)]
     assert observed[-1].outcome.state_crc == crc_after(MISSION[:4])
+
+
+@pytest.mark.parametrize(
+    ("versions", "words"),
+    [
+        ({}, "^other numerics: recorded with numerics that were not noted, here .*; Expected state "),
+        ({NUMERICS: "native/1"}, "^other numerics: recorded with native/1, here .*; Expected state "),
+        ({NUMERICS: current().name}, "^Expected state .* after step 0 of the journal, got "),
+    ],
+)
+def test_a_mission_that_goes_on_under_other_numerics_is_told_apart_from_one_that_diverged(
+    tmp_path: Path, versions: dict[str, str], words: str
+) -> None:
+    """The simulator is another one, so it is led through the journal."""
+
+    class Rounding(FakeStepper):
+        def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+            outcome = super().perform(motion, with_trace=with_trace)
+            return replace(outcome, state_crc=outcome.state_crc ^ 1)
+
+    path = tmp_path / "episode-0000.journal"
+    begun = replace(opened(), versions=versions)
+    with sim(tmp_path), agent(tmp_path) as asking, Journal(path, begun) as journal:
+        episode = Episode(journal, asking.sim, asking.planner)
+        for motion in MISSION[:3]:
+            episode.step(motion)
+    with sim(tmp_path, Rounding()), agent(tmp_path) as asking, Journal(path, opened()) as journal:
+        episode = Episode(journal, asking.sim, asking.planner)
+        for motion in MISSION[:3]:
+            episode.step(motion)
+        with pytest.raises(DivergedError, match=words):
+            episode.step(MISSION[3])

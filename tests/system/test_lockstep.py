@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from legpush.bus import channels
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import Endpoints, in_directory
+from legpush.bus.endpoints import Endpoints
 from legpush.bus.faults import Faults
 from legpush.errors import MotionError, PeerError, StopRequestedError
 from legpush.lockstep.client import PastStep
@@ -17,7 +17,6 @@ from legpush.messages.stepping import Action, Motion, Observation, Outcome, Walk
 from legpush.patience import Patience
 from tests.legpush.examples import QUERY, RESET, TRACE, WORLD
 from tests.legpush.fakes import (
-    IMPATIENT,
     RUN,
     Agent,
     FakeStepper,
@@ -103,15 +102,6 @@ def test_a_motion_that_cannot_be_carried_out_is_said_so_and_the_episode_goes_on(
         assert asking.do(MISSION[1:]) == crc_after(MISSION)
 
 
-def test_an_agent_is_told_when_another_one_takes_its_simulator(tmp_path: Path) -> None:
-    with sim(tmp_path), agent(tmp_path) as first:
-        first.do(MISSION[:3])
-        with Bus(RUN, "agent", "second", Endpoints(connect=in_directory(tmp_path, "sim").listen)) as second_bus:
-            Agent(second_bus, IMPATIENT).do(MISSION[:2])
-        with pytest.raises(PeerError, match=r"sim/main refuses step 3: .* is another agent using it\?"):
-            first.do(MISSION[3:])
-
-
 class Forgetful(FakeStepper):
     """Computes something else after each reset but the first."""
 
@@ -177,6 +167,8 @@ def test_a_peer_that_takes_too_long_is_slow_and_what_it_says_is_told(tmp_path: P
 def test_copies_that_come_while_an_action_is_carried_out_get_one_answer_together(tmp_path: Path) -> None:
     stepper = Stuck()
     with sim(tmp_path, stepper) as serving, bus(tmp_path, "agent") as asking:
+        asking.announce()
+        assert eventually(lambda: serving.liveliness.live("agent") != [])
         answers = asking.subscribe(channels.answers(RUN, "main"))
         actions = asking.publisher(channels.actions(RUN, "main"))
         assert eventually(lambda: len(asking.liveliness.live("sim")) == 1)

@@ -17,6 +17,7 @@ from legpush.bus.liveliness import LEASE_S
 from legpush.errors import PeerError
 from legpush.messages.common import Role
 from legpush.messages.planning import Plan, PlanQuery
+from legpush.messages.stepping import Motion, Outcome
 from legpush.patience import Patience
 from tests.legpush.examples import QUERY
 from tests.legpush.fakes import (
@@ -162,6 +163,34 @@ def test_a_frozen_simulator_is_named_and_goes_on_when_it_thaws(tmp_path: Path) -
             asking.do(MISSION[3:])
         started.send_signal(signal.SIGCONT)
         assert asking.do(MISSION[3:]) == CRC
+
+
+class Slow(FakeStepper):
+    """Waits in its sixth motion until it is released."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.began, self.release = Event(), Event()
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        if len(self.performed) == 5:
+            self.began.set()
+            self.release.wait(30.0)
+        return super().perform(motion, with_trace=with_trace)
+
+
+def test_an_agent_that_is_frozen_until_its_token_is_gone_goes_on_with_its_episode_when_it_thaws(tmp_path: Path) -> None:
+    stepper = Slow()
+    with sim(tmp_path, stepper) as serving, planner(tmp_path):
+        with process(tmp_path, "agent", "--journal", str(tmp_path / "episode-0000.journal")) as started:
+            assert stepper.began.wait(30.0)
+            started.send_signal(signal.SIGSTOP)
+            assert eventually(lambda: serving.liveliness.live("agent") == [])
+            stepper.release.set()
+            started.send_signal(signal.SIGCONT)
+            out, err = started.communicate(timeout=30.0)
+        assert out == f"{QUERY.seed} {CRC}\n", err
+    assert stepper.performed == MISSION
 
 
 def test_a_killed_simulator_is_called_dead(tmp_path: Path) -> None:

@@ -77,6 +77,10 @@ class Exchange(Generic[M]):
         self._on_wait = on_wait
         self._clock = clock
         self._peer: str | None = None
+        self._accepted: dict[str, M] = {}
+        """Of each incarnation that has answered, its last answer that was accepted."""
+        self._rivals: frozenset[str] = frozenset()
+        """The live incarnations of the peer when it was last more than one."""
         self._n_restarts = 0
         self._reported_at: float | None = None
 
@@ -95,18 +99,17 @@ class Exchange(Generic[M]):
         try:
             while not self._stop.is_set():
                 live = self._bus.liveliness.live(self._role, self._name)
-                if len(live) == 1:
-                    if live[0].incarnation != self._peer:
-                        self._meet(live[0].incarnation, what)
+                chosen = self._choose(live)
+                if chosen is not None:
+                    if chosen.incarnation != self._peer:
+                        self._meet(chosen.incarnation, what)
                         watch.restart()
-                    if resend.is_due(live[0]):
+                    if resend.is_due(chosen):
                         send()
                 answer = self._answers.next(resend.pause_s())
-                if answer is not None:
-                    if answer.header.incarnation == self._peer and fits(answer):
-                        return answer
-                    self._note_late(answer)
-                if len(live) < 2:
+                if answer is not None and self._accepts(answer, fits):
+                    return answer
+                if chosen is not None or not live:
                     rivalry.restart()
                 self._check(what, watch.tick(), rivalry.tick())
         finally:
@@ -128,12 +131,38 @@ class Exchange(Generic[M]):
     def offer_answers(self, fits: Callable[[M], bool]) -> None:
         """Offer to `fits` what the peer has answered since the last question, without asking anything."""
         for answer in self._answers.drain():
-            if answer.header.incarnation != self._peer or not fits(answer):
-                self._note_late(answer)
+            self._accepts(answer, fits)
 
-    def _note_late(self, answer: M) -> None:
-        late = f"{answer.header.role}/{answer.header.name}: an answer that nobody waits for"
-        self._bus.tally.add("late", late, logging.DEBUG)
+    def _choose(self, live: list[Sighting]) -> Sighting | None:
+        """The process to ask: the only live one, or of several the only one that has answered before."""
+        if len(live) < 2:
+            return live[0] if live else None
+        incarnations = frozenset(peer.incarnation for peer in live)
+        known = [peer for peer in live if peer.incarnation in self._accepted]
+        if incarnations != self._rivals:
+            self._rivals = incarnations
+            keeping = f"; keeping to {known[0].incarnation}, which has answered before" if len(known) == 1 else ""
+            log.warning("%s%s", self._state(), keeping)
+        return known[0] if len(known) == 1 else None
+
+    def _accepts(self, answer: M, fits: Callable[[M], bool]) -> bool:
+        """Whether this is an answer of the peer that `fits`; any other is counted.
+
+        What answers the present question was published after every answer to an earlier one, so a sequence that does
+        not grow shows an answer of somebody else.
+        """
+        header = answer.header
+        who = f"{header.role}/{header.name}"
+        last = self._accepted.get(header.incarnation)
+        if last is not None and header.sequence == last.header.sequence and answer != last:
+            self._bus.tally.add("repeated", f"{who}: another answer with the sequence {header.sequence}")
+            return False
+        is_new = last is None or header.sequence > last.header.sequence
+        if header.incarnation == self._peer and is_new and fits(answer):
+            self._accepted[header.incarnation] = answer
+            return True
+        self._bus.tally.add("late", f"{who}: an answer that nobody waits for", logging.DEBUG)
+        return False
 
     def forgive_restarts(self) -> None:
         """Count restarts from zero again, as the peer did what it was asked for."""

@@ -37,7 +37,7 @@ class Liveliness:
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
         self._clock = clock
         self._lock = threading.Lock()
-        self._sightings: dict[str, Sighting] = {}
+        self._sightings: dict[tuple[Role, str, str], Sighting] = {}
 
     def note_token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
         """Note that a liveliness token came up or went down."""
@@ -59,6 +59,12 @@ class Liveliness:
         """Those that are alive, of this role and name if given; copies, in the order in which they were first seen."""
         with self._lock:
             return [replace(s) for s in self._matching(role, name) if s.alive]
+
+    def is_live(self, role: Role, name: str, incarnation: str) -> bool:
+        """Return whether this incarnation shows a liveliness token with this role and name."""
+        with self._lock:
+            sighting = self._sightings.get((role, name, incarnation))
+            return sighting is not None and sighting.alive
 
     def __len__(self) -> int:
         with self._lock:
@@ -96,11 +102,15 @@ class Liveliness:
         return [s for s in self._sightings.values() if role in (None, s.role) and name in (None, s.name)]
 
     def _sighting(self, role: Role, name: str, incarnation: str) -> Sighting:
-        """The entry of this incarnation, newly made and old ones forgotten where needed."""
-        known = self._sightings.get(incarnation)
+        """The entry of this incarnation, newly made and old ones forgotten where needed.
+
+        Role and name belong to the key: a token of another role must not change what is known of this process.
+        """
+        key = (role, name, incarnation)
+        known = self._sightings.get(key)
         if known is None:
-            gone = [s.incarnation for s in self._sightings.values() if not s.alive]
+            gone = [old for old, sighting in self._sightings.items() if not sighting.alive]
             for old in gone[: max(0, len(gone) - KEEP_GONE + 1)]:
                 del self._sightings[old]
-            known = self._sightings[incarnation] = Sighting(role, name, incarnation)
+            known = self._sightings[key] = Sighting(role, name, incarnation)
         return known

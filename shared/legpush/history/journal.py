@@ -16,13 +16,13 @@ from typing import Final, Self
 
 from msgspec import Struct
 
+from legpush.bounds import Count
 from legpush.errors import DiskFullError, JournalError, MessageError
 from legpush.fields import Name
 from legpush.files import new_file
 from legpush.history.disk_sync import DiskSync
 from legpush.history.journal_file import MAGIC, cut, frame, is_incomplete, is_whole_after, lock, payloads
 from legpush.messages import codec
-from legpush.messages.common import Count
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
 

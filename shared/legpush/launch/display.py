@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
+from legpush.errors import one_line, printable
+
 PLAIN_PERIOD_S: Final = 5.0
 """Least time between two lines of one phase where lines cannot be overwritten."""
 
@@ -55,6 +57,7 @@ class LiveDisplay:
 
     def progress(self, phase: str, fraction: float | None, detail: str, waiting_for: str) -> None:
         """Redraw the line if it has changed."""
+        phase, detail, waiting_for = one_line(phase), one_line(detail), one_line(waiting_for)
         shown = (phase, fraction, detail, waiting_for)
         if shown == self._shown:
             return
@@ -72,7 +75,7 @@ class LiveDisplay:
 
     def notice(self, text: str) -> None:
         """Print a line above the redrawn one."""
-        self._bar.console.print(Text(text))
+        self._bar.console.print(Text(printable(text)))
 
 
 class PlainDisplay:
@@ -105,7 +108,7 @@ class PlainDisplay:
 
     def notice(self, text: str) -> None:
         """Print a line."""
-        self._console.print(Text(f"{self._clock() - self._began:7.1f} s  {text}"), soft_wrap=True)
+        self._console.print(Text(f"{self._clock() - self._began:7.1f} s  {printable(text)}"), soft_wrap=True)
 
 
 def _waiting(waiting_for: str) -> str:

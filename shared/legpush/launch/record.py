@@ -6,12 +6,13 @@ from time import time
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
+from legpush.errors import exit_code_of, printable
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.recordings import RecordOptions
 from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.runs.choose_run import choose_run
-from legpush.service import exit_code_of, start_log, stop_on_signals
+from legpush.service import start_log, stop_on_signals
 from legpush.versions import recorder_versions
 
 log = logging.getLogger(__name__)
@@ -47,7 +48,7 @@ def run_recorder(options: RecordOptions) -> int:
         raise
     word = "complete" if completeness.complete else "NOT COMPLETE"
     sys.stdout.write(f"wrote {', '.join(map(str, file.parts))}: {completeness.n_recorded} messages, {word}\n")
-    sys.stdout.write("".join(f"    {note}\n" for note in completeness.notes))
+    sys.stdout.write(printable("".join(f"    {note}\n" for note in completeness.notes)))
     return 0 if completeness.complete else 1
 
 

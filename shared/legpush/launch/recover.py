@@ -1,14 +1,21 @@
 """`legpush recover`: makes a whole recording of a damaged one, or a journal that goes on of a damaged one."""
 
+import shlex
 import sys
+from itertools import pairwise
 from pathlib import Path
+from typing import Final
 
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, one_line, printable
 from legpush.history.journal import Opened
 from legpush.history.mending import step_back
 from legpush.options.recordings import RecoverOptions
+from legpush.policy_names import TRUST_FILE, runs_code
 from legpush.recording.recover import recover
 from legpush.runs.folder import COMMAND_FILE, LOGS, journals, own_folder
+
+CODE_FLAGS: Final = ("--planner-command", TRUST_FILE, "--past-policy")
+"""Flags with which a command runs code of its user."""
 
 
 def run_recover(options: RecoverOptions) -> int:
@@ -24,7 +31,8 @@ def run_recover(options: RecoverOptions) -> int:
     out = options.out or options.file.with_name(f"{options.file.stem}-recovered{options.file.suffix}")
     recording = recover(options.file, out)
     notes = recording.completeness["notes"].splitlines()
-    sys.stdout.write(f"wrote {out}: {len(recording.messages)} messages\n" + "".join(f"    {note}\n" for note in notes))
+    said = "".join(f"    {note}\n" for note in notes)
+    sys.stdout.write(printable(f"wrote {out}: {len(recording.messages)} messages\n{said}"))
     return 0
 
 
@@ -36,13 +44,34 @@ def _recover_run(folder: Path) -> int:
     with own_folder(folder):
         for journal in found:
             opened, done = step_back(journal)
-            sys.stdout.write(f"{done}\nto go on: {_command(folder, opened)}\n")
+            sys.stdout.write(printable(f"{done}\nto go on: {_command(folder, opened)}\n"))
     return 0
 
 
 def _command(folder: Path, opened: Opened) -> str:
-    """Return the command with which the mission goes on."""
+    """Return the command with which the mission goes on.
+
+    The folder may come from somebody else. Its command is shown only if it is one that the launcher writes, and if all
+    that it can run is a mission with a policy and a planner of this package.
+    """
     file = folder / LOGS / COMMAND_FILE
-    if file.exists():
-        return file.read_text().strip()
+    if file.is_file() and is_harmless(command := file.read_text(errors="replace").strip()):
+        return command
     return f"the command that began the mission, with --out {folder} and --seed {opened.seed}"
+
+
+def is_harmless(command: str) -> bool:
+    """Whether a shell that gets this command runs legpush alone, and legpush no code that the command names."""
+    try:
+        words = shlex.split(command)
+    except ValueError:
+        return False
+    flags = [word.partition("=")[0].replace("_", "-") for word in words if word.startswith("--")]
+    policies = [word for flag, word in pairwise(words) if flag == "--policy"]
+    return (
+        words[:2] in (["legpush", "run"], ["legpush", "branch"])
+        and shlex.join(words) == command == one_line(command)
+        and not any(flag in CODE_FLAGS for flag in flags)
+        and flags.count("--policy") == len(policies)
+        and not any(runs_code(policy) for policy in policies)
+    )

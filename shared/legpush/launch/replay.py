@@ -12,20 +12,22 @@ from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError
+from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError, one_line, printable
 from legpush.launch.display import make_display
 from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
 from legpush.launch.run import launch_mission
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
 from legpush.messages.common import Role
+from legpush.numerics.current import told_as_other
 from legpush.options.recordings import ReplayOptions
 from legpush.options.run import RunOptions
 from legpush.plans.client import PlanLink
 from legpush.policy_names import require_repeated
+from legpush.processes.child_numerics import child_numerics
 from legpush.processes.pool import SimPool
 from legpush.recording.episodes import difference, same
-from legpush.recording.facts import unpack_mission
+from legpush.recording.facts import recorded_numerics, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.recording.publish import from_start, publish
@@ -112,7 +114,10 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
                 got = link.revision(revision, record.query) if revision else link.plan(record.query)
                 if expected.status != "cancelled" and not same(expected, got):
                     path, one, other = difference(expected, got)
-                    sys.stdout.write(f"first divergence at plan {number}, field {path}: expected {one}, got {other}\n")
+                    numerics = told_as_other(recorded_numerics(recording), child_numerics())
+                    what = f"{numerics}; first difference" if numerics else "first divergence"
+                    where = f"plan {number}, field {path}"
+                    sys.stdout.write(printable(f"{what} at {where}: expected {one}, got {other}\n"))
                     return 1
             link.cancel()
     sys.stdout.write(f"identical: {len(plans)} plans\n")
@@ -121,6 +126,8 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
 
 def verify_files(files: tuple[Path, ...], console: Console) -> int:
     """Compare the recording with a simulator process of its own; return 0 if identical and whole, 1 if not.
+
+    A recording with other numerics is not called diverged: the words say what was recorded with, and what is here.
 
     Raises:
         RecordingError: No episode was recorded from its reset on.
@@ -137,11 +144,13 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
         world = BusWorld(SimLink(bus, pool.names[0], stop=stop))
         bus.announce()
         try:
-            checked = check(recording, world.step, lambda text: display.progress("verifying", None, text, ""))
+            checked = check(
+                recording, world.step, child_numerics, lambda text: display.progress("verifying", None, text, "")
+            )
         except StopRequestedError as error:
             raise StopRequestedError("interrupted: not verified") from error
-    sys.stdout.write(checked.words(perf_counter() - began))
+    sys.stdout.write(printable(checked.words(perf_counter() - began)))
     if checked.is_sound and not recording.is_complete:
         notes = recording.completeness.get("notes") or "its recorder did not finish"
-        sys.stdout.write("the recording is not complete: " + "; ".join(notes.splitlines()) + "\n")
+        sys.stdout.write(f"the recording is not complete: {one_line('; '.join(notes.splitlines()))}\n")
     return 0 if checked.is_sound else 1

@@ -16,8 +16,8 @@ from rich.text import Text
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
-from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError
-from legpush.files import write_whole
+from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, printable
+from legpush.files import require_space, write_whole
 from legpush.history.mending import mend
 from legpush.launch.display import make_display
 from legpush.launch.film import film
@@ -32,9 +32,19 @@ from legpush.processes.child import Command
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
 from legpush.recording.facts import CONTINUED
-from legpush.runs.folder import COMMAND_FILE, LOGS, SCENARIO_FILE, default_folder, is_begun, journals, run_folder
+from legpush.runs.folder import (
+    COMMAND_FILE,
+    LOGS,
+    REPORT_FILE,
+    SCENARIO_FILE,
+    default_folder,
+    is_begun,
+    journals,
+    run_folder,
+)
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
 from legpush.runs.report import read_report
+from legpush.scene.scenario import Scenario
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
 """A library that each process cannot start without; the rest of its extra is installed with it."""
@@ -55,26 +65,47 @@ def launch_mission(
         require_libraries()
         programs = Programs()
     folder = options.out or default_folder(scenario, options.seed, datetime.now().astimezone())
+    again = programs.again(folder) if programs.again is not None else _again(options, folder)
+    try:
+        verdict = _run_and_tell(folder, scenario, options, programs, console, about or {}, again)
+    except (LegpushError, OSError) as error:
+        if not is_disk_full(error):
+            raise
+        verdict = Verdict(DISK_FULL, str(error))
+    if verdict.exit_code == DISK_FULL:
+        sys.stderr.write(f"error: {printable(verdict.reason)}\n")
+        console.print(Text(f"after space is made, to go on: {again}"), soft_wrap=True)
+    return verdict.exit_code
+
+
+def _run_and_tell(
+    folder: Path,
+    scenario: Scenario,
+    options: RunOptions,
+    programs: Programs,
+    console: Console,
+    about: Mapping[str, str],
+    again: str,
+) -> Verdict:
+    """Run the mission in its folder, and tell the user how it ended, except on a full disk."""
     with run_folder(folder, scenario):
         for journal in journals(folder):
             if done := mend(journal):
                 console.print(Text(done), soft_wrap=True)
-        again = programs.again(folder) if programs.again is not None else _again(options, folder)
         write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode())
-        verdict = _run_in(folder, options, programs, console, about or {})
+        verdict = _run_in(folder, options, programs, console, about)
+        if verdict.exit_code in (NO_SUCCESS, GAVE_UP) and not (folder / REPORT_FILE).exists():
+            require_space(folder)  # on a full disk a process cannot even say so in its log
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
-            sys.stderr.write(f"error: {verdict.reason}\n")
-        elif verdict.exit_code == DISK_FULL:
-            sys.stderr.write(f"error: {verdict.reason}\n")
-            console.print(Text(f"after space is made, to go on: {again}"), soft_wrap=True)
+            sys.stderr.write(f"error: {printable(verdict.reason)}\n")
         elif verdict.exit_code == INTERRUPTED:
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
-        else:
+        elif verdict.exit_code != DISK_FULL:
             if verdict.reason:
-                console.print(Text(verdict.reason, style="bold red"), soft_wrap=True)
+                console.print(Text(printable(verdict.reason), style="bold red"), soft_wrap=True)
             print_summary(console, folder, read_report(folder))
-    return verdict.exit_code
+        return verdict
 
 
 def require_libraries() -> None:

@@ -8,7 +8,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from legpush.errors import one_line
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
+from legpush.versions import NUMERICS
 
 
 def _recorded(recording: dict[str, Any]) -> str:
@@ -42,6 +44,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
     "state_crc": ("state CRC", str),
     "seed": ("seed", str),
+    "versions": ("numerics", lambda versions: versions.get(NUMERICS, "-")),
     "recording": ("recording", _recorded),
 }
 """Fields of the report in the order of the table, each with its title and its format."""
@@ -64,7 +67,7 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
     for field, (title, read) in ROWS.items():
         if field in report and _is_shown(field, report):
             value = "-" if report[field] is None else read(report[field])
-            numbers.add_row(Text(title, style="dim"), Text(value, style=_style(field, report)))
+            numbers.add_row(Text(title, style="dim"), Text(one_line(value), style=_style(field, report)))
     files = Table(box=None, show_header=False, padding=(0, 2, 0, 2))
     for name, what in FILES.items():
         if (folder / name).exists():

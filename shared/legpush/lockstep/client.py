@@ -6,14 +6,15 @@ from collections.abc import Mapping, Sequence
 from time import time_ns
 from typing import NamedTuple
 
+from legpush.bounds import MAX_COUNT
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.exchange import Exchange, OnWait, no_report
-from legpush.errors import MotionError, PeerError
-from legpush.messages.common import MAX_COUNT, Header
+from legpush.errors import BrokenEpisodeError, DivergedError, MotionError, PeerError
+from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Answer, Motion, Outcome, Refusal
 from legpush.messages.telemetry import Reward, RewardTerm
-from legpush.patience import Patience
+from legpush.patience import Patience, Stopwatch
 
 log = logging.getLogger(__name__)
 
@@ -46,7 +47,9 @@ class SimLink:
         answers = bus.subscribe(channels.answers(bus.run, sim))
         self._actions = bus.publisher(channels.actions(bus.run, sim))
         self._rewards = bus.publisher(channels.rewards(bus.run, sim))
-        self._exchange: Exchange[Answer] = Exchange(bus, answers, ("sim", sim), patience or Patience(), stop, on_wait)
+        self._stop = stop
+        self._patience = patience or Patience()
+        self._exchange: Exchange[Answer] = Exchange(bus, answers, ("sim", sim), self._patience, stop, on_wait)
         self._in_step: str | None = None
         self.episode = -1
 
@@ -73,21 +76,22 @@ class SimLink:
 
         Raises:
             MotionError: The simulator cannot carry the motion out.
-            PeerError: It does not answer, refuses the step, or computes something else than before.
+            BrokenEpisodeError: It failed in this motion, or in one of `past`.
+            PeerError: It does not answer, or refuses the step.
+            DivergedError: It computes something else than before.
         """
         led: set[str] = set()
         while True:
-            answer = self._ask(len(past), motion, with_trace)
+            answer = self._ask_in_turn(len(past), motion, with_trace)
             if not isinstance(answer, Refusal):
                 self._in_step = answer.header.incarnation
                 self._exchange.forgive_restarts()
                 return answer.outcome
             if answer.cause == "invalid":
-                raise MotionError(f"Step {len(past)}: {answer.reason}")
+                raise self._invalid(len(past), answer)
             if answer.header.incarnation in (self._in_step, *led):
-                raise PeerError(
-                    f"{self._exchange.peer} refuses step {len(past)}: {answer.reason}; is another agent using it?"
-                )
+                asking = "; is another agent using it?" if answer.cause == "out_of_step" else ""
+                raise PeerError(f"{self._exchange.peer} refuses step {len(past)}: {answer.reason}{asking}")
             led.add(answer.header.incarnation)
             self._lead(past, answer)
 
@@ -111,19 +115,44 @@ class SimLink:
         """Bring the simulator that refused to the state after `past`, in an episode that is new to it."""
         self.begin(max(self.begin(), refusal.next_episode + 1))
         for index, step in enumerate(past):
-            answer = self._ask(index, step.motion, with_trace=False)
+            answer = self._ask_in_turn(index, step.motion, with_trace=False)
             if isinstance(answer, Refusal):
-                if answer.cause == "invalid":
+                if self._is_broken(answer):
+                    raise self._invalid(index, answer)
+                if answer.cause == "invalid" or (answer.cause == "conflict" and index == 0):
                     raise PeerError(f"{self._exchange.peer} refuses step {index} of the journal: {answer.reason}")
                 return
             self._in_step = answer.header.incarnation
             if answer.outcome.state_crc != step.state_crc:
-                raise PeerError(
+                raise DivergedError(
                     f"Expected state {step.state_crc:08x} after step {index} of the journal, got "
                     f"{answer.outcome.state_crc:08x} from {self._exchange.peer}: it computes something else"
                 )
         if past:
             log.info("%s was led through %d steps again, state %08x", self._exchange.peer, len(past), past[-1][1])
+
+    def _invalid(self, step: int, refusal: Refusal) -> MotionError | BrokenEpisodeError:
+        """What a refusal as `invalid` means."""
+        kind = BrokenEpisodeError if self._is_broken(refusal) else MotionError
+        return kind(f"Step {step}: {refusal.reason}")
+
+    def _is_broken(self, refusal: Refusal) -> bool:
+        """Whether the simulator failed in this episode, so that it expects a later one."""
+        return refusal.cause == "invalid" and refusal.next_episode > self.episode
+
+    def _ask_in_turn(self, step: int, motion: Motion, with_trace: bool) -> Answer:
+        """Ask for a step; while the simulator works for another agent, wait for a while until that one is gone.
+
+        An agent that was killed may still show as live for a lease.
+        """
+        waited = Stopwatch()
+        while True:
+            answer = self._ask(step, motion, with_trace)
+            if not isinstance(answer, Refusal) or answer.cause != "conflict":
+                return answer
+            if waited.tick() > self._patience.rival_s:
+                return answer
+            self._stop.wait(self._patience.resend_s)
 
     def _ask(self, step: int, motion: Motion, with_trace: bool) -> Answer:
         episode = self.episode

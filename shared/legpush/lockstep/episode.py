@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from legpush.errors import JournalError, MotionError, PeerError
+from legpush.errors import DivergedError, JournalError, MotionError
 from legpush.history.journal import (
     Acted,
     Awaited,
@@ -22,7 +22,9 @@ from legpush.history.steps import words_of
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
+from legpush.numerics.current import explained
 from legpush.plans.client import PlanLink
+from legpush.versions import NUMERICS
 
 log = logging.getLogger(__name__)
 
@@ -34,6 +36,8 @@ class Past(Protocol):
     """Number of steps that are answered."""
     alter: Alter | None
     """Carried out where the past ends, before anything new."""
+    numerics: str | None
+    """Name of the numerics that it was computed with; None if it is not noted."""
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
         """Return what the motion leads to as this step, with its trace if that is known.
@@ -158,17 +162,26 @@ class Episode:
             if known is not None and not self._redoes and (known.trace is not None or not with_trace):
                 return Observed(outcome=known)
             self._redoes = True
-            answer = Observed(outcome=self._sim.step(motion, self._past, with_trace=with_trace))
-            if known is not None and known.state_crc != answer.outcome.state_crc:
-                raise PeerError(
-                    f"Expected state {known.state_crc:08x} after step {self.n_steps}, as recorded, got "
-                    f"{answer.outcome.state_crc:08x} from sim/{self._sim.sim}: it computes something else"
-                )
+            answer = Observed(outcome=self._simulate(motion, known, with_trace=with_trace))
         except MotionError as error:
             answer = Refused(reason=str(error))
         if self._sim.episode != self._number:
             self._note_number()
         return answer
+
+    def _simulate(self, motion: Motion, known: Outcome | None, *, with_trace: bool) -> Outcome:
+        """Return the simulator's outcome of the next step, which has to be the known one, if there is one."""
+        try:
+            outcome = self._sim.step(motion, self._past, with_trace=with_trace)
+        except DivergedError as error:
+            raise DivergedError(self._explained(str(error))) from error
+        if known is not None and known.state_crc != outcome.state_crc:
+            difference = (
+                f"Expected state {known.state_crc:08x} after step {self.n_steps}, as recorded, got "
+                f"{outcome.state_crc:08x} from sim/{self._sim.sim}: it computes something else"
+            )
+            raise DivergedError(self._explained(difference))
+        return outcome
 
     def _take(self) -> Entry | None:
         """The next recorded question or answer; None from the end of the journal on."""
@@ -196,7 +209,15 @@ class Episode:
 
     def _mismatch(self, expected: str, got: Entry) -> JournalError:
         return JournalError(
-            f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {words_of(got)}, "
-            f"at step {self.n_steps}; the journal is of another mission, or the mission does not depend on its answers "
-            "alone"
+            self._explained(
+                f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {words_of(got)}, "
+                f"at step {self.n_steps}; the journal is of another mission, or the mission does not depend on its "
+                "answers alone"
+            )
         )
+
+    def _explained(self, difference: str) -> str:
+        """Return the text of a difference, after other numerics if they explain it."""
+        versions = self._journal.opened.versions
+        recorded = versions.get(NUMERICS) if self._origin is None else self._origin.numerics
+        return explained(difference, recorded)

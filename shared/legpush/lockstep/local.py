@@ -3,12 +3,14 @@
 from collections.abc import Callable, Iterator, Mapping
 from weakref import WeakValueDictionary
 
-from legpush.errors import ConfigError
+from legpush.errors import BrokenEpisodeError, ConfigError
 from legpush.history.steps import PlanRecord, StepRecord
+from legpush.lockstep.carry_out import carry_out, kind_of
 from legpush.lockstep.simulator import Stepper
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Motion, Outcome
+from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.plans.planner import Interrupted, MakePlans
+from legpush.plans.search import search_plans
 
 _OWNERS: WeakValueDictionary[int, object] = WeakValueDictionary()
 """The environment that steps a simulator, by the identity of the simulator, which lives as long as its owner."""
@@ -35,6 +37,8 @@ class LocalWorld:
         `on_record` gets every step and every plan, in order. `interrupted` is asked during a search whether to stop.
         """
         self._simulator = simulator
+        self._broken = ""
+        """Why only a reset goes on."""
         self._make_plans = make_plans
         self._record = on_record
         self._interrupted = interrupted
@@ -47,8 +51,17 @@ class LocalWorld:
 
         Raises:
             MotionError: The motion cannot be carried out; the state is as it was.
+            ScenarioError: The world of a reset cannot be built; the state is as it was.
+            BrokenEpisodeError: The simulator failed in this motion, or in one since the last reset.
         """
-        outcome = self._simulator.perform(motion, with_trace=with_trace)
+        if self._broken and not isinstance(motion, Reset):
+            raise BrokenEpisodeError(f"{self._broken}; expected a reset after that, got {kind_of(motion)}")
+        try:
+            outcome = carry_out(self._simulator, motion, with_trace=with_trace)
+        except BrokenEpisodeError as error:
+            self._broken = str(error)
+            raise
+        self._broken = ""
         if self._record is not None:
             self._record(StepRecord(motion, outcome))
         return outcome
@@ -80,7 +93,7 @@ class LocalWorld:
         if self._make_plans is None:
             raise ConfigError("Expected a world with a planner, got one that can only be stepped")
         self._query, self._plans = query, []
-        self._search = self._make_plans(query, self._interrupted)
+        self._search = search_plans(self._make_plans, query, self._interrupted)
         return self.revision(0)
 
     def revision(self, revision: int) -> Plan:

@@ -12,20 +12,22 @@ from legpush.errors import MessageError
 T = TypeVar("T")
 
 MAX_MESSAGE_BYTES: Final = 64 * 1024 * 1024
+MAX_PARTS: Final = 2**20
+"""Most maps and arrays in a message: empty ones need a byte each in the payload, and 70 times as much in memory."""
 
 
 def encode(message: msgspec.Struct) -> bytes:
     """Return the message as a MessagePack map.
 
     Raises:
-        MessageError: A number is not finite, an integer has more than 64 bits, or the message is longer than
-            `MAX_MESSAGE_BYTES`.
+        MessageError: A number is not finite, an integer has more than 64 bits, the message is longer than
+            `MAX_MESSAGE_BYTES`, or there is no memory for it.
     """
     try:
         plain = msgspec.to_builtins(message, builtin_types=(bytes,))
         _require_finite(plain, "$")
         packed: bytes = msgpack.packb(plain)
-    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+    except (TypeError, ValueError, OverflowError, RecursionError, MemoryError) as error:
         kind = type(message).__name__
         raise MessageError(f"Expected a {kind} that MessagePack can hold ({type(error).__name__}: {error})") from error
     _require_size(packed)
@@ -54,7 +56,15 @@ def unpack(payload: bytes) -> Any:
     """
     _require_size(payload)
     try:
-        return msgpack.unpackb(payload, timestamp=0, strict_map_key=True, object_pairs_hook=_map)
+        # Only a long payload can have too many parts, so that only it pays for counting them.
+        count = _Count() if len(payload) > MAX_PARTS else None
+        return msgpack.unpackb(
+            payload,
+            timestamp=0,
+            strict_map_key=True,
+            object_pairs_hook=_map if count is None else count.map,
+            list_hook=None if count is None else count.array,
+        )
     except (ValueError, msgpack.exceptions.UnpackException, RecursionError) as error:
         why = str(error) or type(error).__name__
         raise MessageError(f"Expected one MessagePack map, got {len(payload)} other bytes ({why})") from error
@@ -68,6 +78,24 @@ def _map(pairs: list[tuple[Any, Any]]) -> dict[Any, Any]:
         repeated = next(key for key, _ in pairs if key in seen or seen.add(key))  # type: ignore[func-returns-value]
         raise ValueError(f"a map with the key {repeated!r} twice")
     return fields
+
+
+class _Count:
+    """Counts the maps and arrays of a message while it is unpacked."""
+
+    def __init__(self) -> None:
+        self._n = 0
+
+    def map(self, pairs: list[tuple[Any, Any]]) -> dict[Any, Any]:
+        """Count a map."""
+        return _map(self.array(pairs))
+
+    def array(self, elements: list[T]) -> list[T]:
+        """Count an array."""
+        self._n += 1
+        if self._n > MAX_PARTS:
+            raise ValueError(f"more than {MAX_PARTS} maps and arrays")
+        return elements
 
 
 def convert(plain: Any, kind: type[T]) -> T:

@@ -4,9 +4,20 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from legpush.bounds import (
+    MAX_WAYPOINTS,
+    Count,
+    Iterations,
+    PathLength,
+    QueryDistance,
+    QueryLength,
+    Reading,
+    TurnRad,
+    Unit,
+)
 from legpush.fields import Name, Seed
 from legpush.geometry import Point2, Pose2
-from legpush.messages.common import MAX_WAYPOINTS, Count, Header, Unit
+from legpush.messages.common import Header
 from legpush.scene.footprints import Footprint
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
@@ -19,22 +30,22 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     grid: OccupancyGrid
     start: Pose2
     goal: Pose2
-    clearance_m: Annotated[float, Meta(gt=0.0)]
+    clearance_m: QueryLength
     """Least distance from the trunk centre to any occupied cell: the footprint's radius plus the margin."""
     planner: PlannerName
     seed: Seed
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
+    max_iterations: Iterations
     """Budget of the search. Seed and iterations make the answer reproducible; a budget in seconds would not."""
     goal_bias: Unit
     """Probability that a sample is the goal."""
-    step_m: Annotated[float, Meta(gt=0.0)]
+    step_m: QueryLength
     """Longest edge of the tree; `bit_star` and `prm_star` connect near neighbours instead."""
-    goal_region_m: Annotated[float, Meta(gt=0.0)]
+    goal_region_m: QueryLength
     """Radius of the goal region of Algorithm 1."""
     steering: Steering
     """How the path moves. `straight`: lines and turns on the spot. `dubins`, `reeds_shepp`: arcs and lines from the
     heading at the start to the heading at the goal; `dubins` drives forward only, `reeds_shepp` backward too."""
-    min_turning_radius_m: Annotated[float, Meta(ge=0.0)]
+    min_turning_radius_m: QueryDistance
     """Least turning radius while the trunk moves forward or backward; 0 allows any."""
     smoothing: Smoothing
     """How a `straight` path is smoothed; `max_waypoints` holds for every steering."""
@@ -52,7 +63,7 @@ class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     frame: Pose2
     """The pushed frame, in the frame of the box."""
-    min_turning_radius_m: Annotated[float, Meta(gt=0.0)]
+    min_turning_radius_m: QueryLength
     footprints: Annotated[tuple[Footprint, ...], Meta(min_length=1, max_length=16)]
     """Rectangles that cover the box and the robot behind it, in the pushed frame."""
     stand_off: Pose2
@@ -78,24 +89,24 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The side that the robot stands at; nil if it stands elsewhere."""
     box: Footprint
     """The rectangle of the box that the robot walks around, in the frame of the box."""
-    walk_clearance_m: Annotated[float, Meta(gt=0.0)]
+    walk_clearance_m: QueryLength
     """Least distance from the trunk centre to any occupied cell and to the box while the robot walks around it."""
-    side_change_m: Annotated[float, Meta(ge=0.0)]
+    side_change_m: QueryDistance
     """Cost of a change of sides, as a length of path of the box."""
-    clearance_m: Annotated[float, Meta(ge=0.0)]
+    clearance_m: QueryDistance
     """Least distance from any footprint to any occupied cell."""
-    run_in_m: Annotated[float, Meta(ge=0.0)]
+    run_in_m: QueryDistance
     """Length over which the path should be straight before the goal, if there is room for it."""
-    position_tolerance_m: Annotated[float, Meta(ge=0.0)]
+    position_tolerance_m: QueryDistance
     """How far from the goal position the path may end, if that saves a detour."""
-    angle_tolerance_rad: Annotated[float, Meta(ge=0.0)]
+    angle_tolerance_rad: TurnRad
     """The same for the heading."""
     seed: Seed
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)]
+    max_iterations: Iterations
     """Budget of the search, as for the trunk."""
     goal_bias: Unit
     """Probability that a sample is the goal."""
-    step_m: Annotated[float, Meta(gt=0.0)]
+    step_m: QueryLength
     """Longest edge of the tree."""
 
 
@@ -146,8 +157,8 @@ class Plan(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     raw_path_m: Annotated[tuple[Point2, ...], Meta(max_length=MAX_WAYPOINTS)] = ()
     """The path of the search, before it was smoothed."""
     tree: Tree | None = None
-    length_m: float = 0.0
-    min_clearance_m: float = 0.0
+    length_m: PathLength = 0.0
+    min_clearance_m: Reading = 0.0
     """Least distance from the smoothed path to any occupied cell, measured on the exact squares of the grid."""
     n_iterations: Count = 0
 

@@ -4,9 +4,10 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from legpush.bounds import MAX_APPEARING, MAX_WAYPOINTS, BoxMass, Count, Crc, Depth, Friction, PathLength, Reading, Unit
 from legpush.fields import Name, Seed
-from legpush.geometry import Point2, Point3, Pose2, Quaternion
-from legpush.messages.common import MAX_DEPTH_M, MAX_WAYPOINTS, Count, Header, Unit
+from legpush.geometry import Point3, Pose2, Quaternion
+from legpush.messages.common import Header
 from legpush.scene.names import Face
 from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Scenario
@@ -37,7 +38,7 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     w2: Unit
     """Place of the second inner control point on its locus."""
     leg: FrontLeg
-    depth_m: Annotated[float, Meta(ge=0.0, le=MAX_DEPTH_M)]
+    depth_m: Depth
     """Distance beyond the face of the box at which the curve ends (the paper's entry value)."""
     face: Face = "rear"
     """The face that is pushed; the robot has to stand behind it."""
@@ -49,9 +50,9 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
 class Alter(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="alter"):
     """Changes mass or friction of the box from here on; nothing moves."""
 
-    box_mass_kg: Annotated[float, Meta(ge=0.001)] | None = None
+    box_mass_kg: BoxMass | None = None
     """The new mass; nil keeps it."""
-    box_friction: Annotated[float, Meta(gt=0.0)] | None = None
+    box_friction: Friction | None = None
     """The new friction coefficient; nil keeps it."""
 
 
@@ -97,8 +98,8 @@ class BoxState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class PathProgress(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far the footsteps have come along the path of the last `Follow`."""
 
-    travelled_m: float
-    length_m: float
+    travelled_m: PathLength
+    length_m: PathLength
     done: bool
 
 
@@ -108,7 +109,7 @@ class PushReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     leg: FrontLeg
     touched: bool
     """Whether the pushing foot touched the box."""
-    peak_force_n: float
+    peak_force_n: Reading
     """Largest contact force between foot and box at the end of any tick."""
 
 
@@ -127,13 +128,13 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tick: Count
     """Control periods of 0.02 s since the reset."""
     trunk: TrunkState
-    joint_positions_rad: Annotated[tuple[float, ...], Meta(min_length=12, max_length=12)]
+    joint_positions_rad: Annotated[tuple[Reading, ...], Meta(min_length=12, max_length=12)]
     """Legs in the order FL, FR, RL, RR; of each leg hip-x, hip-y, knee."""
-    joint_velocities_rad_s: Annotated[tuple[float, ...], Meta(min_length=12, max_length=12)]
+    joint_velocities_rad_s: Annotated[tuple[Reading, ...], Meta(min_length=12, max_length=12)]
     """In the same order."""
     tips_m: tuple[Point3, Point3, Point3, Point3]
     """Centres of the foot spheres of FL, FR, RL, RR."""
-    foot_forces_n: tuple[float, float, float, float]
+    foot_forces_n: tuple[Reading, Reading, Reading, Reading]
     """Magnitude of the contact force on each foot, from floor and box together."""
     imu: Imu
     box: BoxState
@@ -145,7 +146,7 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Nil before a `Follow`, and after a `Push`."""
     push: PushReport | None
     """Nil before the first `Push`."""
-    appeared: tuple[Appearance, ...]
+    appeared: Annotated[tuple[Appearance, ...], Meta(max_length=MAX_APPEARING)]
     """Obstacles that have appeared since the reset, in that order; they stay."""
 
 
@@ -153,18 +154,18 @@ class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Measurements at every tick of a step: each field has one row per tick."""
 
     tick: tuple[Count, ...]
-    qpos: tuple[tuple[float, ...], ...]
+    qpos: tuple[tuple[Reading, ...], ...]
     """Generalized positions as in MuJoCo: free joint of the trunk (7), legs (12), free joint of the box (7)."""
-    roll_pitch_rad: tuple[Point2, ...]
+    roll_pitch_rad: tuple[tuple[Reading, Reading], ...]
     tips_m: tuple[tuple[Point3, Point3, Point3, Point3], ...]
     contact_forces_n: tuple[tuple[Point3, Point3, Point3, Point3], ...]
     """Contact force on each foot, from floor and box together, world frame."""
     com_m: tuple[Point3, ...]
     """Centre of mass of the robot."""
-    zmp_m: tuple[Point2, ...]
+    zmp_m: tuple[tuple[Reading, Reading], ...]
     """Zero-moment point on the floor: the centre of pressure of the feet, or the point below the CoM if no foot carries
     load."""
-    support_margin_m: tuple[float, ...]
+    support_margin_m: tuple[Reading, ...]
     """Distance from the CoM's projection on the floor to the border of the support polygon, positive inside."""
 
 
@@ -172,7 +173,7 @@ class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Result of a motion."""
 
     world: WorldState
-    state_crc: Annotated[int, Meta(ge=0, lt=2**32)]
+    state_crc: Crc
     """CRC-32 of the simulator's whole state: equal CRCs mean equal states, bit for bit."""
     trace: Trace | None = None
 
@@ -196,7 +197,8 @@ class Refusal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
     step: Count
     cause: Literal["out_of_step", "conflict", "invalid"]
     """`out_of_step`: the step is not the next one; `next_episode` and `next_step` say which is. `conflict`: another
-    action was carried out as this step. `invalid`: the action cannot be carried out in the present state."""
+    action was carried out as this step, or the simulator works for another agent that is alive. `invalid`: the action
+    cannot be carried out in the present state, or the simulator failed in this episode."""
     reason: str
     next_episode: Count
     next_step: Count

@@ -4,8 +4,9 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from legpush.bounds import Count, Reading, TimeNs, Unit
 from legpush.fields import Name
-from legpush.messages.common import Count, Header, Role, TimeNs, Unit
+from legpush.messages.common import Header, Role
 
 
 class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -26,7 +27,7 @@ class RewardTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One term of a reward."""
 
     name: Name
-    value: float
+    value: Reading
 
 
 class Reward(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -37,7 +38,7 @@ class Reward(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulator that took the step."""
     episode: Count
     step: Count
-    value: float
+    value: Reading
     """The sum of the terms."""
     terms: tuple[RewardTerm, ...]
 

@@ -2,30 +2,9 @@
 
 import os
 import shutil
-from math import isfinite
 from pathlib import Path
 
 from legpush.errors import ConfigError
-
-
-def require_positive(value: float | None, flag: str, unit: str = "") -> None:
-    """Check that a number, if given, is finite and above 0.
-
-    Raises:
-        ConfigError: It is not; names the flag.
-    """
-    if value is not None and not (isfinite(value) and value > 0.0):
-        raise ConfigError(f"Expected more than 0{f' {unit}' if unit else ''} for {flag}, got {value}")
-
-
-def require_not_negative(value: float, flag: str) -> None:
-    """Check that a number is finite and at least 0.
-
-    Raises:
-        ConfigError: It is not; names the flag.
-    """
-    if not (isfinite(value) and value >= 0.0):
-        raise ConfigError(f"Expected 0 or more for {flag}, got {value}")
 
 
 def require_new_file(path: Path, flag: str) -> None:

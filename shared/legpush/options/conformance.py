@@ -7,8 +7,10 @@ from typing import Annotated
 
 import tyro
 
+from legpush.bounds import WaitS
 from legpush.errors import ConfigError
-from legpush.options.checks import program_path, require_positive
+from legpush.fields import require
+from legpush.options.checks import program_path
 
 USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- COMMAND..."
 
@@ -28,7 +30,7 @@ class PlanCheckOptions:
     """Write the findings to this file as well."""
 
     def __post_init__(self) -> None:
-        require_positive(self.deadline_s, "--deadline", "seconds")
+        require(WaitS, self.deadline_s, "--deadline", "seconds")
         if self.json is not None and not self.json.absolute().parent.is_dir():
             raise ConfigError(f"Expected a file in an existing folder for --json, got {self.json}")
 

@@ -1,15 +1,16 @@
 """Options of `legpush export`."""
 
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated, get_args
 
 import tyro
 
+from legpush.bounds import Count, FramesPerSecond, Speed, TimeS
 from legpush.errors import ConfigError
 from legpush.exports import ENDINGS, FASTEST_GIF_FPS, FILMS, LARGEST_FRAME, Format, View
-from legpush.options.checks import require_new_file, require_not_negative, require_positive
+from legpush.fields import require
+from legpush.options.checks import require_new_file
 from legpush.options.recordings import Files
 
 
@@ -52,8 +53,7 @@ class ExportOptions:
         if not self.files:
             raise ConfigError("Expected the file of a recording, got none")
         made = self.format()
-        if self.episode is not None and self.episode < 0:
-            raise ConfigError(f"Expected 0 or more for --episode, got {self.episode}; `legpush info` lists them")
+        require(Count, self.episode, "--episode, which `legpush info` lists")
         self._check_film(made)
         if self.out is not None or self.target().parent.is_dir():
             require_new_file(self.target(), "--out")
@@ -104,13 +104,14 @@ class ExportOptions:
             for flag, value in given.items():
                 if value is not None:
                     raise ConfigError(f"Expected --{flag} only with {' and '.join(FILMS)}, got it with {made}")
-        require_positive(self.speed, "--speed")
-        require_positive(self.fps, "--fps")
+        require(Speed, self.speed, "--speed")
+        require(FramesPerSecond, self.fps, "--fps")
         if made == "gif" and self.fps is not None and self.fps > FASTEST_GIF_FPS:
             raise ConfigError(f"Expected at most {FASTEST_GIF_FPS:g} for --fps of a GIF, got {self.fps}")
         for flag, pixels, most in (("width", self.width, LARGEST_FRAME[0]), ("height", self.height, LARGEST_FRAME[1])):
             if pixels is not None and not (16 <= pixels <= most and pixels % 2 == 0):
                 raise ConfigError(f"Expected an even number of pixels from 16 to {most} for --{flag}, got {pixels}")
-        require_not_negative(self.start_s, "--start")
-        if self.end_s is not None and not (isfinite(self.end_s) and self.end_s > self.start_s):
+        require(TimeS, self.start_s, "--start")
+        require(TimeS, self.end_s, "--end")
+        if self.end_s is not None and not self.end_s > self.start_s:
             raise ConfigError(f"Expected more than --start, {self.start_s:g}, for --end, got {self.end_s}")

@@ -7,18 +7,19 @@ from typing import Annotated, Final, Literal
 
 import tyro
 
+from legpush.bounds import MAX_DEPTH_M, Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require, require_seeds
-from legpush.messages.common import MAX_DEPTH_M, USUAL_DEPTH_M
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
 
-MAX_SIMULATORS: Final = 8
+USUAL_SIMULATORS: Final = 8
 """Most simulators to start by default."""
 
 
 def default_simulators() -> int:
     """Return the default number of simulators: one per core that this process may use, 8 at most."""
-    return min(len(os.sched_getaffinity(0)), MAX_SIMULATORS)
+    return min(len(os.sched_getaffinity(0)), USUAL_SIMULATORS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,8 +38,7 @@ class SimulatorOptions:
     """Record all messages into this new MCAP file; see `legpush replay`."""
 
     def __post_init__(self) -> None:
-        if self.simulators is not None and self.simulators < 1:
-            raise ConfigError(f"Expected at least 1 for --simulators, got {self.simulators}")
+        require(Simulators, self.simulators, "--simulators")
         if self.join is None and (self.listen or self.connect):
             raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
         if self.join is not None and self.record is not None:
@@ -86,8 +86,14 @@ class TrainOptions(SimulatorOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(Seed, self.seed, "--seed")
-        if self.steps is not None and self.steps < 1:
-            raise ConfigError(f"Expected at least 1 for --steps, got {self.steps}")
+        require(Amount, self.steps, "--steps")
+        for kind, interval, flag in (
+            (BoxMass, self.mass_kg, "--mass-kg"),
+            (Friction, self.friction, "--friction"),
+            (Length, self.distance_m, "--distance-m"),
+        ):
+            for value in interval or ():
+                require(kind, value, flag)
         if self.resume is not None and self.out is not None:
             raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
 
@@ -123,8 +129,7 @@ class EvaluateOptions(SimulatorOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.episodes < 1:
-            raise ConfigError(f"Expected at least 1 for --episodes, got {self.episodes}")
+        require(Amount, self.episodes, "--episodes")
         require_seeds(self.first_seed, self.episodes, "--first-seed")
 
 
@@ -155,8 +160,9 @@ class CalibrateOptions(SimulatorOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.series < 1:
-            raise ConfigError(f"Expected at least 1 for --series, got {self.series}")
+        require(BoxMass, self.box_mass_kg, "--box-mass-kg")
+        require(Friction, self.box_friction, "--box-friction")
+        require(Amount, self.series, "--series")
         require_seeds(self.first_seed, self.series, "--first-seed")
         if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):
             raise ConfigError(

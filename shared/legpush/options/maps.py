@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 import tyro
 
+from legpush.bounds import Resolution
 from legpush.errors import ConfigError
-from legpush.options.checks import require_positive
+from legpush.fields import require
 from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 
 
@@ -46,7 +47,7 @@ class MapOptions:
                 raise ConfigError(f"{self.file}: expected --cell-m and --first-row, which a {suffix} file lacks")
             if value is not None and suffix not in CELL_SUFFIXES:
                 raise ConfigError(f"{self.file}: expected {flag} only with {' and '.join(CELL_SUFFIXES)} files")
-        require_positive(self.cell_m, "--cell-m")
+        require(Resolution, self.cell_m, "--cell-m")
         if self.output is not None and (suffix_of(self.output.name) != ".png" or not self.output.parent.is_dir()):
             raise ConfigError(f"Expected a .png file in an existing folder for --output, got {self.output}")
 

@@ -1,16 +1,15 @@
 """Options of `legpush record`, `info`, `recover`, `replay` and `branch`."""
 
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
+from legpush.bounds import BoxMass, FileMegabytes, Friction, Speed, TimeS, WaitS
 from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
 from legpush.fields import Name, episode_and_step, require
-from legpush.options.checks import require_not_negative, require_positive
 from legpush.scene.names import PlannerName
 
 File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
@@ -50,12 +49,9 @@ class RecordOptions:
 
     def __post_init__(self) -> None:
         require(Name, self.name, "--name")
-        for flag, number in (
-            ("--split-mb", self.split_mb),
-            ("--split-s", self.split_s),
-            ("--duration", self.duration_s),
-        ):
-            require_positive(number, flag)
+        require(FileMegabytes, self.split_mb, "--split-mb")
+        require(WaitS, self.split_s, "--split-s")
+        require(WaitS, self.duration_s, "--duration")
         for item in self.about:
             if "=" not in item:
                 raise ConfigError(f"Expected NAME=VALUE for --about, got {item!r}")
@@ -126,8 +122,8 @@ class ReplayOptions:
             raise ConfigError("Expected either --verify or --as, got both")
         if self.policy is not None and self.as_role not in ("planner", "sim"):
             raise ConfigError("Expected --as planner or --as sim with --policy, since nothing else asks the policy")
-        require_positive(self.rate, "--rate")
-        require_not_negative(self.start_s, "--start")
+        require(Speed, self.rate, "--rate")
+        require(TimeS, self.start_s, "--start")
         require(Name, self.run, "--run")
 
 
@@ -169,7 +165,5 @@ class BranchOptions:
         if not self.files:
             raise ConfigError("Expected the file of a recording, got none")
         episode_and_step(self.at, "--at")
-        least_kg = 0.001
-        if self.box_mass_kg is not None and not (isfinite(self.box_mass_kg) and self.box_mass_kg >= least_kg):
-            raise ConfigError(f"Expected at least {least_kg} kg for --box-mass-kg, got {self.box_mass_kg}")
-        require_positive(self.box_friction, "--box-friction")
+        require(BoxMass, self.box_mass_kg, "--box-mass-kg")
+        require(Friction, self.box_friction, "--box-friction")

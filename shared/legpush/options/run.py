@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from legpush.bounds import BoxMass, Distance, Friction, WaitS
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
-from legpush.options.checks import program_path, require_new_file, require_positive
+from legpush.options.checks import program_path, require_new_file
 from legpush.policy_names import DEFAULT_POLICY, require_trust
 from legpush.scene.names import PlannerName, Steering
 
@@ -70,7 +71,10 @@ class RunOptions:
             require_new_file(self.record, "--record")
         if self.planner_command is not None:
             split_command(self.planner_command)
-        require_positive(self.deadline_s, "--deadline", "seconds")
+        require(WaitS, self.deadline_s, "--deadline", "seconds")
+        require(Distance, self.turning_radius_m, "--turning-radius-m")
+        require(BoxMass, self.box_mass_kg, "--box-mass-kg")
+        require(Friction, self.box_friction, "--box-friction")
 
     def resolved_scenario(self) -> "Scenario":
         """Return the scenario, with the values that these options replace.

@@ -1,20 +1,30 @@
 """Which request a planner works on, and what it answers: decisions alone, without a bus.
 
-A request is answered once and the answers are repeated on demand; a client's newest request wins. First answers come
-before improvements. A search that has to make way starts over later: equal queries get equal plans, so the answers that
-were sent already are skipped.
+A request is answered once and the answers are repeated on demand; a client's newest request wins, and an incarnation
+of a client that is alive is not displaced by another one of its name. First answers come before improvements. A search
+that has to make way starts over later: equal queries get equal plans, so the answers that were sent already are
+skipped.
 """
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest, TrunkPathQuery
 from legpush.plans.planner import Interrupted, MakePlans, PlanningInterruptedError
+from legpush.plans.search import search_plans
 
 MAX_CLIENTS: Final = 64
-"""Answers are kept for this many clients, the least recently served is forgotten first."""
+"""Answers are kept for this many clients. Those that are gone are forgotten first, then the least recently served."""
+
+IsLive = Callable[[str, str], bool]
+"""Whether the client with this name and incarnation is still there."""
+
+
+def is_gone(_name: str, _incarnation: str) -> bool:
+    """Say that every earlier incarnation of a client is gone."""
+    return False
 
 
 class Answer(NamedTuple):
@@ -53,9 +63,11 @@ class _Case:
 class RequestQueue:
     """The newest request of each client, and the search for the one at hand."""
 
-    def __init__(self, make_plans: MakePlans) -> None:
+    def __init__(self, make_plans: MakePlans, is_live: IsLive = is_gone) -> None:
+        """`is_live` says whether an incarnation of a client still wants answers when another one asks."""
         self._make_plans = make_plans
-        self._cases: OrderedDict[str, _Case] = OrderedDict()
+        self._is_live = is_live
+        self._cases: OrderedDict[tuple[str, str], _Case] = OrderedDict()
         self._at_hand: _Case | None = None
         self._search: Iterator[Plan] = iter(())
 
@@ -65,7 +77,7 @@ class RequestQueue:
         case = self._case(header.name, header.incarnation, request.request_id)
         if case is None:
             return None
-        if case.request_id != request.request_id or case.incarnation != header.incarnation:
+        if case.request_id != request.request_id:
             self._open(header.name, header.incarnation, request.request_id, request.query)
             return []
         if case.query is None or case.query == request.query:
@@ -80,7 +92,7 @@ class RequestQueue:
         case = self._case(header.name, header.incarnation, cancel.request_id)
         if case is None:
             return []
-        if case.request_id != cancel.request_id or case.incarnation != header.incarnation:
+        if case.request_id != cancel.request_id:
             case = self._open(header.name, header.incarnation, cancel.request_id, None)
         if not case.plans:
             case.plans.append(Plan(status="cancelled", reason="Cancelled before there was a plan"))
@@ -103,30 +115,34 @@ class RequestQueue:
             return None
         try:
             if case is not self._at_hand:
-                self._at_hand, self._search = case, self._make_plans(case.query, interrupted)
+                self._at_hand, self._search = case, search_plans(self._make_plans, case.query, interrupted)
                 for _ in case.plans:
-                    next(self._search)
-            plan = next(self._search)
+                    next(self._search, None)
+            plan = next(self._search, None)
         except PlanningInterruptedError:
             self._at_hand = None
             return None
-        case.plans.append(plan)
-        case.final = plan.status == "invalid" or len(case.plans) > _n_improvements(case.query)
+        if plan is not None:
+            case.plans.append(plan)
+        case.final = plan is None or plan.status == "invalid" or len(case.plans) > _n_improvements(case.query)
         return case.answer(len(case.plans) - 1)
 
     def _case(self, client: str, incarnation: str, request_id: int) -> _Case | None:
         """The client's newest request unless it is newer than this one; of a new client one that never was."""
-        case = self._cases.get(client)
+        case = self._cases.get((client, incarnation))
         if case is None:
             return _Case(client=client, incarnation=incarnation, request_id=-1, query=None)
-        return None if case.incarnation == incarnation and request_id < case.request_id else case
+        return None if request_id < case.request_id else case
 
     def _open(self, client: str, incarnation: str, request_id: int, query: PlanQuery | None) -> _Case:
+        """Take in a new request, and forget those of earlier incarnations of its client that are gone."""
         case = _Case(client=client, incarnation=incarnation, request_id=request_id, query=query)
-        self._cases[client] = case
-        self._cases.move_to_end(client)
+        for name, other in tuple(self._cases):
+            if name == client and (other == incarnation or not self._is_live(name, other)):
+                del self._cases[name, other]
+        self._cases[client, incarnation] = case
         if len(self._cases) > MAX_CLIENTS:
-            self._cases.popitem(last=False)
+            del self._cases[next((key for key in self._cases if not self._is_live(*key)), next(iter(self._cases)))]
         return case
 
     def _next(self) -> _Case | None:

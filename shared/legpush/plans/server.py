@@ -22,7 +22,11 @@ LISTEN_S: Final = 0.02
 
 
 def serve_plans(bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:
-    """Announce this planner and answer requests until `stop`; an error of the planner's own is raised."""
+    """Announce this planner and answer requests until `stop`; a planner that fails answers `failed`.
+
+    Raises:
+        RecordingError: The planner plays a recording, and was asked for something else.
+    """
     with StatusBeacon(bus) as beacon:
         server = _Server(bus, make_plans, stop)
         bus.announce()
@@ -40,7 +44,9 @@ class _Server:
     """A request queue, fed from the bus, and the way back of its answers."""
 
     def __init__(self, bus: Bus, make_plans: MakePlans, stop: threading.Event) -> None:
-        self.queue = RequestQueue(make_plans)
+        self.queue = RequestQueue(
+            make_plans, lambda name, incarnation: bus.liveliness.is_live("agent", name, incarnation)
+        )
         self._bus = bus
         self._stop = stop
         self._requests = bus.subscribe(channels.plan_requests(bus.run, "*"))

@@ -1,10 +1,11 @@
-"""Replaces this process by a program of the planner, the simulator or the agent."""
+"""Replaces this process by a program of legpush, or by Python under the numerics profile."""
 
 import os
 import sys
 from collections.abc import Sequence
 from typing import Literal, NoReturn
 
+from legpush.numerics.profile import why_not_here, with_profile
 from legpush.processes.environment import child_environment
 
 Program = Literal[
@@ -12,11 +13,13 @@ Program = Literal[
     "agent_proc.programs.evaluate",
     "agent_proc.programs.calibrate",
     "agent_proc.programs.draw_room",
+    "agent_proc.programs.policy",
     "agent_proc.programs.show_map",
     "agent_proc.programs.study_table",
     "planner_proc.conformance",
     "sim_proc.export",
     "sim_proc.view",
+    "legpush.canary",
 ]
 """A module that Python runs as a program."""
 
@@ -26,3 +29,11 @@ def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
     # -P: what lies in the working directory is no part of the program.
     command = [sys.executable, "-P", "-m", program, *argv]
     os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted
+
+
+def start_python(arguments: Sequence[str]) -> NoReturn:
+    """Become Python with these arguments; a machine that cannot keep the profile is told, and goes on without it."""
+    if why := why_not_here():
+        sys.stderr.write(f"numerics profile native: {why}\n")
+        sys.stderr.flush()
+    os.execve(sys.executable, [sys.executable, *arguments], with_profile(os.environ))  # noqa: S606 - no shell is wanted

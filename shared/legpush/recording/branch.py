@@ -9,7 +9,9 @@ from legpush.errors import MotionError, RecordingError
 from legpush.fields import episode_and_step
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
+from legpush.numerics.current import explained
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
+from legpush.recording.facts import recorded_numerics
 from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.plans import query_bytes, read_plans
 from legpush.recording.play import RecordedPlanner, instead
@@ -51,11 +53,14 @@ class RecordedPast:
         n_done = len(self._episode.carried_out())
         for damage in self._episode.damage:
             if damage.step < at.step:
-                raise RecordingError(f"{self._episode.label}, step {damage.step}: its {damage.field} is damaged")
+                raise RecordingError(
+                    f"{self._episode.label}, step {damage.step}: its {damage.field} is damaged: got {damage.got}"
+                )
         if not 1 <= at.step <= n_done:
             raise RecordingError(f"Expected a step {_range(1, n_done)} of episode {at.episode} for --at, got {at.step}")
         self.n_steps = at.step
         self.alter = alter
+        self.numerics = recorded_numerics(recording)
         records = read_plans(recording)
         self._plans = {query_bytes(record.query): record.plans for record in records}
         self._planner = RecordedPlanner(records)
@@ -70,10 +75,11 @@ class RecordedPast:
         """
         asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
         if asked is None:
-            raise RecordingError(
+            difference = (
                 f"step {step} of the recording: {instead([self._episode], step, motion)}; the recorded decision "
                 "depended on something that is not in the recording, such as another version of legpush"
             )
+            raise RecordingError(explained(difference, self.numerics))
         outcome = asked.outcome
         if outcome is None:
             raise MotionError(asked.refusal or "not answered")
@@ -95,7 +101,7 @@ class RecordedPast:
         """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
-            raise RecordingError(self._planner.instead(query))
+            raise RecordingError(explained(self._planner.instead(query), self.numerics))
         return plans[min(revision, max(plans))]
 
     def _with_trace(self, step: int, asked: Asked, outcome: Outcome) -> Outcome:

@@ -5,9 +5,9 @@ from typing import Final, NamedTuple
 import msgspec
 from msgspec import Struct
 
+from legpush.bounds import Count
 from legpush.fields import Name
 from legpush.messages import codec
-from legpush.messages.common import Count
 
 DIGEST_TOPIC: Final = "recording/digests"
 

@@ -2,13 +2,14 @@
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple
 
 import msgspec
 from msgspec import Meta, Struct
 
+from legpush.bounds import Count
 from legpush.errors import RecordingError, ScenarioError
-from legpush.messages.common import Count
+from legpush.numerics.current import NUMERICS_FILE
 from legpush.recording.mcap_file.contents import Recording
 from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import load_scenario
@@ -73,6 +74,24 @@ def scenario_in(data: bytes) -> Scenario | None:
             return load_scenario(file)
         except ScenarioError:
             return None
+
+
+def recorded_numerics(recording: Recording) -> str | None:
+    """Return the name of the numerics of the simulator, or else of the agent; None if neither was noted.
+
+    Raises:
+        RecordingError: The file that notes them is damaged.
+    """
+    for file, key in ((NUMERICS_FILE, "name"), (VERSIONS_FILE, "numerics")):
+        noted = recording.attachment(file)
+        if noted is not None:
+            try:
+                name = msgspec.json.decode(noted.data, type=dict[str, Any]).get(key)
+            except (msgspec.DecodeError, UnicodeDecodeError) as error:
+                raise RecordingError(f"{file} of the recording: {error}") from error
+            if isinstance(name, str):
+                return name
+    return None
 
 
 def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:

@@ -9,7 +9,7 @@ from legpush.errors import RecordingError
 from legpush.policy_names import runs_code
 from legpush.recording.damage import damage_of
 from legpush.recording.episodes import read_episodes
-from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts
+from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts, recorded_numerics
 from legpush.recording.mcap_file.contents import Recording
 from legpush.scene.robot import CONTROL_PERIOD_S
 
@@ -40,6 +40,7 @@ def lines(recording: Recording) -> Iterator[str]:
             f"episode {about.get('parent_episode')}, step {about.get('parent_step')}"
         )
     yield from _policy(recording)
+    yield from _numerics(recording)
     yield from _result(recording)
     yield "channels"
     yield from _channels(recording, duration_s)
@@ -78,6 +79,13 @@ def _policy(recording: Recording) -> Iterator[str]:
         yield "              it runs code: branch and replay use it only if you repeat it with --policy"
 
 
+def _numerics(recording: Recording) -> Iterator[str]:
+    try:
+        yield f"numerics      {recorded_numerics(recording) or 'not noted'}"
+    except RecordingError as error:
+        yield f"numerics      cannot be read: {error}"
+
+
 def _result(recording: Recording) -> Iterator[str]:
     try:
         report = recording.attachment("report.json")
@@ -108,3 +116,5 @@ def _episodes(recording: Recording) -> Iterator[str]:
         seconds = f", {last.world.tick * CONTROL_PERIOD_S:.1f} s simulated, state {last.state_crc:08x}" if last else ""
         steps = f"steps 0 to {len(done) - 1}" if done else "no step that was answered"
         yield f"  {episode.index:<4}simulator {episode.sim}: {steps}{seconds} (number {episode.number})"
+        for damage in episode.damage:
+            yield f"      step {damage.step}: its {damage.field} cannot be used: got {damage.got}"

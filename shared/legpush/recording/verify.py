@@ -6,8 +6,10 @@ from typing import Protocol
 
 from legpush.errors import MotionError, RecordingError
 from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.numerics.current import told_as_other
 from legpush.recording.damage import damage_of
 from legpush.recording.episodes import Asked, Damage, EpisodeRecord, difference, read_episodes, same
+from legpush.recording.facts import recorded_numerics
 from legpush.recording.mcap_file.contents import Recording
 from legpush.scene.robot import CONTROL_PERIOD_S
 
@@ -32,6 +34,8 @@ class Divergence:
     field: str
     expected: str
     got: str
+    is_damage: bool = False
+    """Whether the recording is damaged there, so that it says nothing about the simulator."""
 
     def __str__(self) -> str:
         """Return a sentence for people."""
@@ -58,6 +62,8 @@ class Checked:
     why_not: str = ""
     """Why they cannot be verified."""
     damage: list[str]
+    other_numerics: str = ""
+    """Why other bits are no surprise: the recording has other numerics; empty if they are the same."""
 
     @property
     def is_sound(self) -> bool:
@@ -70,14 +76,24 @@ class Checked:
         if self.verified is None:
             return f"not verified: {self.why_not}\n{damaged}\n"
         if self.verified.divergence is not None:
-            return f"{self.verified.divergence}\n" + (f"{damaged}\n" if damaged else "")
+            found = str(self.verified.divergence)
+            if self.other_numerics:
+                found = f"{self.other_numerics}; {found.replace('divergence', 'difference', 1)}"
+            return f"{found}\n" + (f"{damaged}\n" if damaged else "")
         seconds = self.verified.n_ticks * CONTROL_PERIOD_S
         steps = f"identical: {self.verified.n_steps} steps, {seconds:.1f} s simulated in {wall_s:.1f} s"
         return f"steps {steps}; {damaged}\n" if damaged else f"{steps}\n"
 
 
-def check(recording: Recording, perform: Perform, progress: Callable[[str], None] = lambda text: None) -> Checked:
+def check(
+    recording: Recording,
+    perform: Perform,
+    numerics: Callable[[], str],
+    progress: Callable[[str], None] = lambda text: None,
+) -> Checked:
     """Do every step again, up to the first divergence, and list all damage.
+
+    `numerics` returns the name of the simulator's numerics; it is called only if the simulator diverges.
 
     Raises:
         RecordingError: There are no steps, or steps are missing, although nothing is damaged.
@@ -89,7 +105,18 @@ def check(recording: Recording, perform: Perform, progress: Callable[[str], None
         if not damage:
             raise
         return Checked(verified=None, why_not=str(error), damage=damage)
-    return Checked(verified=verified, damage=damage)
+    return Checked(verified=verified, damage=damage, other_numerics=_other_numerics(recording, verified, numerics))
+
+
+def _other_numerics(recording: Recording, verified: Verified, numerics: Callable[[], str]) -> str:
+    """Return why the simulator computes other bits; empty if it does not, or that is not known."""
+    if verified.divergence is None or verified.divergence.is_damage:
+        return ""
+    try:
+        recorded = recorded_numerics(recording)
+    except RecordingError:  # the file that notes it is damaged, which is told as damage
+        return ""
+    return told_as_other(recorded, numerics())
 
 
 def _episodes(recording: Recording) -> list[EpisodeRecord]:
@@ -147,7 +174,12 @@ def require_steps(episode: EpisodeRecord) -> None:
 
 def _damaged(episode: EpisodeRecord, damage: Damage) -> Divergence:
     return Divergence(
-        episode=episode.index, step=damage.step, field=damage.field, expected=damage.expected, got=damage.got
+        episode=episode.index,
+        step=damage.step,
+        field=damage.field,
+        expected=damage.expected,
+        got=damage.got,
+        is_damage=True,
     )
 
 

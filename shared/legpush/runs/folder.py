@@ -3,6 +3,7 @@
 import fcntl
 import os
 import re
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import datetime
@@ -50,7 +51,8 @@ def run_folder(folder: Path, scenario: Scenario) -> Iterator[None]:
     The folder of an earlier run of the same scenario may be used again: that run goes on where it ended.
 
     Raises:
-        ConfigError: The folder has something else in it, cannot be written to, or is used by another launcher.
+        ConfigError: The folder has something else or a link in it, cannot be written to, or is used by another
+            launcher.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -59,6 +61,7 @@ def run_folder(folder: Path, scenario: Scenario) -> Iterator[None]:
         raise _unusable(folder, error) from error
     try:
         _lock(lock, folder)
+        require_no_links(folder)
         _fill(folder, dump_scenario(scenario).encode())
         yield
     finally:
@@ -99,13 +102,29 @@ def own_folder(folder: Path) -> Iterator[None]:
     """Keep other programs out of the folder until the context is left.
 
     Raises:
-        ConfigError: Another program is using it.
+        ConfigError: Another program is using it, or there is a link in it.
     """
     lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        require_no_links(folder)
         yield
     except BlockingIOError as error:
         raise ConfigError(f"{folder}: expected a folder of its own, but another program is using it") from error
     finally:
         os.close(lock)
+
+
+def require_no_links(folder: Path) -> None:
+    """Check that what is written into a folder from elsewhere stays in it.
+
+    Raises:
+        ConfigError: There is a symbolic link, or something else that is neither a file nor a folder.
+    """
+    for place, folders, names in os.walk(folder):
+        for path in (Path(place) / name for name in (*folders, *names)):
+            kind = path.lstat().st_mode
+            if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
+                raise ConfigError(
+                    f"{path}: expected files and folders alone in the folder of a run, got a link or a device"
+                )

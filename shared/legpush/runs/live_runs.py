@@ -17,11 +17,12 @@ from typing import Annotated, Final, Self
 import msgspec
 from msgspec import Meta, Struct
 
+from legpush.bounds import Count
 from legpush.bus.endpoints import Endpoints
 from legpush.errors import EndpointError
 from legpush.fields import Name
 from legpush.files import new_file
-from legpush.messages.common import PROTOCOL_VERSION, Count
+from legpush.messages.common import PROTOCOL_VERSION
 
 PREFIX: Final = "legpush-"
 """How directories of sockets are called in the temporary directory."""

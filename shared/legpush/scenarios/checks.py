@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.bounds import MAX_CELLS
 from legpush.errors import ScenarioError
 from legpush.geometry import Pose2, wrap_angle
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
@@ -24,7 +25,7 @@ from legpush.scene.footprints import (
     obstacle_footprint,
 )
 from legpush.scene.names import Face
-from legpush.scene.occupancy import MAX_CELLS, clearance_m, grid_shape
+from legpush.scene.occupancy import clearance_m, grid_shape
 from legpush.scene.reference import Reference, first_straight_m, reference_curve
 from legpush.scene.robot import (
     BODY_LENGTH_M,

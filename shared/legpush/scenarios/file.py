@@ -49,7 +49,9 @@ def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | No
     try:
         scenario = convert(plain, Scenario)
     except MessageError as error:
-        raise ScenarioError(f"{where}: {explain(str(error), plain, Scenario, also={'room': GRID_FIELDS})}") from error
+        text = explain(str(error), plain, Scenario, also={"room": GRID_FIELDS})
+        of_map = f", from `{grid.grid_file}`" if grid is not None and text.startswith("at `room.size_m") else ""
+        raise ScenarioError(f"{where}: {text}{of_map}") from error
     if grid is not None and occupancy is not None:
         scenario = furnished(scenario, grid, occupancy, where)
     try:

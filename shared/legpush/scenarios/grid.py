@@ -4,15 +4,16 @@ from importlib.resources.abc import Traversable
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
-from msgspec import Meta, Struct
-from msgspec.structs import fields, replace
+from msgspec import Meta, Struct, to_builtins
+from msgspec.structs import fields
 
 from legpush.arrays import Flags, Indices
+from legpush.bounds import MAX_OBSTACLES, Resolution
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import OccupancyMap, file_inside, read_cells
 from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
-from legpush.scene.scenario import MAX_OBSTACLES, PoseDeg, Positive, Rectangle, Scenario
+from legpush.scene.scenario import Rectangle, Scenario
 from legpush.schema_errors import explain
 
 
@@ -22,7 +23,7 @@ class CellSource(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     grid_file: Annotated[str, Meta(min_length=1)]
     """CSV file beside the scenario file, with one line per row and one number per cell, 0 free, 1 wall; or NumPy file
     of a two-dimensional array of the same numbers."""
-    cell_m: Positive
+    cell_m: Resolution
     """Side of a cell."""
     first_row: FirstRow
     """Place of the first row of the file: at the highest y, as MATLAB reads a map, or at y = 0."""
@@ -90,10 +91,8 @@ def furnished(scenario: Scenario, grid: GridSource, occupancy: OccupancyMap, whe
     """Return the scenario with the map's walls after its own obstacles, and everything in the frame of the room.
 
     Raises:
-        ScenarioError: There are too many obstacles.
+        ScenarioError: There are too many obstacles, or something is out of its bounds in the frame of the room.
     """
-    if isinstance(grid, MapSource) and grid.frame == "map":
-        scenario = _moved(scenario, -occupancy.origin_m[0], -occupancy.origin_m[1])
     listed, cells = scenario.room.obstacles, merged_cells(occupancy.occupied)
     if len(listed) + len(cells) > MAX_OBSTACLES:
         raise ScenarioError(
@@ -101,8 +100,17 @@ def furnished(scenario: Scenario, grid: GridSource, occupancy: OccupancyMap, whe
             f"`{grid.grid_file}` in {len(cells)} rectangles and {len(listed)} in `room.obstacles`: single cells that "
             "differ from those around them need a rectangle each"
         )
-    walls = _rectangles(cells, occupancy.cell_m)
-    return replace(scenario, room=replace(scenario.room, obstacles=(*listed, *walls)))
+    plain = to_builtins(scenario)
+    if isinstance(grid, MapSource) and grid.frame == "map":
+        _move(plain, -occupancy.origin_m[0], -occupancy.origin_m[1])
+    plain["room"]["obstacles"] += to_builtins(_rectangles(cells, occupancy.cell_m))
+    try:
+        return convert(plain, Scenario)
+    except MessageError as error:
+        raise ScenarioError(
+            f"{where}: {explain(str(error), plain, Scenario)}, with the cells of `{grid.grid_file}` in "
+            f"`room.obstacles[{len(listed)}]` and later ones"
+        ) from error
 
 
 def frame_note(grid: GridSource | None, occupancy: OccupancyMap | None) -> str:
@@ -147,22 +155,12 @@ def _rectangles(cells: Indices, cell_m: float) -> tuple[Rectangle, ...]:
     )
 
 
-def _moved(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
-    """Return the scenario with start, box, goal and obstacles moved along x and y."""
-
-    def pose(old: PoseDeg) -> PoseDeg:
-        return replace(old, x_m=old.x_m + x_m, y_m=old.y_m + y_m)
-
-    obstacles = tuple(
-        Rectangle(
-            x_min_m=old.x_min_m + x_m, x_max_m=old.x_max_m + x_m, y_min_m=old.y_min_m + y_m, y_max_m=old.y_max_m + y_m
-        )
-        for old in scenario.room.obstacles
-    )
-    return replace(
-        scenario,
-        room=replace(scenario.room, obstacles=obstacles),
-        start=pose(scenario.start),
-        box=replace(scenario.box, pose=pose(scenario.box.pose)),
-        goal=replace(scenario.goal, pose=pose(scenario.goal.pose)),
-    )
+def _move(plain: dict[str, Any], x_m: float, y_m: float) -> None:
+    """Move start, box, goal and obstacles of a scenario, as plain values, along x and y."""
+    for pose in (plain["start"], plain["box"]["pose"], plain["goal"]["pose"]):
+        pose["x_m"] += x_m
+        pose["y_m"] += y_m
+    for obstacle in plain["room"]["obstacles"]:
+        for end in ("min", "max"):
+            obstacle[f"x_{end}_m"] += x_m
+            obstacle[f"y_{end}_m"] += y_m

@@ -68,6 +68,8 @@ def file_inside(folder: Traversable, name: str, where: str) -> Traversable:
         stays = stays and (folder / path).resolve().is_relative_to(folder.resolve())
     if not stays or (path.is_absolute() and not isinstance(folder, Path)):
         raise ScenarioError(f"{where}: expected a file beside this one or in a folder below it, got {name!r}")
+    if isinstance(folder, Path) and (folder / path).exists() and not (folder / path).is_file():
+        raise ScenarioError(f"{where}: expected a file, got {name!r}, which is something else")
     return folder / name
 
 

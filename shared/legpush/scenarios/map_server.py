@@ -19,13 +19,12 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from legpush.arrays import Flags
+from legpush.bounds import Coordinate, Resolution, Unit, Yaw
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
 from legpush.scenarios.map_files import OccupancyMap, file_inside, require_side
-from legpush.scene.scenario import Positive
 from legpush.schema_errors import explain
 
-Probability = Annotated[float, Meta(ge=0.0, le=1.0)]
 YAW_TOLERANCE_RAD: Final = 1e-6
 """A smaller yaw comes from rounding in the program that wrote the file."""
 DEEP_MODES: Final = ("I", "I;16", "I;16B", "I;16L", "I;16N")
@@ -34,8 +33,21 @@ DEEP_WHITE: Final = 65535
 WHITE: Final = 255
 
 
+NO_YAML: Final = (yaml.YAMLError, ValueError, RecursionError, LookupError, AttributeError, TypeError, OverflowError)
+"""Errors that PyYAML raises for a damaged file, or for a value that is not what its tag says."""
+
+
 class _Loader(yaml.SafeLoader):
-    """Reads `5e-17` as a number, as ROS does; PyYAML alone reads it as text."""
+    """Reads `5e-17` as a number, as ROS does; PyYAML alone reads it as text. Aliases are refused.
+
+    A map needs no alias, and a short file with aliases of aliases stands for countless values.
+    """
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Compose the next value."""
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("expected values, got an alias")
+        return super().compose_node(parent, index)
 
 
 _Loader.add_implicit_resolver(
@@ -48,15 +60,15 @@ class MapServerFile(Struct, frozen=True, kw_only=True):
 
     image: Annotated[str, Meta(min_length=1)]
     """PGM or PNG beside the YAML file, or below it."""
-    resolution: Positive
+    resolution: Resolution
     """Metres per pixel."""
-    origin: tuple[float, float, float]
+    origin: tuple[Coordinate, Coordinate, Yaw]
     """Lower left corner of the map in the map's frame, x and y in metres, and the map's yaw in radians."""
     negate: Annotated[int, Meta(ge=0, le=1)] | bool
     """Whether bright pixels are occupied."""
-    occupied_thresh: Probability
+    occupied_thresh: Unit
     """A pixel above this value is occupied."""
-    free_thresh: Probability
+    free_thresh: Unit
     """A pixel below this value is free. Between the thresholds, and on them, it is unknown."""
     mode: Literal["trinary", "scale"] = "trinary"
     """Use of transparency. `trinary`: one more channel of the average. `scale`: a pixel with any transparency is
@@ -91,7 +103,7 @@ def _read_yaml(source: Traversable) -> MapServerFile:
         plain: Any = _Loader(source.read_text(encoding="utf-8")).get_single_data()
     except OSError as error:
         raise ScenarioError(f"{source}: expected a readable map file ({error.strerror})") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except NO_YAML as error:
         raise ScenarioError(f"{source}: expected YAML ({' '.join(str(error).split())})") from error
     try:
         fields = convert(plain, MapServerFile)

@@ -1,10 +1,11 @@
 """Parameters of rooms that are drawn at random."""
 
 from dataclasses import dataclass
-from math import isfinite
 from typing import Final
 
+from legpush.bounds import AngleTolerance, BoxMass, Friction, Length
 from legpush.errors import ConfigError
+from legpush.fields import require
 
 MOST_SIZE_M: Final = 200.0
 
@@ -50,14 +51,13 @@ class RandomRoom:
         for name in ("push_m", "box_xy_m", "box_yaw_deg"):
             if not 0.0 <= getattr(self, name) <= MOST_SIZE_M:
                 raise ConfigError(f"Expected 0 to {MOST_SIZE_M:g} for {name}, got {getattr(self, name)}")
-        for name, least in (
-            ("mass_kg", 0.001),
-            ("friction", 1e-6),
-            ("position_tolerance_m", 1e-6),
-            ("angle_tolerance_deg", 1e-6),
+        for name, kind in (
+            ("mass_kg", BoxMass),
+            ("friction", Friction),
+            ("position_tolerance_m", Length),
+            ("angle_tolerance_deg", AngleTolerance),
         ):
-            if not (getattr(self, name) >= least and isfinite(getattr(self, name))):
-                raise ConfigError(f"Expected at least {least:g} for {name}, got {getattr(self, name)}")
+            require(kind, getattr(self, name), name)
         low_m, high_m = self.obstacle_m
         if not 0.0 < low_m <= high_m:
             raise ConfigError(f"Expected 0 < shortest <= longest side of an obstacle, got {low_m} and {high_m}")

@@ -4,16 +4,17 @@ import msgspec
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.bounds import QueryLength
 from legpush.geometry import Pose2, rectangle_corners
-from legpush.scene.scenario import Box, Positive, Rectangle, Room
+from legpush.scene.scenario import Box, Rectangle, Room
 
 
 class Footprint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A rectangle anywhere on the floor: `length_m` along the x axis of its centre's pose, `width_m` along y."""
 
     pose: Pose2
-    length_m: Positive
-    width_m: Positive
+    length_m: QueryLength
+    width_m: QueryLength
 
     def corners(self) -> Floats:
         """Return the corners, counter-clockwise from front left, world frame, (4, 2)."""

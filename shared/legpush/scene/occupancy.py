@@ -10,6 +10,7 @@ from msgspec import Meta, Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
+from legpush.bounds import MAX_CELLS, Cells, Resolution
 from legpush.geometry import Point2
 from legpush.scene.footprints import Footprint, obstacle_footprint
 from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
@@ -18,16 +19,13 @@ from legpush.scene.scenario import PlanSettings, Room
 TOUCH_M: Final = 1e-9
 """An overlap of less than this does not occupy a cell, so a wall along the border of a cell stays on its side."""
 
-MAX_CELLS: Final = 4096 * 4096
-"""Largest number of cells of a grid."""
-
 
 class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A grid of square cells. Row 0 has the lowest y, column 0 the lowest x; everything outside is occupied."""
 
-    n_columns: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
-    n_rows: Annotated[int, Meta(ge=1, le=MAX_CELLS)]
-    resolution_m: Annotated[float, Meta(gt=0.0)]
+    n_columns: Cells
+    n_rows: Cells
+    resolution_m: Resolution
     origin_m: Point2
     """World position of the lower left corner of cell (0, 0)."""
     cells: Annotated[bytes, Meta(min_length=1, max_length=MAX_CELLS)]

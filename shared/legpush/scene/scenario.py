@@ -5,52 +5,85 @@ from typing import Annotated, Final, Literal
 
 from msgspec import Meta, Struct
 
+from legpush.bounds import (
+    LEAST_THICKNESS_M,
+    MAX_APPEARING,
+    MAX_OBSTACLES,
+    MAX_OVERLAP,
+    MAX_TEXT,
+    AngleTolerance,
+    BoxMass,
+    BoxSide,
+    CalibrationPushes,
+    Coordinate,
+    Degrees,
+    Deviation,
+    Distance,
+    Friction,
+    Improvements,
+    Iterations,
+    Length,
+    Margin,
+    PushCycles,
+    Reserve,
+    Resolution,
+    ShortIterations,
+    Slope,
+    TimeS,
+    Turn,
+    Unit,
+    Waypoints,
+)
 from legpush.fields import Name
 from legpush.geometry import Pose2
 from legpush.scene.names import BoxShape, Face, PlannerName, Steering
+from legpush.scene.overlap import deepest_overlap
 from legpush.scene.reference import Reference
 from legpush.scene.robot import HIP_X_M, PUSH_GAP_M
 
-Positive = Annotated[float, Meta(gt=0.0)]
-BoxSide = Annotated[float, Meta(ge=0.01)]
-NonNegative = Annotated[float, Meta(ge=0.0)]
 STATION_M: Final = HIP_X_M + PUSH_GAP_M
 """Distance from the rear face of the box back to the trunk centre when the robot stands ready to push."""
 STAND_OFF_M: Final = 0.75
 """The same distance at the end of the walk: there the box can still count as an obstacle."""
 CALIBRATION_PUSH_M: Final = 0.06
 """Largest distance by which one push of a calibration moves the box."""
-MAX_OBSTACLES: Final = 10_000
 
 
 class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An axis-aligned wall or block on the floor, world frame."""
 
-    x_min_m: float
-    x_max_m: float
-    y_min_m: float
-    y_max_m: float
-    appears_at_s: Annotated[float, Meta(ge=0.0, le=1e6)] = 0.0
+    x_min_m: Coordinate
+    x_max_m: Coordinate
+    y_min_m: Coordinate
+    y_max_m: Coordinate
+    appears_at_s: TimeS = 0.0
     """0: it is there from the start. Otherwise it appears at this simulated time, or as soon after it as neither robot
     nor box is near its place."""
 
     def __post_init__(self) -> None:
-        """Check that the rectangle has an area.
+        """Check that the rectangle is thick enough.
 
         Raises:
-            ValueError: It has none.
+            ValueError: It is not.
         """
         for low, high in (("x_min_m", "x_max_m"), ("y_min_m", "y_max_m")):
-            if not getattr(self, low) < getattr(self, high):
-                raise ValueError(f"Expected {low} < {high}, got {getattr(self, low)} and {getattr(self, high)}")
+            if not getattr(self, high) - getattr(self, low) >= LEAST_THICKNESS_M:
+                raise ValueError(
+                    f"Expected {low} < {high}, by at least {LEAST_THICKNESS_M:g} m, got {getattr(self, low)} and "
+                    f"{getattr(self, high)}"
+                )
+
+    def sides_m(self) -> tuple[float, float, float, float]:
+        """Return the least and the largest x, then the same of y."""
+        return self.x_min_m, self.x_max_m, self.y_min_m, self.y_max_m
 
 
 class PoseDeg(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A planar pose in metres and degrees, as people write it in a file, world frame."""
 
-    x_m: float
-    y_m: float
-    yaw_deg: Annotated[float, Meta(ge=-360.0, le=360.0)]
+    x_m: Coordinate
+    y_m: Coordinate
+    yaw_deg: Degrees
 
     def pose(self) -> Pose2:
         """Return the same pose in radians."""
@@ -60,18 +93,33 @@ class PoseDeg(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Room(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The floor from (0, 0) to `size_m`, with everything that stands on it; the area outside is occupied."""
 
-    size_m: tuple[Positive, Positive]
+    size_m: tuple[Length, Length]
     """Extent along x and y."""
     obstacles: Annotated[tuple[Rectangle, ...], Meta(max_length=MAX_OBSTACLES)] = ()
-    resolution_m: Positive = 0.05
+    resolution_m: Resolution = 0.05
     """Cell size of the occupancy map that the planner gets."""
-    wall_height_m: Positive = 0.6
+    wall_height_m: Length = 0.6
     """Height of walls and blocks, in physics and in pictures."""
-    slope_deg: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.0
+    slope_deg: Slope = 0.0
     """Inclination of the whole floor. The z axis of the world frame is the normal of the floor, so gravity is tilted,
     and roll and pitch are measured against the floor."""
-    uphill_deg: Annotated[float, Meta(ge=-360.0, le=360.0)] = 0.0
+    uphill_deg: Degrees = 0.0
     """The direction in which the floor rises, about z from the x axis of the world."""
+
+    def __post_init__(self) -> None:
+        """Check that the physics can carry the obstacles.
+
+        Raises:
+            ValueError: Too many of them share a place, or appear later.
+        """
+        n_later = sum(obstacle.appears_at_s > 0.0 for obstacle in self.obstacles)
+        if n_later > MAX_APPEARING:
+            raise ValueError(f"Expected at most {MAX_APPEARING} obstacles with appears_at_s, got {n_later}")
+        n_over_one_another = deepest_overlap([obstacle.sides_m() for obstacle in self.obstacles])
+        if n_over_one_another > MAX_OVERLAP:
+            raise ValueError(
+                f"Expected at most {MAX_OVERLAP} obstacles that overlap in one place, got {n_over_one_another}"
+            )
 
 
 class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -85,8 +133,8 @@ class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The solid within that bounding box, of even density. `cuboid`: all of it. `cylinder`: an upright one. `wedge`:
     full height at the rear face, falling to the floor at the front. `l_shape`: without the front right quarter, seen
     from above."""
-    mass_kg: Annotated[float, Meta(ge=0.001)] = 0.1
-    friction: Positive = 0.5
+    mass_kg: BoxMass = 0.1
+    friction: Friction = 0.5
     """Sliding friction coefficient with the floor and with the foot."""
 
     def __post_init__(self) -> None:
@@ -105,8 +153,8 @@ class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The pose that the box must reach for the mission to succeed, and the tolerances."""
 
     pose: PoseDeg
-    position_tolerance_m: Positive = 0.03
-    angle_tolerance_deg: Positive = 3.0
+    position_tolerance_m: Length = 0.03
+    angle_tolerance_deg: AngleTolerance = 3.0
 
 
 class Smoothing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -118,20 +166,20 @@ class Smoothing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     keeps away from obstacles."""
     shorten: bool = True
     """Whether to cut off detours first, where a straight line is free."""
-    comfort_m: Annotated[float, Meta(ge=0.0, le=100.0)] = 0.25
+    comfort_m: Margin = 0.25
     """Distance that a `band` keeps beyond the required clearance if there is room; it widens turns around corners."""
-    max_deviation_m: Annotated[float, Meta(ge=0.01)] | None = None
+    max_deviation_m: Deviation | None = None
     """Largest distance from the path of the search, before it was shortened; without it, any distance is allowed."""
-    max_waypoints: Annotated[int, Meta(ge=10, le=100_000)] = 20_000
+    max_waypoints: Waypoints = 20_000
     """Most waypoints of a smooth path; on a long path they lie farther apart than 0.05 m."""
 
 
 class Anytime(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Asks for better paths after the first one, each after a fixed number of iterations so that runs repeat."""
 
-    n_improvements: Annotated[int, Meta(ge=1, le=1000)] = 10
+    n_improvements: Improvements = 10
     """How many better paths to look for."""
-    improvement_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 500
+    improvement_iterations: ShortIterations = 500
     """Iterations of the search for each of them."""
 
 
@@ -142,17 +190,17 @@ class PlanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     steering: Steering = "straight"
     """How the path connects poses. `straight`: straight lines and turns on the spot. `dubins`: arcs and lines, forward
     only. `reeds_shepp`: arcs and lines, backward too."""
-    min_turning_radius_m: NonNegative = 0.0
+    min_turning_radius_m: Distance = 0.0
     """Least turning radius; 0 allows any. With `straight`, it holds for the smoothed path between start and goal."""
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000_000)] = 20_000
+    max_iterations: Iterations = 20_000
     """Budget of the search."""
-    goal_bias: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
+    goal_bias: Unit = 0.05
     """Probability that a sample is the goal."""
-    step_m: Positive = 0.5
+    step_m: Length = 0.5
     """Longest edge of the tree."""
-    goal_region_m: Positive = 0.25
+    goal_region_m: Length = 0.25
     """Radius of the goal region of Algorithm 1."""
-    margin_m: NonNegative = 0.1
+    margin_m: Margin = 0.1
     """Clearance to keep beyond the circle around the robot's footprint."""
     smoothing: Smoothing = Smoothing()
     anytime: Anytime | None = None
@@ -162,9 +210,9 @@ class PlanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 class MissionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of the mission (Fig. 5)."""
 
-    handover_distance_m: Positive = 3.0
+    handover_distance_m: Length = 3.0
     """Distance from trunk to box at which walking hands over to pushing."""
-    max_push_cycles: Annotated[int, Meta(ge=1, le=10_000)] = 200
+    max_push_cycles: PushCycles = 200
     """The mission fails after this many push cycles."""
 
 
@@ -174,34 +222,34 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     composition: Literal["closed_loop", "open_loop"] = "closed_loop"
     """`closed_loop`: each push is chosen from the measured pose of the box. `open_loop`: all pushes are chosen before
     the first one."""
-    calibration_pushes: Annotated[int, Meta(ge=0, le=40)] = 0
+    calibration_pushes: CalibrationPushes = 0
     """How many pushes, straight ahead with both legs in turn, measure an unknown box before its path is planned."""
     faces: Annotated[tuple[Face, ...], Meta(min_length=1, max_length=4)] = ("rear", "right", "front", "left")
     """Faces that may be pushed."""
-    turning_reserve: Annotated[float, Meta(ge=1.0)] = 1.4
+    turning_reserve: Reserve = 1.4
     """Least turning radius of a planned path, as a multiple of the radius at which the box turns when only one foot
     pushes it. A value above 1 leaves room for corrections."""
-    margin_m: NonNegative = 0.05
+    margin_m: Margin = 0.05
     """Clearance that box and robot keep."""
-    run_in_m: NonNegative = 0.4
+    run_in_m: Distance = 0.4
     """Length of the straight stretch before the goal."""
-    face_change_m: NonNegative = 0.5
+    face_change_m: Distance = 0.5
     """Cost of a walk around the box, as a length of pushing."""
-    max_iterations: Annotated[int, Meta(ge=1, le=1_000_000)] = 6000
+    max_iterations: ShortIterations = 6000
     """Budget of the search for a path."""
-    goal_bias: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1
+    goal_bias: Unit = 0.1
     """Probability that a sample is the goal."""
-    step_m: Positive = 1.0
+    step_m: Length = 1.0
     """Longest edge of the tree."""
 
 
 class Randomization(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Half-widths of the uniform offsets that the seed of an episode draws."""
 
-    start_xy_m: NonNegative = 0.0
-    start_yaw_deg: NonNegative = 0.0
-    box_xy_m: NonNegative = 0.0
-    box_yaw_deg: NonNegative = 0.0
+    start_xy_m: Distance = 0.0
+    start_yaw_deg: Turn = 0.0
+    box_xy_m: Distance = 0.0
+    box_yaw_deg: Turn = 0.0
 
 
 class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -214,7 +262,7 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Nominal pose of the robot's trunk, projected on the floor."""
     box: Box
     goal: Goal
-    description: str = ""
+    description: Annotated[str, Meta(max_length=MAX_TEXT)] = ""
     """One line for `legpush scenarios list`."""
     planning: PlanSettings = PlanSettings()
     mission: MissionSettings = MissionSettings()

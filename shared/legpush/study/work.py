@@ -11,7 +11,8 @@ from typing import Any
 import msgspec
 from threadpoolctl import threadpool_limits
 
-from legpush.study.canary import PROFILE, canary
+from legpush.canary import compute, published
+from legpush.numerics.current import current
 from legpush.study.cells import CellError, CellKind, columns_of, load_kind
 from legpush.study.identity import code_version, versions_hash
 from legpush.study.jobs import Answer, Failure, Job, Row, Task, decode_job, encode
@@ -27,7 +28,7 @@ def work(payload: bytes) -> bytes:
     """
     job = decode_job(payload)
     kind = _loaded(job.kind)
-    own = canary() if kind.needs_canary else None
+    own = _canary() if kind.needs_canary else None
     refused = _objection(job, own)
     rows: list[Row] = []
     failures: list[Failure] = []
@@ -41,13 +42,19 @@ def work(payload: bytes) -> bytes:
         Answer(
             host=platform.node(),
             pid=os.getpid(),
-            numerics=PROFILE,
+            numerics=current().name,
             canary=own,
             refused=refused,
             rows=tuple(rows),
             failures=tuple(failures),
         )
     )
+
+
+@cache
+def _canary() -> str:
+    """Return the canary of this process, computed once."""
+    return compute().crc
 
 
 @cache
@@ -66,7 +73,9 @@ def _objection(job: Job, own: str | None) -> str | None:
     if (code := code_version(job.kind)) != job.code:
         return f"expected the code version {job.code}, has {code}"
     if job.canary is not None and own != job.canary:
-        return f"expected the canary {job.canary}, computes {own} (numerics {PROFILE})"
+        return f"expected the canary {job.canary}, computes {own} (numerics {current().name})"
+    if own is not None and (known := published(current().name)) is not None and known.crc != own:
+        return f"expected the published canary {known.crc} for numerics {current().name}, computes {own}"
     return None
 
 
@@ -84,7 +93,7 @@ def _run(job: Job, kind: CellKind, task: Task) -> Row | Failure:
         **task.inputs,
         **kept,
         "state_crc": kept.get("state_crc"),
-        "numerics": PROFILE,
+        "numerics": current().name,
         "code": job.code,
         "versions": versions_hash(),
         "host": platform.node(),

@@ -7,6 +7,7 @@ from pathlib import Path
 from msgspec.structs import replace
 from stable_baselines3.common.base_class import BaseAlgorithm
 
+from agent_proc.learning.learner import Learner, make_learner
 from agent_proc.learning.training import Training
 from agent_proc.learning.training_plan import Progress, TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
@@ -45,6 +46,13 @@ def make_training(
     plan = TrainingPlan(profile=profile, task=task, seed=7, n_simulators=N_WORLDS, command="legpush train", versions={})
     env = PushVecEnv(task, worlds)
     return Training(plan, folder, env, worlds, stop=stop or threading.Event(), on_progress=on_progress)
+
+
+def learned(profile: AnyProfile, env: PushVecEnv, n_steps: int, learner: Learner | None = None) -> Learner:
+    """A learner after some steps."""
+    learner = learner or make_learner(profile, env, 3, None)
+    learner.model.learn(n_steps, reset_num_timesteps=learner.model.num_timesteps == 0)
+    return learner
 
 
 def weights(model: BaseAlgorithm) -> bytes:

@@ -1,28 +1,45 @@
 """Checkpoints: one comes back as it was saved, and a damaged, foreign or missing one is refused."""
 
+import hashlib
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from agent_proc.learning.checkpoint import FORMAT, MAGIC, Checkpoint, CheckpointError, load_checkpoint, save_checkpoint
+from agent_proc.learning.learner_state import capture
+from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Check, CurvePoint
+from agent_proc.task.config import TaskConfig
+from tests.agent.fake_world import FakeWorld, scenario_at_station
+from tests.agent.learning.small_training import learned, small_profile
 
 CHECK = Check(step=64, seeds=(1, 2), success_rate=0.5, position_error_m=0.02, angle_error_deg=1.5, falls=0, cycles=20.0)
 POINT = CurvePoint(step=3, episode_return=-1.5, length=3, success=False, position_error_m=0.4, angle_error_deg=9.0)
-CHECKPOINT = Checkpoint(step=70, learner=b"weights", curve=(POINT,), checks=(CHECK,), best=CHECK)
+TASK = TaskConfig(scenario=scenario_at_station(), max_steps=5)
+
+
+@pytest.fixture(scope="module")
+def checkpoint() -> Checkpoint:
+    """A checkpoint of a learner after some steps."""
+    env = PushVecEnv(TASK, [FakeWorld()])
+    state = capture(learned(small_profile(), env, 32))
+    env.close()
+    return Checkpoint(step=70, learner=state, curve=(POINT,), checks=(CHECK,), best=CHECK)
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
-    """A checkpoint."""
+def path(tmp_path: Path, checkpoint: Checkpoint) -> Path:
+    """The file of the checkpoint."""
     path = tmp_path / "checkpoint"
-    save_checkpoint(path, CHECKPOINT)
+    save_checkpoint(path, checkpoint)
     return path
 
 
-def test_a_checkpoint_comes_back_as_it_was_saved(path: Path) -> None:
-    assert load_checkpoint(path) == CHECKPOINT
+def test_a_checkpoint_comes_back_as_it_was_saved(path: Path, checkpoint: Checkpoint) -> None:
+    assert load_checkpoint(path) == checkpoint
 
 
 @pytest.mark.parametrize(
@@ -58,10 +75,27 @@ def test_a_checkpoint_of_another_format_is_refused_with_what_to_do(path: Path, o
         load_checkpoint(path)
 
 
-def test_the_header_of_the_first_format_is_known_as_such(path: Path) -> None:
-    path.write_bytes(b"legpush training checkpoint 1\n" + bytes(40))
+@pytest.mark.parametrize("earlier", [1, 2])
+def test_a_pickle_of_an_earlier_format_is_known_as_such(path: Path, earlier: int) -> None:
+    body = pickle.dumps({"step": 70})
+    path.write_bytes(b"legpush training checkpoint %d\n" % earlier + hashlib.sha256(body).digest() + body)
 
-    with pytest.raises(CheckpointError, match="got format 1, which another version of legpush wrote"):
+    with pytest.raises(
+        CheckpointError, match=f"got format {earlier}, which another version of legpush wrote"
+    ) as caught:
+        load_checkpoint(path)
+    assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    "body",
+    [b"", b"\xc1", b"\x80", b"\x91" * 10**5, pickle.dumps({"step": 70}), msgspec.msgpack.encode({"step": "70"})],
+    ids=["nothing", "no MessagePack", "no field", "deep", "pickle", "wrong type"],
+)
+def test_a_whole_checkpoint_of_other_data_is_refused(path: Path, body: bytes) -> None:
+    path.write_bytes(MAGIC + hashlib.sha256(body).digest() + body)
+
+    with pytest.raises(CheckpointError, match="checkpoint: expected the checkpoint of a training"):
         load_checkpoint(path)
 
 

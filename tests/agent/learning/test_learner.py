@@ -1,4 +1,4 @@
-"""Learners: built as a profile says, captured with everything that their next step depends on."""
+"""Learners: built as a profile says, and policies are taken out of them."""
 
 from collections.abc import Iterator
 
@@ -11,21 +11,17 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agent_proc.learning.learner import (
     DEPTH,
-    Learner,
-    capture,
     make_learner,
     observation_moments,
-    policy_zip,
-    restore,
     set_exploration,
     undisturbed_draws,
 )
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.profiles.profile import AnyProfile, PpoProfile
+from agent_proc.profiles.profile import PpoProfile
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
 from tests.agent.fake_world import FakeWorld, scenario_at_station
-from tests.agent.learning.small_training import small_profile, weights
+from tests.agent.learning.small_training import learned, small_profile, weights
 
 TASK = TaskConfig(scenario=scenario_at_station(), max_steps=5)
 
@@ -36,13 +32,6 @@ def env() -> Iterator[PushVecEnv]:
     env = PushVecEnv(TASK, [FakeWorld(), FakeWorld()])
     yield env
     env.close()
-
-
-def learned(profile: AnyProfile, env: PushVecEnv, n_steps: int, learner: Learner | None = None) -> Learner:
-    """A learner after some steps."""
-    learner = learner or make_learner(profile, env, 3, None)
-    learner.model.learn(n_steps, reset_num_timesteps=learner.model.num_timesteps == 0)
-    return learner
 
 
 @pytest.mark.parametrize(("name", "kind"), [("tuned", PPO), ("paper", PPO), ("sac", SAC), ("td3", TD3)])
@@ -94,21 +83,6 @@ def test_exploration_is_set_by_how_far_the_training_is(env: PushVecEnv) -> None:
     np.testing.assert_allclose(spread.detach().numpy(), middle, rtol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["tuned", "sac", "td3"])
-def test_a_restored_learner_goes_on_to_the_same_weights(env: PushVecEnv, name: str) -> None:
-    profile = small_profile(name)
-    learner = learned(profile, env, 64)
-    captured = capture(learner)
-    expected = weights(learned(profile, env, 64, learner).model)
-    other_env = PushVecEnv(TASK, [FakeWorld(), FakeWorld()])
-
-    other = restore(make_learner(profile, other_env, 99, None), captured)
-
-    assert other.model.num_timesteps == 64
-    assert weights(learned(profile, other_env, 64, other).model) == expected
-    other_env.close()
-
-
 def test_draws_of_torch_inside_change_nothing_of_those_after() -> None:
     torch.manual_seed(1)
     expected = torch.rand(3).tolist()
@@ -131,10 +105,3 @@ def test_moments_are_those_of_the_normalizer(env: PushVecEnv) -> None:
     assert mean.shape == variance.shape == (8,)
     assert (variance > 0.0).all()
     assert observation_moments(make_learner(bare, env, 3, None).normalizer) is None
-
-
-def test_a_saved_policy_keeps_nothing_of_the_last_steps(env: PushVecEnv) -> None:
-    learner = learned(small_profile(), env, 32)
-
-    assert policy_zip(learner.model)[:2] == b"PK"
-    assert len(policy_zip(learner.model)) < len(capture(learner))

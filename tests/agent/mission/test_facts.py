@@ -8,7 +8,7 @@ import pytest
 
 from agent_proc.mission.facts import attach_facts
 from agent_proc.policies.digest import policy_sha256
-from agent_proc.policies.folder import CARD_FILE, NETWORKS_FILE, NORMALIZER_FILE
+from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE
 from legpush.recording.facts import MissionFacts
 from legpush.scenarios.file import load_scenario
 from tests.agent.fake_world import make_scenario
@@ -20,12 +20,10 @@ def test_a_policy_that_is_code_alone_has_no_digest(policy: str) -> None:
     assert policy_sha256(policy) == ""
 
 
-def test_the_digest_of_a_policy_folder_is_that_of_its_card_networks_and_normalizer(tmp_path: Path) -> None:
-    for file, text in ((NORMALIZER_FILE, "3"), (NETWORKS_FILE, "2"), (CARD_FILE, "1"), ("README.md", "4")):
+def test_the_digest_of_a_policy_folder_is_that_of_its_card_and_weights(tmp_path: Path) -> None:
+    for file, text in ((WEIGHTS_FILE, "2"), (CARD_FILE, "1"), ("README.md", "3")):
         (tmp_path / file).write_text(text, encoding="utf-8")
 
-    assert policy_sha256(str(tmp_path)) == hashlib.sha256(b"123").hexdigest()
-    (tmp_path / NORMALIZER_FILE).unlink()
     assert policy_sha256(str(tmp_path)) == hashlib.sha256(b"12").hexdigest()
 
 

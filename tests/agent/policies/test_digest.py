@@ -18,7 +18,7 @@ def test_a_copy_of_a_folder_has_the_same_hash_until_one_of_its_files_changes(tmp
     assert policy_sha256(str(tmp_path / "copy")) == shipped
     (tmp_path / "copy" / "README.md").write_text("other words")
     assert policy_sha256(str(tmp_path / "copy")) == shipped
-    (tmp_path / "copy" / "normalizer.json").write_text("{}")
+    (tmp_path / "copy" / "policy.safetensors").write_text("{}")
     assert policy_sha256(str(tmp_path / "copy")) != shipped
 
 

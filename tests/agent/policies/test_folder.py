@@ -1,45 +1,37 @@
 """Policy folders: written whole, read with every file checked."""
 
+import dataclasses
 import json
 from pathlib import Path
+from typing import Literal
 
 import msgspec
 import numpy as np
 import pytest
 
+from agent_proc.policies.actor import Normalizer
 from agent_proc.policies.folder import (
     CARD_FILE,
-    Card,
-    Check,
-    CurvePoint,
-    Normalizer,
     PolicyFolder,
+    is_old_format,
     policy_path,
     read_card,
     read_policy,
     shipped_policies,
+    widths,
     write_policy,
 )
+from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import load_profile
 from agent_proc.task.config import TaskConfig
 from legpush.errors import PolicyError
 from tests.agent.fake_world import scenario_at_station
+from tests.agent.policies.policies import CARD, random_layers
 
-EMPTY_ZIP = b"PK\x05\x06" + bytes(18)
-CHECK = Check(step=64, seeds=(1, 2), success_rate=0.5, position_error_m=0.02, angle_error_deg=1.5, falls=0, cycles=20.0)
-CARD = Card(
-    command="legpush train --seed 7",
-    task=TaskConfig(scenario=scenario_at_station()),
-    profile=load_profile("tuned"),
-    seed=7,
-    steps=64,
-    n_simulators=2,
-    versions={"numpy": "1"},
-    check=CHECK,
-    curve=(CurvePoint(step=3, episode_return=-1.5, length=3, success=False, position_error_m=0.4, angle_error_deg=9),),
-)
 POLICY = PolicyFolder(
-    card=CARD, networks=EMPTY_ZIP, normalizer=Normalizer(mean=(0.0,) * 8, variance=(1.0,) * 8, clip=5.0)
+    card=CARD,
+    layers=random_layers(8, 64, 64, 4),
+    normalizer=Normalizer(mean=np.linspace(0.0, 1.0, 8), variance=np.ones(8), clip=5.0),
 )
 
 
@@ -51,7 +43,61 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_policy_is_read_as_it_was_written(folder: Path) -> None:
-    assert read_policy(folder) == POLICY
+    again = read_policy(folder)
+
+    assert again.card == POLICY.card
+    assert encode_weights(again.layers, again.normalizer) == encode_weights(POLICY.layers, POLICY.normalizer)
+    assert sorted(path.name for path in folder.iterdir()) == ["README.md", "card.json", "policy.safetensors"]
+
+
+def test_the_card_and_the_readme_name_every_number_that_goes_in_and_out(folder: Path) -> None:
+    card, text = json.loads((folder / CARD_FILE).read_bytes()), (folder / "README.md").read_text(encoding="utf-8")
+
+    for field, n_elements in (("observation", 8), ("action", 4)):
+        assert len(card[field]) == n_elements
+        for element in card[field]:
+            assert f"| {element['name']} |" in text
+
+
+def test_a_card_with_other_elements_than_this_version_has_is_refused(folder: Path) -> None:
+    plain = json.loads((folder / CARD_FILE).read_bytes())
+    plain["observation"][0]["unit"] = "cm"
+    (folder / CARD_FILE).write_text(json.dumps(plain), encoding="utf-8")
+
+    with pytest.raises(PolicyError, match=r"at `observation`: expected the elements of this version, \[\('box.x', 'm'"):
+        read_card(folder)
+
+
+def test_a_card_of_the_earlier_format_is_refused_with_the_command_that_converts_it(folder: Path) -> None:
+    plain = json.loads((folder / CARD_FILE).read_bytes())
+    assert not is_old_format(folder)
+    (folder / CARD_FILE).write_text(json.dumps({**plain, "format": 1}), encoding="utf-8")
+
+    assert is_old_format(folder)
+    with pytest.raises(PolicyError, match=r"got format 1, which .*`legpush policy export .*policy --to safetensors"):
+        read_policy(folder)
+
+
+def test_a_card_of_a_format_to_come_is_refused(folder: Path) -> None:
+    plain = json.loads((folder / CARD_FILE).read_bytes())
+    (folder / CARD_FILE).write_text(json.dumps({**plain, "format": 3}), encoding="utf-8")
+
+    with pytest.raises(PolicyError, match=r"card\.json: at `format`: expected 2, got 3"):
+        read_policy(folder)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "form", "output", "n_values"),
+    [("tuned", "continuous", "clip", 3), ("sac", "continuous", "tanh", 3), ("tuned", "discrete", "argmax", 18)],
+)
+def test_the_output_of_the_network_follows_from_algorithm_and_action(
+    algorithm: str, form: Literal["continuous", "discrete"], output: str, n_values: int
+) -> None:
+    task = TaskConfig(entry="fixed", action_form=form, scenario=scenario_at_station())
+    card = dataclasses.replace(CARD, task=task, profile=load_profile(algorithm))
+
+    assert widths(card) == (8, *card.profile.network.hidden, n_values)
+    assert PolicyFolder(card=card, layers=random_layers(*widths(card)), normalizer=None).actor().output == output
 
 
 def test_the_readme_says_how_the_policy_came_about(folder: Path) -> None:
@@ -87,25 +133,11 @@ def test_a_card_with_a_wrong_profile_or_task_is_refused_too(folder: Path) -> Non
 
 def test_a_policy_without_normalization_needs_no_normalizer(tmp_path: Path) -> None:
     profile = msgspec.structs.replace(CARD.profile, normalize_observation=False)
-    bare = PolicyFolder(
-        card=Card(**{**{name: getattr(CARD, name) for name in CARD.__dataclass_fields__}, "profile": profile}),
-        networks=EMPTY_ZIP,
-        normalizer=None,
-    )
+    bare = PolicyFolder(card=dataclasses.replace(CARD, profile=profile), layers=POLICY.layers, normalizer=None)
 
     write_policy(tmp_path / "bare", bare)
 
     assert read_policy(tmp_path / "bare").normalizer is None
-    assert not (tmp_path / "bare" / "normalizer.json").exists()
-
-
-def test_an_observation_is_normalized_and_clipped() -> None:
-    normalizer = Normalizer(mean=(1.0, 0.0), variance=(4.0, 1e-8), clip=5.0, epsilon=0.0)
-
-    seen = normalizer.apply(np.array([2.0, 1.0], dtype=np.float32))
-
-    assert seen.dtype == np.float32
-    np.testing.assert_allclose(seen, [0.5, 5.0])
 
 
 def test_only_folders_with_a_card_are_shipped_policies() -> None:

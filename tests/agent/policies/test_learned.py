@@ -5,17 +5,16 @@ import shutil
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 import pytest
-from stable_baselines3.common.utils import ConstantSchedule
-from stable_baselines3.ppo import MlpPolicy as PpoPolicy
 
 from agent_proc.frames.push_view import PushView, box_in_goal_frame, push_view
 from agent_proc.learning.training import LAST
+from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.folder import shipped_policies
 from agent_proc.policies.learned import NetworkPolicy, load_learned
-from agent_proc.task.action import action_space
+from agent_proc.task.action import n_actions
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import observation_space
 from legpush.errors import PolicyError
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Goal
@@ -23,6 +22,17 @@ from tests.agent.fake_world import make_state, scenario_at_station
 from tests.agent.learning.small_training import make_training, small_profile
 
 SCENARIO = scenario_at_station()
+
+
+class Still:
+    """A network whose actions are zeros."""
+
+    def __init__(self, n_values: int = 4) -> None:
+        self._zeros = np.zeros(n_values, dtype=np.float32)
+
+    def act(self, observation: Float32s) -> Float32s:
+        """The same for every observation."""
+        return self._zeros
 
 
 def view_of(box: Pose2) -> PushView:
@@ -69,8 +79,7 @@ def test_a_decision_computes_the_box_in_the_frame_of_its_goal_once_if_it_needs_i
     task = TaskConfig(
         entry=entry, observation=profile, reward="paper" if profile == "paper" else "tuned", scenario=SCENARIO
     )
-    networks = PpoPolicy(observation_space(task), action_space(task), ConstantSchedule(0.0))
-    policy = NetworkPolicy(task, networks, None, "untrained")
+    policy = NetworkPolicy(task, Still(n_actions(task)), None, "untrained")
     n_calls = 0
 
     def count(box_w: Pose2, goal: Goal) -> Pose2:
@@ -97,7 +106,7 @@ def test_mirror_images_get_mirrored_answers(folder: Path) -> None:
     assert {left.leg, right.leg} == {"FL", "FR"}
 
 
-@pytest.mark.parametrize("name", ["policy.zip", "normalizer.json", "card.json"])
+@pytest.mark.parametrize("name", ["policy.safetensors", "card.json"])
 def test_a_missing_file_is_named(folder: Path, name: str) -> None:
     (folder / name).unlink()
 
@@ -108,10 +117,7 @@ def test_a_missing_file_is_named(folder: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "data", "message"),
     [
-        ("policy.zip", b"no zip", r"policy\.zip: expected a policy of Stable-Baselines3 \(a zip\)"),
-        ("normalizer.json", b"{", r"normalizer\.json: "),
-        ("normalizer.json", b'{"mean": [1.0], "variance": [1.0]}', r"expected 8 means.*observation `relative`, got 1"),
-        ("normalizer.json", b'{"mean": [1.0], "variance": []}', "expected as many variances as means, got 0 and 1"),
+        ("policy.safetensors", b"other bytes", r"policy\.safetensors: expected weights in the format safetensors"),
         ("card.json", b"[]", r"card\.json: Expected `object`"),
     ],
 )
@@ -122,21 +128,21 @@ def test_a_corrupt_file_is_named(folder: Path, name: str, data: bytes, message: 
         load_learned(str(folder))
 
 
-def test_half_a_zip_is_refused(folder: Path) -> None:
-    data = (folder / "policy.zip").read_bytes()
-    (folder / "policy.zip").write_bytes(data[: len(data) // 2])
-
-    with pytest.raises(PolicyError, match=r"policy\.zip: expected (a policy of Stable-Baselines3|weights named)"):
-        load_learned(str(folder))
-
-
-def test_networks_that_do_not_fit_the_spaces_of_the_card_are_refused(folder: Path) -> None:
+def test_networks_that_do_not_fit_the_card_are_refused(folder: Path) -> None:
     card = json.loads((folder / "card.json").read_bytes())
     card["task"]["entry"] = "fixed"
+    card["action"].pop()
     (folder / "card.json").write_text(json.dumps(card), encoding="utf-8")
 
-    with pytest.raises(PolicyError, match=r"policy\.zip: expected networks \(8, 8\) for 8 observations.*size mismatch"):
+    with pytest.raises(PolicyError, match=r"expected layers\.2\.weight of \(3, 8\) float32.*got \(4, 8\)"):
         load_learned(str(folder))
+
+
+def test_a_normalizer_of_another_observation_is_refused() -> None:
+    two = Normalizer(mean=np.zeros(2), variance=np.ones(2))
+
+    with pytest.raises(PolicyError, match=r"some.pkl: expected 8 means.*observation `relative`, got 2"):
+        NetworkPolicy(TaskConfig(scenario=SCENARIO), Still(), two, "some.pkl")
 
 
 @pytest.mark.parametrize("name", shipped_policies())

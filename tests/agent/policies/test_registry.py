@@ -110,3 +110,10 @@ def test_data_names_no_code_unless_it_is_repeated() -> None:
 
     repeated = policy_from_data("my_push_policy:make", "", repeated="my_push_policy:make")
     assert repeated.decide(VIEW) is not None
+
+
+def test_a_recorded_folder_of_the_earlier_format_needs_the_version_that_made_the_recording() -> None:
+    old = Path(__file__).parents[2] / "compatibility" / "policies" / "tuned"
+
+    with pytest.raises(PolicyError, match="format 1, which this version only converts: use the one that recorded it"):
+        policy_from_data(str(old), "0" * 64)

@@ -36,9 +36,11 @@ def test_it_writes_rows_summary_and_plot(options: EvaluateOptions) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["policy"], summary["first_seed"], summary["episodes"]) == ("scripted", 40, 2)
     assert [case["n"] for case in summary["cases"].values()] == [2, 2]
+    assert {case["success_rate"]["kind"] for case in summary["cases"].values()} == {"Wilson 95 %"}
     assert (folder / "evaluation.png").read_bytes().startswith(b"\x89PNG")
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert said[0].startswith("box.mass_kg=0.1: ")
+    assert said[0].startswith("box.mass_kg=0.1: position error ")
+    assert "(Wilson 95 %, n 2)" in said[0]
     assert said[-1] == f"written to {folder}"
 
 

@@ -1,6 +1,8 @@
 """`legpush train`: a training in its folder, interrupted and resumed."""
 
+import errno
 import io
+import os
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +11,10 @@ import pytest
 from rich.console import Console
 
 from agent_proc.policies.folder import read_policy
+from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import dump_profile
 from agent_proc.programs.train import read_plan, train
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, exit_code_of
 from legpush.options.learning import TrainOptions
 from tests.agent.learning.small_training import small_profile
 
@@ -69,7 +72,7 @@ def test_an_interrupted_training_says_how_to_go_on_and_then_ends_as_another_one(
     assert said(replace(options, out=tmp_path / "other"))[0] == 0
     resumed, other = (read_policy(path / "last") for path in (folder, tmp_path / "other"))
     assert resumed.card.curve == other.card.curve
-    assert resumed.normalizer == other.normalizer
+    assert encode_weights(resumed.layers, resumed.normalizer) == encode_weights(other.layers, other.normalizer)
 
 
 @pytest.mark.usefixtures("stop")
@@ -102,3 +105,29 @@ def test_only_the_folder_of_a_training_can_be_resumed(tmp_path: Path) -> None:
             file.write_text(text)
         with pytest.raises(ConfigError, match=message):
             train(TrainOptions(resume=tmp_path), Console(file=io.StringIO()))
+
+
+@pytest.mark.usefixtures("stop")
+def test_a_full_disk_ends_with_the_command_that_goes_on(options: TrainOptions, monkeypatch: pytest.MonkeyPatch) -> None:
+    fsync, n_synced = os.fsync, 0
+
+    def fill(descriptor: int) -> None:
+        nonlocal n_synced
+        n_synced += 1
+        if n_synced > 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        fsync(descriptor)
+
+    console = Console(file=io.StringIO(), width=200)
+    monkeypatch.setattr(os, "fsync", fill)
+
+    assert exit_code_of(lambda: train(options, console)) == DISK_FULL
+    assert isinstance(console.file, io.StringIO)
+    assert f"after space is made, to go on: legpush train --resume {options.out}\n" in console.file.getvalue()
+    monkeypatch.undo()
+
+
+def test_deep_nesting_in_the_plan_of_a_training_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_bytes(b'{"profile":' + b"[" * 10**5)
+    with pytest.raises(ConfigError, match="Expected the folder of a training for --resume"):
+        read_plan(tmp_path)

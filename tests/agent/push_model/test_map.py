@@ -45,7 +45,8 @@ def test_circles_are_those_of_an_estimate_and_their_intervals_hold_them() -> Non
         estimate = PushEstimate(pushed_box(NOMINAL, circle.face))
         assert circle.radius_m.value == pytest.approx(estimate.turning_radius_m, rel=1e-3)
         assert circle.axle_m.value == pytest.approx(estimate.axle_m, rel=1e-3)
-        assert circle.radius_m.low <= circle.radius_m.value <= circle.radius_m.high
+        low, high = circle.radius_m.ends
+        assert low <= circle.radius_m.value <= high
 
 
 def test_by_the_map_of_a_box_an_estimate_knows_it_at_once() -> None:

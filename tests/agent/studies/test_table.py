@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 
-from agent_proc.statistics import mean_interval, wilson
+from agent_proc.statistics.intervals import mean, share
 from agent_proc.studies.table import (
     Pairing,
     StudyRows,
@@ -72,32 +72,35 @@ def test_groups_are_the_axes_but_the_seed_and_measures_the_numbers_among_the_res
 
 def test_means_and_shares_have_their_intervals_and_cells_without_a_value_do_not_count() -> None:
     lines = make_table(STUDY, ("policy",), ("error_m", "success"))
-    assert [(line.measure, line.group["policy"], line.n) for line in lines] == [
+    assert [(line.measure, line.group["policy"], line.estimate.n) for line in lines] == [
         ("error_m", "a", 3),
         ("error_m", "b", 4),
         ("success", "a", 4),
         ("success", "b", 4),
     ]
-    assert lines[0].estimate == mean_interval([1.0, 2.0, 3.0])
-    assert lines[2].estimate == wilson(3, 4)
-    assert [line.how for line in lines[1:3]] == ["mean, bootstrap", "share, Wilson"]
+    assert lines[0].estimate == mean([1.0, 2.0, 3.0])
+    assert lines[2].estimate == share(3, 4)
+    assert [line.how for line in lines[1:3]] == ["mean, Student's t 95 %", "share, Wilson 95 %"]
 
 
 def test_without_groups_there_is_one_line() -> None:
     (line,) = make_table(STUDY, (), ("success",))
-    assert (line.n, line.estimate) == (8, wilson(6, 8))
+    assert (line.estimate.n, line.estimate) == (8, share(6, 8))
 
 
 def test_differences_are_taken_between_cells_that_share_all_other_axes() -> None:
     lines = make_table(STUDY, ("box.mass_kg", "policy"), ("error_m", "success"), Pairing(axis="policy", value="a"))
-    assert [(line.measure, line.group["box.mass_kg"], line.group["policy"], line.n) for line in lines] == [
+    assert [(line.measure, line.group["box.mass_kg"], line.group["policy"], line.estimate.n) for line in lines] == [
         ("error_m", 0.1, "b", 2),
         ("error_m", 0.5, "b", 1),
         ("success", 0.1, "b", 2),
         ("success", 0.5, "b", 2),
     ]
     assert [line.estimate.value for line in lines] == [0.5, 2.0, 0.5, -0.5]
-    assert {line.how for line in lines} == {"paired, bootstrap"}
+    assert [line.how for line in lines[:2]] == [
+        "paired, all values equal of differences",
+        "paired, no interval: n 1",
+    ]
 
 
 def test_a_pairing_is_read_from_text() -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent_proc.policies.folder import read_policy
-from agent_proc.studies.training_cell import TRAINING, TrainingCell, pack, resolve
+from agent_proc.policies.folder import policy_path, read_card, read_policy
+from agent_proc.studies.training_cell import TRAINING, TrainingCell, of_last, pack, resolve
 from legpush.errors import ConfigError
 from legpush.study.cells import columns_of
 
@@ -20,6 +20,7 @@ def test_a_training_returns_its_best_policy(tmp_path: Path) -> None:
     columns = columns_of(TRAINING, small)
     assert columns["best_step"] <= columns["steps_done"] == 16
     assert list(columns) == [column.name for column in TRAINING.columns]
+    assert columns["n_evaluated"] == 1
     with zipfile.ZipFile(io.BytesIO(base64.b64decode(columns["policy_zip"]))) as archive:
         archive.extractall(tmp_path / "policy")
     card = read_policy(tmp_path / "policy").card
@@ -29,6 +30,22 @@ def test_a_training_returns_its_best_policy(tmp_path: Path) -> None:
 def test_a_resolved_cell_comes_back_from_plain_values() -> None:
     resolved = resolve(TrainingCell(profile="sac", mass_kg=(0.1, 0.5)), ())
     assert msgspec.convert(msgspec.to_builtins(resolved), TRAINING.resolved) == resolved
+
+
+def test_the_episodes_and_the_last_evaluation_come_from_the_card() -> None:
+    card = read_card(policy_path("variable"))
+    assert card.check is not None
+    columns = of_last(card)
+    episodes = [values for name, values in columns.items() if name.startswith("episode_")]
+    assert [len(values) for values in episodes] == [len(card.curve)] * 5
+    assert columns["episode_step"] == [point.step for point in card.curve]
+    assert columns["last_position_error_m"] == card.check.position_error_m
+    assert columns["n_evaluated"] == len(card.check.seeds) > 1
+
+
+def test_other_widths_replace_those_of_the_profile() -> None:
+    usual, wide = (resolve(TrainingCell(hidden=hidden), ()).profile for hidden in (None, (128, 128)))
+    assert wide["network"] == {**usual["network"], "hidden": (128, 128)}
 
 
 def test_an_unknown_profile_is_refused() -> None:

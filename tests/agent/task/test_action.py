@@ -4,11 +4,10 @@ from math import nan
 
 import numpy as np
 import pytest
-from gymnasium import spaces
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.model import PushModel
-from agent_proc.task.action import action_space, deepest_push_m, no_push_helps, to_push
+from agent_proc.task.action import deepest_push_m, no_push_helps, to_push
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
 from legpush.geometry import Pose2
@@ -35,12 +34,6 @@ def push(task: TaskConfig, action: list[float], view: PushView = FAR) -> Push:
     return to_push(np.array(action, dtype=kind), task, view)
 
 
-def test_each_form_has_the_space_that_learners_expect() -> None:
-    assert action_space(GRID) == spaces.MultiDiscrete([8, 8, 2])
-    assert action_space(FIXED) == spaces.Box(-1.0, 1.0, (3,), np.float32)
-    assert action_space(VARIABLE) == spaces.Box(-1.0, 1.0, (4,), np.float32)
-
-
 def test_the_corners_of_the_space_are_the_extremes_of_the_push() -> None:
     assert push(FIXED, [-1.0, 1.0, -1.0]) == Push(w1=0.0, w2=1.0, leg="FL", depth_m=FIXED.fixed_depth_m)
     assert push(VARIABLE, [1.0, -1.0, 1.0, -1.0]) == Push(w1=1.0, w2=0.0, leg="FR", depth_m=VARIABLE.least_depth_m)
@@ -54,8 +47,19 @@ def test_the_published_grid_runs_from_a_tenth_to_eight_tenths() -> None:
 
 @pytest.mark.parametrize("action", [[0.0, 0.0, 0.0, nan], [0.0, 0.0, 0.0, 1.1], [0.0, 0.0, 0.0]])
 def test_an_action_outside_its_space_is_refused(action: list[float]) -> None:
-    with pytest.raises(ConfigError, match="Expected an action in Box"):
+    with pytest.raises(ConfigError, match=r"Expected an action of 4 numbers in \[-1, 1\], got array"):
         push(VARIABLE, action)
+
+
+@pytest.mark.parametrize("action", [[8, 0, 0], [0, 0, 2], [0, -1, 0], [0, 0]])
+def test_a_choice_that_is_not_on_the_grid_is_refused(action: list[float]) -> None:
+    with pytest.raises(ConfigError, match=r"Expected an action of 3 integers below \(8, 8, 2\), got array"):
+        push(GRID, action)
+
+
+def test_numbers_are_no_choices() -> None:
+    with pytest.raises(ConfigError, match="Expected an action of 3 integers"):
+        to_push(np.zeros(3, dtype=np.float32), GRID, FAR)
 
 
 def test_the_leg_is_that_of_the_mirror_image_where_the_box_is_right_of_the_line() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from agent_proc.frames.push_view import push_view
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import TABLES, observation_space, observe
+from agent_proc.task.observation import TABLES, n_observed, observation_bounds, observe
 from agent_proc.task.observation_table import read_table
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Room
@@ -21,11 +21,14 @@ VIEW = push_view(
 
 
 @pytest.mark.parametrize(("task", "n_elements"), [(RELATIVE, 8), (PAPER, 25)], ids=["relative", "paper"])
-def test_the_observation_is_in_its_space(task: TaskConfig, n_elements: int) -> None:
+def test_the_observation_is_within_its_bounds(task: TaskConfig, n_elements: int) -> None:
     observation = observe(task, VIEW)
 
-    assert observation.shape == observation_space(task).shape == (n_elements,)
-    assert observation in observation_space(task)
+    low, high = observation_bounds(task)
+    assert observation.shape == low.shape == high.shape == (n_elements,)
+    assert n_observed(task) == n_elements
+    assert observation.dtype == low.dtype == high.dtype == np.float32
+    assert ((low <= observation) & (observation <= high)).all()
 
 
 @pytest.mark.parametrize("task", [RELATIVE, PAPER], ids=["relative", "paper"])
@@ -39,7 +42,7 @@ def test_two_observations_of_one_view_share_no_memory() -> None:
     assert not np.shares_memory(observe(PAPER, VIEW), observe(PAPER, VIEW))
 
 
-def test_the_space_follows_the_room_of_the_task() -> None:
+def test_the_bounds_follow_the_room_of_the_task() -> None:
     larger = replace(PAPER, scenario=make_scenario(room=Room(size_m=(30.0, 6.0))))
 
-    assert observation_space(larger).high[0] == observation_space(PAPER).high[0] + 18.0
+    assert observation_bounds(larger)[1][0] == observation_bounds(PAPER)[1][0] + 18.0

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
+from itertools import count, pairwise
 from threading import Event
 
 import pytest
@@ -34,6 +34,7 @@ class Table:
         self.inbox: list[Answer] = []
         self.events: list[tuple[float, Callable[[], object]]] = []
         self.stop = Event()
+        self._sequences = count()
         self.exchange: Exchange[Answer] = Exchange(
             self,  # type: ignore[arg-type]
             self,  # type: ignore[arg-type]
@@ -66,9 +67,11 @@ class Table:
         self.token(old, alive=False)
         self.token(new)
 
-    def answer(self, incarnation: str, step: int = 9) -> None:
+    def answer(self, incarnation: str, step: int = 9, sequence: int | None = None, reason: str = "") -> None:
         assert isinstance(ANSWER, Refusal)
-        self.inbox.append(replace(ANSWER, header=replace(ANSWER.header, incarnation=incarnation), step=step))
+        number = next(self._sequences) if sequence is None else sequence
+        header = replace(ANSWER.header, incarnation=incarnation, sequence=number)
+        self.inbox.append(replace(ANSWER, header=header, step=step, reason=reason))
 
     def ask(self) -> Answer:
         return self.exchange.ask("step 9", self._send, lambda answer: answer.step == 9)
@@ -178,6 +181,51 @@ def test_two_live_peers_of_one_name_are_not_asked_and_given_up_after_a_while(tab
         table.ask()
     assert table.sent_at_s == []
     assert table.clock.now_s - 100.0 == pytest.approx(3.0, abs=0.1)
+
+
+def test_a_peer_that_has_answered_is_asked_on_beside_a_rival(table: Table, caplog: pytest.LogCaptureFixture) -> None:
+    table.token("a")
+    table.answer("a")
+    table.ask()
+    table.token("b")
+    table.at(5.0, lambda: table.answer("b"))
+    table.at(8.0, lambda: table.answer("a"))
+    assert table.ask().header.incarnation == "a"
+    assert table.tally.as_dict() == {"late": 1}
+    assert caplog.text.count("several processes, 2 of them (a, b); keeping to a, which has answered before") == 1
+
+
+def test_a_rival_that_was_met_while_the_peer_was_cut_off_is_left_again(table: Table) -> None:
+    table.token("a")
+    table.answer("a")
+    table.ask()
+    table.token("b")
+    table.token("a", alive=False)
+    table.at(4.0, lambda: table.token("a"))
+    table.at(5.0, lambda: table.answer("a"))
+    assert table.ask().header.incarnation == "a"
+
+
+def test_a_peer_that_stops_answering_beside_a_rival_is_given_up_after_the_deadline(table: Table) -> None:
+    table.token("a")
+    table.answer("a")
+    table.ask()
+    table.token("b")
+    with pytest.raises(PeerError, match=r"within 10 s; sim/main is several processes, 2 of them \(a, b\)"):
+        table.ask()
+
+
+@pytest.mark.parametrize(("reason", "cause"), [("", "late"), ("forged", "repeated")], ids=["copy", "forged"])
+def test_an_answer_with_the_sequence_of_an_accepted_one_is_not_taken(table: Table, reason: str, cause: str) -> None:
+    table.token("a")
+    table.answer("a", sequence=7)
+    table.ask()
+    table.answer("a", sequence=7, reason=reason)
+    table.answer("a", sequence=6, reason=reason)
+    table.at(2.0, lambda: table.answer("a", sequence=8, reason="true"))
+    assert isinstance(answer := table.ask(), Refusal)
+    assert answer.reason == "true"
+    assert table.tally.as_dict() == ({"late": 2} if cause == "late" else {"repeated": 1, "late": 1})
 
 
 def test_a_dead_peer_that_lingers_does_not_count_as_a_second_one(table: Table) -> None:

@@ -3,6 +3,7 @@
 import pytest
 
 from legpush.bus.liveliness import KEEP_GONE, LEASE_S, Liveliness
+from legpush.messages.common import Role
 from tests.legpush.fakes import Clock
 
 
@@ -70,3 +71,14 @@ def test_peers_that_are_gone_are_forgotten_in_time_and_living_ones_never(livelin
         liveliness.note_token("agent", "main", str(index), alive=False)
     assert [sighting.incarnation for sighting in liveliness.live()] == ["first"]
     assert len(liveliness) <= KEEP_GONE + 2
+
+
+def test_a_token_of_another_role_or_name_says_nothing_about_an_incarnation(liveliness: Liveliness) -> None:
+    liveliness.note_token("agent", "main", "a", alive=True)
+    others: tuple[tuple[Role, str], ...] = (("launcher", "main"), ("agent", "other"))
+    for role, name in others:
+        liveliness.note_token(role, name, "a", alive=True)
+        liveliness.note_token(role, name, "a", alive=False)
+        assert not liveliness.is_live(role, name, "a")
+    assert liveliness.is_live("agent", "main", "a")
+    assert not liveliness.is_live("agent", "main", "b")

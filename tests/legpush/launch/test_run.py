@@ -2,7 +2,7 @@
 
 import pytest
 
-from legpush.errors import ScenarioError
+from legpush.errors import ConfigError
 from legpush.options.run import RunOptions
 from legpush.scenarios.file import load_scenario
 
@@ -14,6 +14,8 @@ def test_options_replace_what_the_scenario_says() -> None:
     assert RunOptions(scenario="push").resolved_scenario() == load_scenario("push")
 
 
-def test_a_replaced_value_is_checked_as_in_a_file() -> None:
-    with pytest.raises(ScenarioError, match=r"command line: at `box\.mass_kg`: expected a number >= 0\.001, got -1\.0"):
-        RunOptions(scenario="push", box_mass_kg=-1.0).resolved_scenario()
+def test_a_replaced_value_has_the_bounds_of_its_field() -> None:
+    with pytest.raises(ConfigError, match=r"Expected 0\.001 to 1000 for --box-mass-kg, got -1\.0"):
+        RunOptions(scenario="push", box_mass_kg=-1.0)
+    with pytest.raises(ConfigError, match=r"Expected 0 to 1000 for --turning-radius-m, got 1e\+308"):
+        RunOptions(scenario="push", turning_radius_m=1e308)

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from legpush.errors import ConfigError, MotionError
+from legpush.errors import BrokenEpisodeError, ConfigError, MotionError
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld, never
 from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Walk
+from legpush.messages.stepping import Motion, Outcome, Walk
 from legpush.plans.planner import Interrupted
 from tests.legpush.examples import PLAN, QUERY, RESET
 from tests.legpush.fakes import FakeStepper, crc_after, fake_plan, mission, one_plan
@@ -34,6 +34,34 @@ def test_motions_are_carried_out_as_the_simulator_does() -> None:
 def test_a_motion_that_cannot_be_carried_out_is_an_error() -> None:
     with pytest.raises(MotionError, match="Expected a follow before the first walk"):
         LocalWorld(FakeStepper()).step(Walk())
+
+
+class Broken(FakeStepper):
+    """Fails at its first walk."""
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        if motion == Walk():
+            raise ValueError("size 0 in geom")
+        return super().perform(motion, with_trace=with_trace)
+
+
+def test_after_a_failure_of_the_simulator_only_a_reset_goes_on() -> None:
+    world = LocalWorld(Broken())
+    for motion in mission()[:2]:
+        world.step(motion)
+    with pytest.raises(BrokenEpisodeError, match="The simulator failed in a walk: ValueError: size 0 in geom"):
+        world.step(Walk())
+    with pytest.raises(BrokenEpisodeError, match="size 0 in geom; expected a reset after that, got follow"):
+        world.step(mission()[1])
+    world.step(RESET)
+    assert world.step(mission()[1]).state_crc == crc_after(mission()[:2])
+
+
+def test_a_planner_that_fails_answers_failed() -> None:
+    def fail(query: PlanQuery) -> Plan:
+        raise OverflowError("math range error")
+
+    assert LocalWorld(FakeStepper(), one_plan(fail)).plan(QUERY).status == "failed"
 
 
 def test_plans_come_one_by_one_and_the_last_one_is_repeated() -> None:

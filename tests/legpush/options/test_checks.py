@@ -6,28 +6,7 @@ from pathlib import Path
 import pytest
 
 from legpush.errors import ConfigError
-from legpush.options.checks import program_path, require_new_file, require_not_negative, require_positive
-
-
-def test_numbers_that_fit_are_taken() -> None:
-    for value in (None, 1e-9, 3.0):
-        require_positive(value, "--rate")
-    for number in (0.0, 3.0):
-        require_not_negative(number, "--start")
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, float("inf"), float("nan")])
-def test_numbers_that_are_not_above_zero_are_refused(value: float) -> None:
-    with pytest.raises(ConfigError, match=f"Expected more than 0 for --rate, got {value}"):
-        require_positive(value, "--rate")
-    with pytest.raises(ConfigError, match=f"Expected more than 0 seconds for --deadline, got {value}"):
-        require_positive(value, "--deadline", "seconds")
-
-
-@pytest.mark.parametrize("value", [-1.0, float("inf"), float("nan")])
-def test_numbers_below_zero_are_refused(value: float) -> None:
-    with pytest.raises(ConfigError, match=f"Expected 0 or more for --start, got {value}"):
-        require_not_negative(value, "--start")
+from legpush.options.checks import program_path, require_new_file
 
 
 def test_a_new_file_is_one_that_is_not_there_in_a_folder_that_is(tmp_path: Path) -> None:

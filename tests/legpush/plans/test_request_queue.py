@@ -211,3 +211,53 @@ def test_the_improvements_at_hand_go_on_before_those_of_others() -> None:
     order = [(answer.client, answer.revision) for answer in worked(queue)]
     assert order == [("a", 0), ("b", 0), ("b", 1), ("b", 2), ("a", 1), ("a", 2)]
     assert len(planner.seeds) == 3
+
+
+def test_a_client_that_is_alive_is_not_displaced_by_another_one_of_its_name() -> None:
+    live = {("main", "a"), ("main", "b")}
+    queue = RequestQueue(Planner(), lambda name, incarnation: (name, incarnation) in live)
+    queue.ask(request(4, seed=1, incarnation="a"))
+    queue.ask(request(7, seed=2, incarnation="b"))
+    assert [(one.incarnation, one.plan.n_iterations) for one in worked(queue)] == [("a", 1), ("b", 2)]
+    queue.ask(request(5, seed=3, incarnation="a"))
+    live.remove(("main", "a"))
+    queue.ask(request(8, seed=4, incarnation="b"))
+    assert [(one.incarnation, one.plan.n_iterations) for one in worked(queue)] == [("b", 4)]
+
+
+def test_of_too_many_clients_those_that_are_gone_are_forgotten_first() -> None:
+    planner = Planner()
+    queue = RequestQueue(planner, lambda name, incarnation: name == "main")
+    first = asked(queue, request(0))
+    for k in range(MAX_CLIENTS):
+        asked(queue, request(0, client=f"client{k}"))
+    planner.seeds.clear()
+    assert asked(queue, request(0)) == first
+    assert planner.seeds == []
+
+
+def test_a_planner_that_fails_at_one_request_answers_it_and_the_next() -> None:
+    def fail_at_first(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
+        del interrupted
+        if query.seed == 1:
+            raise OverflowError("math range error")
+        yield fake_plan(query)
+
+    queue = RequestQueue(fail_at_first)
+    for anytime in (None, ANYTIME):
+        failed = asked(queue, request(0, client=f"with {anytime}", anytime=anytime))
+        assert {one.plan.status for one in failed} == {"failed"}
+        assert "OverflowError: math range error" in failed[0].plan.reason
+        assert failed[-1].final
+    assert asked(queue, request(1, seed=2))[0].plan.status == "exact"
+
+
+def test_a_planner_that_fails_at_a_better_plan_leaves_the_last_one_as_the_final_one() -> None:
+    def fail_at_second(query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
+        del interrupted
+        yield fake_plan(query)
+        raise ValueError("no")
+
+    answers = asked(RequestQueue(fail_at_second), request(0, anytime=ANYTIME))
+    assert [(one.revision, one.final) for one in answers] == [(0, False), (0, True)]
+    assert {one.plan.status for one in answers} == {"exact"}

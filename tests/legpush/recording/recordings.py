@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from msgspec.structs import replace
+
 from legpush.bus import keys
 from legpush.errors import MotionError
 from legpush.lockstep.simulator import Stepper
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
-from legpush.messages.stepping import Action, Motion, Observation, Refusal
+from legpush.messages.stepping import Action, Motion, Observation, Refusal, Reset
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published
 from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.mcap_file.reader import read_recording
@@ -107,6 +109,14 @@ def a_recording(path: Path, motions: Sequence[Motion] | None = None) -> Path:
     """Of a fake mission."""
     write(path, *traffic(mission() if motions is None else motions))
     return path
+
+
+def beyond_the_bounds(path: Path) -> Path:
+    """Of a fake mission whose box is heavier than a valid message says; a version without that bound wrote it."""
+    reset, *others = mission()
+    assert isinstance(reset, Reset)
+    box = replace(reset.scenario.box, mass_kg=2000.0)
+    return a_recording(path, [replace(reset, scenario=replace(reset.scenario, box=box)), *others])
 
 
 def damaged(path: Path, at: bytes, shift: int = 0) -> Recording:

@@ -9,7 +9,7 @@ from legpush.messages.stepping import Push
 from legpush.recording.branch import BranchPoint, RecordedPast, parse_point
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import FakeStepper, mission
-from tests.legpush.recording.recordings import a_recording, traffic
+from tests.legpush.recording.recordings import a_recording, beyond_the_bounds, traffic
 
 OTHER = Push(w1=0.5, w2=0.123, leg="FL", depth_m=0.1)
 
@@ -44,6 +44,12 @@ def test_a_branch_from_behind_a_damaged_step_is_refused(tmp_path: Path) -> None:
     RecordedPast(read_recording([path]), BranchPoint(0, 4))
     with pytest.raises(RecordingError, match="episode 0, step 4: its action is damaged"):
         RecordedPast(read_recording([path]), BranchPoint(0, 4 + 1))
+
+
+def test_a_branch_from_a_number_beyond_its_bounds_is_refused_with_its_field(tmp_path: Path) -> None:
+    recording = read_recording([beyond_the_bounds(tmp_path / "a.mcap")])
+    with pytest.raises(RecordingError, match=r"step 0: its action .* <= 1000\.0 - at `\$\..*\.box\.mass_kg`"):
+        RecordedPast(recording, BranchPoint(0, 4))
 
 
 @pytest.mark.parametrize("text", ["", "3", "0:", "0:-1", "a:1", "0:1:2"])

@@ -6,7 +6,7 @@ import pytest
 
 from legpush.errors import RecordingError
 from legpush.messages.telemetry import Fact
-from legpush.recording.facts import CONTINUED, read_facts, unpack_mission
+from legpush.recording.facts import CONTINUED, read_facts, recorded_numerics, unpack_mission
 from legpush.recording.info import lines
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import mission
@@ -68,3 +68,28 @@ def test_the_name_of_a_policy_that_is_a_flag_or_has_control_characters_is_refuse
     with pytest.raises(RecordingError, match=r"mission\.json of the recording: .*policy"):
         read_facts(recording)
     assert any("policy        cannot be read" in line for line in lines(recording))
+
+
+def test_the_numerics_of_the_simulator_count_before_those_of_the_agent(tmp_path: Path) -> None:
+    versions = Fact(name="versions.json", media_type="application/json", data=b'{"numerics":"native/1"}')
+    simulators = Fact(name="numerics.json", media_type="application/json", data=b'{"name":"x86-64-v3/2"}')
+    older = Fact(name="versions.json", media_type="application/json", data=b'{"numpy":"2.4.6"}')
+    for facts, name in (
+        ((), None),
+        ((older,), None),
+        ((versions,), "native/1"),
+        ((versions, simulators), "x86-64-v3/2"),
+    ):
+        file = tmp_path / f"{len(facts)}-{(name or 'none')[:6]}.mcap"
+        (path,) = write(file, *traffic(MISSION), facts=facts)
+        recording = read_recording([path])
+        assert recorded_numerics(recording) == name
+        assert f"numerics      {name or 'not noted'}" in lines(recording)
+
+
+def test_numerics_that_cannot_be_read_are_told(tmp_path: Path) -> None:
+    (path,) = write(
+        tmp_path / "a.mcap", *traffic(MISSION), facts=(Fact(name="numerics.json", media_type="a", data=b"{"),)
+    )
+    with pytest.raises(RecordingError, match=r"numerics.json of the recording: "):
+        recorded_numerics(read_recording([path]))

@@ -8,7 +8,7 @@ from legpush.messages.telemetry import Fact
 from legpush.recording.info import lines
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import mission
-from tests.legpush.recording.recordings import a_recording, traffic, write
+from tests.legpush.recording.recordings import a_recording, beyond_the_bounds, traffic, write
 
 
 def test_info_says_what_is_there(tmp_path: Path) -> None:
@@ -16,6 +16,16 @@ def test_info_says_what_is_there(tmp_path: Path) -> None:
     text = "\n".join(lines(read_recording([path])))
     for words in ("run test, protocol 6", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
         assert words in text
+
+
+def test_a_recording_with_a_number_beyond_its_bounds_opens_and_says_which(tmp_path: Path) -> None:
+    text = "\n".join(lines(read_recording([beyond_the_bounds(tmp_path / "a.mcap")])))
+    assert "complete      yes" in text
+    assert "24 messages" in text
+    assert (
+        "step 0: its action cannot be used: got no message: Expected `float` <= 1000.0 - at "
+        "`$.motion.scenario.box.mass_kg`"
+    ) in text
 
 
 def test_a_bit_that_flips_beside_the_messages_is_told(tmp_path: Path) -> None:

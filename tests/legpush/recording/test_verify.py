@@ -7,11 +7,11 @@ from msgspec.structs import replace
 
 from legpush.errors import RecordingError
 from legpush.messages import codec
-from legpush.messages.stepping import Observation, Walk
-from legpush.messages.telemetry import Copy
+from legpush.messages.stepping import Motion, Observation, Outcome, Walk
+from legpush.messages.telemetry import Copy, Fact
 from legpush.recording.episodes import read_episodes
 from legpush.recording.mcap_file.reader import read_recording
-from legpush.recording.verify import Verified, verify
+from legpush.recording.verify import Verified, check, verify
 from tests.legpush.fakes import FakeStepper, mission
 from tests.legpush.recording.recordings import a_recording, traffic, write
 
@@ -67,3 +67,48 @@ def test_a_step_that_is_not_in_the_recording_is_named(tmp_path: Path) -> None:
     write(tmp_path / "a.mcap", without, answers)
     with pytest.raises(RecordingError, match="expected steps 0 to 23, but step 5 is not in the recording"):
         verified(tmp_path / "a.mcap")
+
+
+class Rounding(FakeStepper):
+    """A simulator that rounds differently from step 5 on."""
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        outcome = super().perform(motion, with_trace=with_trace)
+        return replace(outcome, state_crc=outcome.state_crc ^ 1) if len(self.performed) > 5 else outcome
+
+
+def with_numerics(file: Path, name: str | None) -> Path:
+    data = f'{{"name":"{name}","profile":"x86-64-v3"}}'.encode()
+    facts = () if name is None else (Fact(name="numerics.json", media_type="application/json", data=data),)
+    (path,) = write(file, *traffic(mission()), facts=facts)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("recorded", "words"),
+    [
+        ("x86-64-v3/1", "first divergence at episode 0, step 5, field state_crc: expected "),
+        ("native/2", "other numerics: recorded with native/2, here x86-64-v3/1; first difference at episode 0, step 5"),
+        (None, "other numerics: recorded with numerics that were not noted, here x86-64-v3/1; first difference at "),
+    ],
+)
+def test_other_bits_of_other_numerics_are_no_divergence(tmp_path: Path, recorded: str | None, words: str) -> None:
+    path = with_numerics(tmp_path / "a.mcap", recorded)
+    checked = check(read_recording([path]), Rounding().perform, lambda: "x86-64-v3/1")
+    assert checked.words(1.0).startswith(words)
+    assert not checked.is_sound
+
+
+def test_equal_bits_are_identical_whatever_the_numerics(tmp_path: Path) -> None:
+    path = with_numerics(tmp_path / "a.mcap", "native/2")
+    checked = check(read_recording([path]), FakeStepper().perform, lambda: pytest.fail("asked without need"))
+    assert checked.words(1.0).startswith("identical: 24 steps")
+
+
+def test_damage_is_not_put_down_to_other_numerics(tmp_path: Path) -> None:
+    path = with_numerics(tmp_path / "a.mcap", "native/2")
+    data = bytearray(path.read_bytes())
+    data[data.index(traffic(mission())[0][3].payload) + 40] ^= 1
+    path.write_bytes(data)
+    checked = check(read_recording([path]), FakeStepper().perform, lambda: "x86-64-v3/1")
+    assert checked.words(1.0).startswith("first divergence at episode 0, step 3, field action")

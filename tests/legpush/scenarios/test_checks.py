@@ -99,7 +99,7 @@ ROOM_ERRORS: dict[str, tuple[Callable[[Plain], None], str]] = {
         r"at `room\.obstacles\[0\]`: expected a rectangle in the room, x 0 to 8\.0",
     ),
     "too many cells": (
-        put("room", "resolution_m", value=1e-4),
+        put("room", "resolution_m", value=0.001),
         r"at `room\.resolution_m`: expected at most 16777216 cells",
     ),
 }

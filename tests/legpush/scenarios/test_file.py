@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from legpush.bounds import LEAST_BOX_MASS_KG, MAX_BOX_MASS_KG
 from legpush.errors import ScenarioError
 from legpush.scenarios.file import copy_scenario, dump_scenario, load_scenario, scenario_names
 from legpush.scene.scenario import Box, Goal, PlanSettings, PoseDeg, Room, Scenario
@@ -27,7 +28,7 @@ def test_a_built_in_scenario_survives_being_written_and_read(name: str, tmp_path
 
 
 @given(
-    mass_kg=st.floats(min_value=0.001, allow_infinity=False, allow_nan=False),
+    mass_kg=st.floats(LEAST_BOX_MASS_KG, MAX_BOX_MASS_KG),
     margin_m=st.floats(min_value=0.0, max_value=0.3),
     description=st.text(st.characters(exclude_categories=["Cs"])),
 )

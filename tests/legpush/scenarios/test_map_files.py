@@ -163,12 +163,14 @@ def test_a_scenario_in_the_frame_of_the_map_is_the_one_in_the_frame_of_the_room(
     origin_m = (-4.0, 16.0)
     write_yaml(tmp_path / "map.yaml", origin=[*origin_m, 0.0])
     pillar = {"x_min_m": 7.0, "x_max_m": 7.5, "y_min_m": 0.0, "y_max_m": 0.5}
-    in_room = write_scenario_of(tmp_path, {"grid_file": "map.yaml", "obstacles": [pillar]})
+    later = {"appears_at_s": 5.0}
+    in_room = write_scenario_of(tmp_path, {"grid_file": "map.yaml", "obstacles": [pillar | later]})
     by_room, occupancy = load_with_map(in_room)
     pillar = {key: value + origin_m[key.startswith("y")] for key, value in pillar.items()}
-    room = {"grid_file": "map.yaml", "frame": "map", "obstacles": [pillar]}
+    room = {"grid_file": "map.yaml", "frame": "map", "obstacles": [pillar | later]}
     assert load_scenario(write_scenario_of(tmp_path, room, **shifted(origin_m))) == by_room
     assert sides(by_room.room.obstacles[0]) == (7.0, 7.5, 0.0, 0.5)
+    assert by_room.room.obstacles[0].appears_at_s == 5.0
     assert occupancy is not None
     assert occupancy.origin_m == origin_m
 

@@ -106,20 +106,23 @@ ROS_ERRORS: dict[str, tuple[Callable[[Path], None], str]] = {
     "YAML without end": (put_bytes("map.yaml", b"[" * 5000), r"map\.yaml: expected YAML \("),
     "YAML that is no text": (put_bytes("map.yaml", b"\xff\xfe\x00"), r"map\.yaml: expected YAML \("),
     "resolution in words": (edit_yaml(resolution="fine"), r"at `resolution`: expected a number, got a text 'fine'"),
-    "resolution 0": (edit_yaml(resolution=0), r"at `resolution`: expected a number > 0\.0, got 0"),
+    "resolution 0": (edit_yaml(resolution=0), r"at `resolution`: expected a number from 0\.001 to 100, got 0"),
     "resolution without end": (
         edit_yaml(resolution=float("inf")),
         r"at `resolution`: expected a finite number, got inf",
     ),
     "origin of two": (edit_yaml(origin=[0.0, 0.0]), r"at `origin`: expected an array of length 3, got 2"),
     "yaw": (edit_yaml(origin=[0.0, 0.0, 0.5]), r"at `origin\[2\]`: expected a yaw of 0, .* got 0\.5 rad"),
-    "threshold above 1": (edit_yaml(occupied_thresh=65), r"at `occupied_thresh`: expected a number <= 1\.0, got 65"),
+    "threshold above 1": (
+        edit_yaml(occupied_thresh=65),
+        r"at `occupied_thresh`: .* from 0 to 1, got 65",
+    ),
     "thresholds crossed": (
         edit_yaml(free_thresh=0.7),
         r"at `free_thresh`: expected at most `occupied_thresh`, 0\.65, got 0\.7",
     ),
     "no threshold": (edit_yaml(free_thresh=None), r"at `free_thresh`: expected a value, got nothing"),
-    "negate 2": (edit_yaml(negate=2), r"at `negate`: expected a whole number <= 1, got 2"),
+    "negate 2": (edit_yaml(negate=2), r"at `negate`: expected a whole number from 0 to 1, got 2"),
     "mode raw": (edit_yaml(mode="raw"), r"at `mode`: expected one of scale, trinary, got 'raw'"),
     "truncated PNG": (png_without_its_end, r"map\.pgm: expected a whole PGM or PNG image \("),
     "truncated PGM": (

@@ -126,7 +126,7 @@ def test_the_first_canary_counts_and_an_answer_with_another_one_does_not(tmp_pat
     head.run()
     assert head.canaries == ["good"]
     assert {job.canary for job in head.engine.jobs[2:]} == {"good"}
-    assert next(iter(head.tally.refused)).endswith("expected the canary good, computes bad (numerics native)")
+    assert "expected the canary good, computes bad (numerics " in next(iter(head.tally.refused))
     table = head.folder.rows()
     assert table is not None
     assert sorted(table.column("seed").to_pylist()) == list(range(9))

@@ -123,12 +123,12 @@ def test_a_foxglove_file_is_no_recording(recorded: Path, tmp_path: Path) -> None
         (["a.mcap", "--to", "csv"], "a.mcap: expected a recording that can be read (No such file or directory)"),
         (["a.mcap", "--to", "csv", "--camera", "top"], "Expected --camera only with mp4 and gif, got it with csv"),
         (["a.mcap", "--to", "mp4", "--camera", "left"], "left"),
-        (["a.mcap", "--to", "mp4", "--speed", "0"], "Expected more than 0 for --speed, got 0.0"),
-        (["a.mcap", "--to", "mp4", "--fps", "nan"], "Expected more than 0 for --fps, got nan"),
+        (["a.mcap", "--to", "mp4", "--speed", "0"], "Expected 0.001 to 1e+06 for --speed, got 0.0"),
+        (["a.mcap", "--to", "mp4", "--fps", "nan"], "Expected 0.1 to 1000 for --fps, got nan"),
         (["a.mcap", "--to", "gif", "--fps", "60"], "Expected at most 50 for --fps of a GIF, got 60.0"),
         (["a.mcap", "--to", "mp4", "--width", "101"], "an even number of pixels from 16 to 3840 for --width, got 101"),
         (["a.mcap", "--to", "mp4", "--start", "3", "--end", "2"], "Expected more than --start, 3, for --end, got 2.0"),
-        (["a.mcap", "--to", "csv", "--episode", "-1"], "Expected 0 or more for --episode, got -1"),
+        (["a.mcap", "--to", "csv", "--episode", "-1"], "for --episode, which `legpush info` lists, got -1"),
     ],
 )
 def test_bad_options_end_with_2_and_one_message(arguments: list[str], words: str, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from typing import Final
 
 from legpush.errors import LegpushError
-from legpush.processes.environment import ONE_THREAD
+from legpush.processes.environment import child_environment
 from legpush.processes.parent_watch import die_with
 from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.work import work
@@ -34,7 +34,7 @@ class LocalEngine:
 
     def __init__(self, n_workers: int) -> None:
         """Start nothing yet: a worker starts with its first job."""
-        os.environ.update(ONE_THREAD)
+        os.environ.update(child_environment(os.environ))
         self._n_workers = n_workers
         self._threads = ThreadPoolExecutor(n_workers, thread_name_prefix="worker")
         self._own = threading.local()

@@ -1,0 +1,92 @@
+"""Trained policies as a program: `python -m agent_proc.programs.policy show NAME`, or `legpush policy show NAME`."""
+
+import sys
+from pathlib import Path
+from typing import Final
+
+import tyro
+
+from agent_proc.policies.folder import (
+    CARD_FILE,
+    OLD_FORMAT,
+    README_FILE,
+    PolicyFolder,
+    encode_card,
+    is_old_format,
+    policy_path,
+    read_policy,
+    readme,
+    shipped_policies,
+    write_policy,
+)
+from agent_proc.policies.learning_libraries import learning_libraries
+from legpush.errors import PolicyError
+from legpush.files import replace_folder
+from legpush.options.policies import ExportPolicy, Policies, ShowPolicy
+from legpush.service import run_program
+
+ONNX_FILE: Final = "policy.onnx"
+
+
+CONFIG: Final = (tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs)
+"""As in the command `legpush`."""
+
+
+def main() -> int:
+    """Parse the command line, and show or export; returns the exit code."""
+    return run_program("policy", lambda: run(tyro.cli(Policies, prog="legpush policy", config=CONFIG).action))
+
+
+def run(options: ShowPolicy | ExportPolicy) -> int:
+    """Show or export a policy; returns the exit code.
+
+    Raises:
+        PolicyError: There is no such policy, or it cannot be used.
+        DiskError: It cannot be written.
+    """
+    policy = read_any_policy(options.policy)
+    if isinstance(options, ShowPolicy):
+        sys.stdout.write(readme(policy.card))
+        return 0
+    if options.to == "safetensors":
+        write_policy(options.out, policy)
+    else:
+        _write_onnx(options.out, policy)
+    files = ", ".join(sorted(path.name for path in options.out.iterdir()))
+    sys.stdout.write(f"wrote {options.out}: {files}\n")
+    return 0
+
+
+def read_any_policy(name: str) -> PolicyFolder:
+    """Read a shipped policy, or a policy folder of the present or the earlier format.
+
+    Raises:
+        PolicyError: There is none, or one of its files cannot be used.
+    """
+    if name not in shipped_policies() and not Path(name).is_dir():
+        valid = ", ".join(shipped_policies())
+        raise PolicyError(f"Expected a trained policy ({valid}) or the folder of one, got {name!r}")
+    path = policy_path(name)
+    if not is_old_format(path):
+        return read_policy(path)
+    with learning_libraries(f"the policy {name!r} of format {OLD_FORMAT}"):
+        from agent_proc.policies.sb3.old_folder import read_old_policy
+    return read_old_policy(path)
+
+
+def _write_onnx(folder: Path, policy: PolicyFolder) -> None:
+    """Write the model with its card into a new folder."""
+    from agent_proc.policies.onnx_file import encode_onnx
+
+    model = encode_onnx(policy)
+
+    def fill(part: Path) -> None:
+        (part / ONNX_FILE).write_bytes(model)
+        (part / CARD_FILE).write_bytes(encode_card(policy.card))
+        (part / README_FILE).write_text(readme(policy.card), encoding="utf-8")
+
+    replace_folder(folder, fill)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Means, medians, shares and ratios with 95 % intervals."""

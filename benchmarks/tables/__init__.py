@@ -1,0 +1,1 @@
+"""Tables and pictures of the benchmarks that are studies, made from their rows."""

@@ -1,0 +1,101 @@
+"""Numbers of pages, looked up in the results of studies and benchmarks.
+
+A template in `docs/templates/` has places such as `{missions:scenarios/default/successes}`: the name of a JSON file in
+`experiments/results/` or `benchmarks/results/`, and the path of a value in it. A form may follow: `|cm.2` is a length
+in metres, shown in centimetres with two digits, and with its interval if it has one; `!` at the end of the form leaves
+out unit and interval. Below each table stands with which version and commit its numbers were made.
+"""
+
+import json
+import re
+from functools import cache
+from pathlib import Path
+from textwrap import fill
+from typing import Any, Final
+
+DOCS: Final = Path(__file__).parent
+TEMPLATES: Final = DOCS / "templates"
+RESULTS: Final = tuple(DOCS.parent / folder / "results" for folder in ("experiments", "benchmarks"))
+UNITS: Final = {
+    "cm": (100.0, " cm"),
+    "m": (1.0, " m"),
+    "deg": (1.0, "°"),
+    "s": (1.0, " s"),
+    "ms": (1.0, " ms"),
+    "percent": (100.0, " %"),
+    "x": (1.0, ""),
+}
+"""Factor and text of each unit; `ms` is of values in milliseconds."""
+WIDTH: Final = 120
+_PLACE: Final = re.compile(r"\{(?P<source>\w+):(?P<path>[^|}]+)(?:\|(?P<unit>\w+)\.(?P<digits>\d)(?P<bare>!?))?\}")
+
+
+class NumberError(Exception):
+    """A place whose number cannot be found or shown; names the place."""
+
+
+def filled_template(name: str) -> str:
+    """Return a template with its numbers, and how these were made.
+
+    Raises:
+        NumberError: A number is missing.
+    """
+    text = (TEMPLATES / f"{name}.md").read_text().rstrip()
+    sources = dict.fromkeys(found["source"] for found in _PLACE.finditer(text))
+    return f"{_PLACE.sub(_value, text)}\n\n{made_words(list(sources))}\n"
+
+
+def made_words(sources: list[str]) -> str:
+    """Say with which version and commit the numbers of some files were made."""
+    made = {name: how for source in sources for name, how in read(source)["made"].items()}
+    by_commit: dict[tuple[str, str], list[str]] = {}
+    for name, how in made.items():
+        by_commit.setdefault((how["version"], how["commit"]), []).append(f"`{name}`")
+    parts = [f"{', '.join(names)} with {version}, commit {commit}" for (version, commit), names in by_commit.items()]
+    return fill(f"Made: {'; '.join(parts)}.", WIDTH, break_long_words=False, break_on_hyphens=False)
+
+
+@cache
+def read(source: str) -> dict[str, Any]:
+    """Read a JSON file of results.
+
+    Raises:
+        NumberError: There is none.
+    """
+    for folder in RESULTS:
+        if (file := folder / f"{source}.json").exists():
+            found: dict[str, Any] = json.loads(file.read_text())
+            return found
+    raise NumberError(f"Expected {source}.json in the results of experiments or benchmarks, got none")
+
+
+def _value(found: re.Match[str]) -> str:
+    value: Any = read(found["source"])
+    for key in found["path"].split("/"):
+        try:
+            value = value[int(key)] if isinstance(value, list) else value[key]
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            raise NumberError(f"{found[0]}: expected a value, got none at {key!r}") from error
+    if found["unit"] is None:
+        if isinstance(value, dict | list | float):
+            raise NumberError(f"{found[0]}: expected a form such as |cm.2 for {value!r}")
+        return str(value)
+    if found["unit"] not in UNITS:
+        raise NumberError(f"{found[0]}: expected a unit among {', '.join(UNITS)}, got {found['unit']}")
+    factor, unit = UNITS[found["unit"]]
+    return _shown(value, factor, int(found["digits"]), "" if found["bare"] else unit, with_interval=not found["bare"])
+
+
+def _shown(value: Any, factor: float, n_digits: int, unit: str, *, with_interval: bool) -> str:
+    """Return a number, or an estimate with its interval, in a unit."""
+    estimate = value if isinstance(value, dict) else {"value": value}
+    middle, low, high = estimate["value"], estimate.get("low"), estimate.get("high")
+    text = f"{_rounded(factor * middle, n_digits)}{unit}"
+    if not with_interval or low is None or high is None:
+        return text
+    return f"{text} [{_rounded(factor * low, n_digits)}, {_rounded(factor * high, n_digits)}]"
+
+
+def _rounded(value: float, n_digits: int) -> str:
+    """Return a number with these digits; zero has no sign."""
+    return f"{round(value, n_digits) + 0.0:.{n_digits}f}"

@@ -1,0 +1,103 @@
+"""`python -m experiments.tables [NAME ...]`: makes all tables and pictures from the rows of the studies.
+
+The tables are CSV files for people and JSON files for the documentation, in `experiments/results/`. Each JSON file says
+with which version and commit its rows were made. `python -m docs.generate` puts the numbers into the pages.
+"""
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Final
+
+import tyro
+from matplotlib.figure import Figure
+from rich.progress import track
+
+from experiments.rows import RESULTS
+from experiments.tables import (
+    circles,
+    handover,
+    learning,
+    learning_pictures,
+    mass_sweep,
+    missions,
+    push_effect,
+    random_rooms,
+    references,
+    straight_push,
+    unknown_boxes,
+    unseen,
+    walking,
+)
+from legpush.errors import ConfigError
+from legpush.files import write_whole
+
+TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
+    "circles": circles.texts,
+    "handover": handover.texts,
+    "learning": learning.texts,
+    "mass_sweep": mass_sweep.texts,
+    "missions": missions.texts,
+    "push_effect": push_effect.texts,
+    "random_rooms": random_rooms.texts,
+    "references": references.texts,
+    "straight_push": straight_push.texts,
+    "unknown_boxes": unknown_boxes.texts,
+    "unseen": unseen.texts,
+    "walking": walking.texts,
+}
+"""Functions that return the contents of tables by the names of their files."""
+PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
+    "circles": circles.pictures,
+    "handover": handover.pictures,
+    "learning": learning_pictures.pictures,
+    "mass_sweep": mass_sweep.pictures,
+    "random_rooms": random_rooms.pictures,
+    "references": references.pictures,
+    "straight_push": straight_push.pictures,
+    "unknown_boxes": unknown_boxes.pictures,
+    "unseen": unseen.pictures,
+}
+"""The same for pictures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What to make."""
+
+    names: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="NAME")] = ()
+    """Names of tables; if not given, all."""
+    pictures: bool = True
+    """Also draw the pictures."""
+
+
+def main(config: Config) -> int:
+    """Make tables and pictures."""
+    make(config, TEXTS, PICTURES, RESULTS)
+    return 0
+
+
+def make(
+    config: Config,
+    texts: Mapping[str, Callable[[], dict[str, str]]],
+    pictures: Mapping[str, Callable[[], dict[str, Figure]]],
+    folder: Path,
+) -> None:
+    """Write tables and pictures into a folder.
+
+    Raises:
+        ConfigError: There is no such table, or it has no rows.
+    """
+    if unknown := [name for name in config.names if name not in texts]:
+        raise ConfigError(f"Expected tables among {', '.join(texts)}, got {', '.join(unknown)}")
+    for name in track(config.names or tuple(texts), description="tables"):
+        for file, text in texts[name]().items():
+            write_whole(folder / file, text.encode())
+        if config.pictures and name in pictures:
+            for file, figure in pictures[name]().items():
+                figure.savefig(folder / file)
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Config)))

@@ -1,0 +1,84 @@
+"""A short computation whose bits show whether this process computes what others do: `python -m legpush.canary`."""
+
+import sys
+from importlib.resources import files
+from typing import Final
+from zlib import crc32
+
+import msgspec
+from msgspec import Struct
+
+from legpush.in_process import run, world
+from legpush.numerics.current import current
+from legpush.numerics.entry import enter_profile
+from legpush.service import run_program
+
+PUBLISHED_FILE: Final = "canaries.json"
+
+
+class Canary(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The CRC-32 of each part as eight hexadecimal digits; they show where two machines differ."""
+
+    plan: str
+    """Of the planner's path for the trunk in the default scenario."""
+    walk: str
+    """Of the state of the simulator after a gait cycle along this path."""
+    push: str
+    """Of the state after one push cycle, which the default policy chose after the planner planned the box's path."""
+
+    @property
+    def crc(self) -> str:
+        """One CRC-32 of all parts."""
+        return f"{crc32(msgspec.json.encode(self)):08x}"
+
+
+def compute() -> Canary:
+    """Compute the canary in this process, which takes about a second.
+
+    Raises:
+        LegpushError: Planner, simulator, policy or mission is not installed, or fails.
+    """
+    with world("default", seed=0) as walking:
+        plan = walking.plan()
+        walking.follow(plan)
+        walked = walking.walk()
+    pushed = run("push", seed=0, changes={"mission.max_push_cycles": 1})
+    return Canary(
+        plan=f"{crc32(msgspec.msgpack.encode(plan)):08x}",
+        walk=f"{walked.state_crc:08x}",
+        push=pushed.state_crc,
+    )
+
+
+def published(numerics: str) -> Canary | None:
+    """Return the canary that was published for numerics of this name, such as `x86-64-v3/1a2b3c4d`; None if none was.
+
+    That of `native` numerics is never published: it holds for one kind of processor.
+    """
+    text = files("legpush").joinpath(PUBLISHED_FILE).read_bytes()
+    return msgspec.json.decode(text, type=dict[str, Canary]).get(numerics)
+
+
+def main() -> int:
+    """Print numerics and canary; return 1 if another canary was published for these numerics."""
+    numerics, canary = current(), compute()
+    expected = published(numerics.name)
+    lines = {
+        "numerics": numerics.name,
+        "why native": numerics.why_native,
+        "versions": ", ".join(f"{name} {version}" for name, version in numerics.versions.items()),
+        "canary": canary.crc,
+        **msgspec.to_builtins(canary),
+        "published": "none for these numerics" if expected is None else expected.crc,
+    }
+    sys.stdout.write("".join(f"{title:<12}{text}\n" for title, text in lines.items() if text))
+    if expected in (None, canary):
+        return 0
+    parts = [name for name in canary.__struct_fields__ if getattr(canary, name) != getattr(expected, name)]
+    sys.stdout.write(f"this machine computes other bits than were published, in: {', '.join(parts)}\n")
+    return 1
+
+
+if __name__ == "__main__":
+    enter_profile()
+    sys.exit(run_program("canary", main))

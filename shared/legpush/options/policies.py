@@ -1,0 +1,46 @@
+"""Options of `legpush policy`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from legpush.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class ShowPolicy:
+    """Print what a trained policy sees and does, and how it was trained."""
+
+    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")]
+    """The name of a shipped policy, or a policy folder."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportPolicy:
+    """Write a trained policy for other programs: its weights, and a card with observation, action and training.
+
+    `safetensors` makes a policy folder, also from one of an earlier format. `onnx` makes a model that takes the
+    observation as it is measured and gives the action. Exit codes: 0 written, 2 bad input.
+    """
+
+    policy: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="POLICY")]
+    """The name of a shipped policy, or a policy folder."""
+    to: Literal["safetensors", "onnx"] = "safetensors"
+    """Format of the weights."""
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("policy")
+    """The new folder."""
+
+    def __post_init__(self) -> None:
+        if self.out.exists() or not self.out.parent.is_dir():
+            raise ConfigError(f"Expected a new folder in an existing one for --out, got {self.out}")
+
+
+@dataclass(frozen=True)
+class Policies:
+    """Show or export a trained policy."""
+
+    action: (
+        Annotated[ShowPolicy, tyro.conf.subcommand("show")] | Annotated[ExportPolicy, tyro.conf.subcommand("export")]
+    )

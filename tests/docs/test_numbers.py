@@ -1,0 +1,96 @@
+"""The numbers of the pages are those of the results."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from docs import generate, numbers
+
+NUMBERS = {"made": {"walks": {"version": "0.1.0", "commit": "abcdef0"}}, "n": 3, "names": ["a", "b"]}
+NUMBERS |= {
+    "error_m": {"value": 0.0123, "low": 0.01, "high": 0.015},
+    "worst_m": 0.02,
+    "alone": {"value": 2.0},
+    "below_zero": -1e-5,
+}
+
+
+@pytest.fixture
+def walks(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """A folder of templates, with a result called `walks`."""
+    monkeypatch.setattr(numbers, "read", lambda source: {"walks": NUMBERS}[source])
+    monkeypatch.setattr(numbers, "TEMPLATES", tmp_path)
+    return tmp_path
+
+
+def shown(folder: Path, template: str) -> str:
+    (folder / "page.md").write_text(template)
+    return numbers.filled_template("page").partition("\n")[0]
+
+
+@pytest.mark.parametrize("page", [generate.MEASURED, generate.README], ids=lambda page: page.stem)
+def test_the_numbers_of_a_page_are_up_to_date(page: Path) -> None:
+    text = page.read_text()
+
+    assert generate.filled(text, generate.measured_parts()) == text, "run `python -m docs.generate`"
+
+
+def test_the_list_of_studies_is_up_to_date() -> None:
+    text = generate.EXPERIMENTS.read_text()
+
+    assert generate.filled(text, generate.experiments_parts()) == text, "run `python -m docs.generate`"
+
+
+def test_every_template_is_a_part_of_a_page() -> None:
+    pages = generate.MEASURED.read_text() + generate.README.read_text()
+
+    assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted(generate.TEMPLATES)
+
+
+def test_no_table_of_the_measurements_is_written_by_hand() -> None:
+    by_hand = re.sub(r"<!-- generated: \w+ -->.*?<!-- end -->", "", generate.MEASURED.read_text(), flags=re.DOTALL)
+
+    assert "|" not in by_hand
+
+
+@pytest.mark.parametrize(
+    ("place", "text"),
+    [
+        ("{walks:n}", "3"),
+        ("{walks:names/1}", "b"),
+        ("{walks:error_m|cm.2}", "1.23 cm [1.00, 1.50]"),
+        ("{walks:error_m|cm.1!}", "1.2"),
+        ("{walks:worst_m|cm.0}", "2 cm"),
+        ("{walks:worst_m|percent.0}", "2 %"),
+        ("{walks:alone|x.1}", "2.0"),
+        ("{walks:below_zero|x.2}", "0.00"),
+    ],
+)
+def test_a_place_shows_its_number(walks: Path, place: str, text: str) -> None:
+    assert shown(walks, place) == text
+
+
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        ("{walks:m}", "expected a value, got none at 'm'"),
+        ("{walks:names/2}", "expected a value, got none at '2'"),
+        ("{walks:worst_m}", r"expected a form such as \|cm\.2 for 0\.02"),
+        ("{walks:worst_m|inch.1}", "expected a unit among cm, .*, got inch"),
+    ],
+)
+def test_a_place_without_a_number_is_an_error(walks: Path, place: str, message: str) -> None:
+    with pytest.raises(numbers.NumberError, match=message):
+        shown(walks, place)
+
+
+def test_a_source_that_does_not_exist_is_an_error() -> None:
+    with pytest.raises(numbers.NumberError, match=r"Expected squares\.json"):
+        numbers.read("squares")
+
+
+def test_a_table_says_with_which_version_and_commit_it_was_made(walks: Path) -> None:
+    (walks / "page.md").write_text("{walks:n}\n")
+
+    assert numbers.filled_template("page") == "3\n\nMade: `walks` with 0.1.0, commit abcdef0.\n"

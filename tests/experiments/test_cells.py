@@ -1,0 +1,79 @@
+"""The cells of the experiments give the rows that are kept, and their fits find what is known."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from experiments.cells.circle import closing_m, fit_circle, fit_sine
+from experiments.cells.own_estimate import OWN_ESTIMATE
+from experiments.cells.straight_push import STRAIGHT_PUSH
+from experiments.cells.walk import WALK, path_of
+from legpush.study.cells import CellKind, columns_of
+
+ANGLES = np.linspace(0.0, 4 * pi, 200)
+
+
+def result(kind: CellKind, **fields: Any) -> dict[str, Any]:
+    return columns_of(kind, kind.resolve(kind.specification(**fields), ()))
+
+
+def test_a_circle_is_found_in_its_points() -> None:
+    points = np.array([1.0, 2.0]) + 0.5 * np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+
+    centre_m, radius_m, rms_m = fit_circle(points)
+
+    assert (*centre_m, radius_m) == pytest.approx((1.0, 2.0, 0.5))
+    assert rms_m == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_sine_is_found_in_its_values() -> None:
+    time_s = np.linspace(0.0, 100.0, 500)
+
+    found = fit_sine(time_s, 0.3 * np.sin(0.2 * time_s + 1.0) + 4.0, 0.19)
+
+    assert (found["amplitude_m"], found["omega_rad_s"], found["phi_rad"], found["offset_m"]) == pytest.approx(
+        (0.3, 0.2, 1.0, 4.0)
+    )
+    assert found["r2"] == pytest.approx(1.0)
+
+
+def test_a_spiral_does_not_close() -> None:
+    radius_m = 0.5 + 0.1 * ANGLES / (2 * pi)
+    spiral = np.stack([ANGLES, radius_m * np.cos(ANGLES), radius_m * np.sin(ANGLES), ANGLES], axis=1)
+
+    assert closing_m(spiral) == pytest.approx(0.1, abs=1e-3)
+
+
+def test_the_s_curve_ends_aside_with_its_first_heading() -> None:
+    path = path_of("s_curve")
+
+    assert (path[-1].x_m, path[-1].y_m, path[-1].yaw_rad) == pytest.approx((12.0, 12.0, 0.0), abs=1e-9)
+
+
+def test_a_turn_on_the_spot_ends_at_its_place_with_its_heading_reversed() -> None:
+    found = result(WALK, path="turn_on_the_spot")
+
+    assert found["end_yaw_error_deg"] < 0.5
+    assert found["end_error_m"] < 0.03
+    assert set(found) == {column.name for column in WALK.columns}
+
+
+def test_four_pushes_bring_the_estimate_much_closer_to_what_was_measured() -> None:
+    box = {"size_m": (0.6, 0.35, 0.4), "mass_kg": 0.1, "friction": 0.5, "shape": "cuboid"}
+    measured_m = 2.239
+
+    found = result(OWN_ESTIMATE, seed=50_100, face="rear", **box)
+
+    assert abs(found["own_m"] - measured_m) < 0.6 * abs(found["guessed_m"] - measured_m)
+
+
+def test_a_straight_push_has_the_box_and_the_trunk_at_the_same_times() -> None:
+    found = result(STRAIGHT_PUSH, seed=20_000, policy="scripted")
+
+    by_time = ("box_x_m", "box_y_m", "box_yaw_deg", "roll_deg", "pitch_deg")
+    assert {len(found[name]) for name in by_time} == {len(found["roll_deg"])}
+    assert found["box_x_m"][-1] - found["box_x_m"][0] == pytest.approx(1.0, abs=0.1)
+    assert found["error_m"][0] > 0.8 > 0.03 > found["error_m"][-1]
+    assert len(found["error_m"]) == len(found["error_deg"]) > 10

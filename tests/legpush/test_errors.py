@@ -1,0 +1,68 @@
+"""Errors become one line and an exit code, and a full disk has a code of its own wherever it is met."""
+
+import errno
+import os
+
+import pytest
+
+from legpush.errors import (
+    DISK_FULL,
+    ConfigError,
+    DiskFullError,
+    LegpushError,
+    PeerError,
+    RecordingError,
+    code_of,
+    exit_code_of,
+    is_disk_full,
+    one_line,
+)
+
+
+def caused(error: LegpushError, *causes: OSError | LegpushError) -> LegpushError:
+    """The error as it is raised from its cause, that from the next one, and so on."""
+    above: BaseException = error
+    for cause in causes:
+        above.__cause__ = cause
+        above = cause
+    return error
+
+
+def system_error(number: int) -> OSError:
+    return OSError(number, os.strerror(number))
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT])
+@pytest.mark.parametrize("kind", [LegpushError, ConfigError, RecordingError])
+def test_an_error_that_a_full_disk_caused_has_the_code_of_a_full_disk(kind: type[LegpushError], number: int) -> None:
+    assert code_of(caused(kind("no"), system_error(number))) == DISK_FULL
+    assert code_of(caused(kind("no"), RecordingError("no"), system_error(number))) == DISK_FULL
+    assert code_of(system_error(number)) == DISK_FULL
+    assert code_of(caused(kind("no"), DiskFullError("no"))) == DISK_FULL
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.ENOENT, errno.EFBIG])
+def test_another_error_of_the_system_keeps_the_code_of_its_kind(number: int) -> None:
+    assert code_of(caused(ConfigError("no"), system_error(number))) == 2
+    assert code_of(caused(PeerError("no"), system_error(number))) == 3
+    assert not is_disk_full(system_error(number))
+
+
+def test_the_exit_code_is_that_of_the_work_or_of_its_error(capsys: pytest.CaptureFixture[str]) -> None:
+    def fail(error: BaseException) -> int:
+        raise error
+
+    assert exit_code_of(lambda: 7) == 7
+    assert exit_code_of(lambda: fail(ConfigError("a\nb"))) == 2
+    assert exit_code_of(lambda: fail(system_error(errno.ENOSPC))) == DISK_FULL
+    assert capsys.readouterr().err == "error: a\\nb\nerror: [Errno 28] No space left on device\n"
+    for error in (system_error(errno.EACCES), ValueError("x")):
+        with pytest.raises(type(error)):
+            exit_code_of(lambda error=error: fail(error))  # type: ignore[misc]
+    assert capsys.readouterr().err == ""
+
+
+def test_control_characters_are_shown_and_not_obeyed() -> None:
+    assert (
+        one_line("ä \x1b]8;;http://x\x07[link] \x9b31m\u202e\r") == "ä \\x1b]8;;http://x\\x07[link] \\x9b31m\\u202e\\r"
+    )
