@@ -19,6 +19,7 @@ PARTS = [
     ("shared/legpush", ()),
     ("shared/legpush/gym", ("train",)),
     ("shared/legpush/study", ("study",)),
+    ("shared/legpush/study/engines", ("ray", "slurm")),
     ("planner_proc", ("planner",)),
     ("sim_proc", ("sim",)),
     ("sim_proc/export", ("view",)),

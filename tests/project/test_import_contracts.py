@@ -49,6 +49,9 @@ ROGUES = {
     "Only tables import PyArrow": ("sim_proc.export", "import pyarrow"),
     "Only sim_proc.view imports viser": ("sim_proc.view", "import viser"),
     "Only the guard of the page imports websockets": ("sim_proc.view", "import websockets"),
+    "Only the engine of Ray imports Ray": ("legpush.study.engines", "import ray"),
+    "Only the check of Ray's token imports gRPC": ("legpush.study.engines", "import grpc"),
+    "Only the engine of Slurm imports submitit": ("legpush.study.engines", "import submitit"),
 }
 """Package that a rogue module is put into, and the line in it that must break the contract of that name."""
 

@@ -17,9 +17,15 @@ class EngineOptions:
     """Where cells are run, and what code they may run."""
 
     on: Annotated[str, tyro.conf.arg(metavar="ENGINE")] = "local"
-    """Where to run the cells: `local`, in processes on this machine."""
+    """Where to run the cells: `local`, in processes on this machine; `ray`, on a Ray cluster that is started on this
+    machine; `ray:HOST:PORT`, on a running one of which this machine is a node; `ray://HOST:PORT`, on one of which it is
+    none; or `slurm`."""
     workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Number of worker processes; if not given, one per core."""
+    """Number of worker processes, or of jobs in the queue of Slurm; if not given, one per core of this machine. A
+    running Ray cluster has its own number."""
+    slurm_option: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    """Give Slurm this option of `sbatch` for each job, such as `partition=cpu` or `time=120` (minutes); may be given
+    several times. `cluster=local` needs no Slurm: it runs the same jobs on this machine, as a rehearsal."""
     cell: Annotated[str | None, tyro.conf.arg(metavar="MODULE:FUNCTION")] = None
     """Run cells of this kind, which is your own code. A study file alone never names code."""
     policy: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME")] = ()
@@ -28,11 +34,19 @@ class EngineOptions:
     def __post_init__(self) -> None:
         if self.workers is not None and self.workers < 1:
             raise ConfigError(f"Expected at least 1 for --workers, got {self.workers}")
+        for option in self.slurm_option:
+            if not all(option.partition("=")):
+                raise ConfigError(f"Expected NAME=VALUE for --slurm-option, got {option!r}")
 
     @property
     def n_workers(self) -> int:
         """Number of worker processes."""
         return self.workers if self.workers is not None else len(os.sched_getaffinity(0))
+
+    @property
+    def slurm_options(self) -> dict[str, str]:
+        """Options of Slurm by name."""
+        return {name: value for name, _, value in (option.partition("=") for option in self.slurm_option)}
 
 
 @dataclass(frozen=True, kw_only=True)

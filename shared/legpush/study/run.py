@@ -11,11 +11,12 @@ import msgspec
 from rich.console import Console
 from rich.text import Text
 
+from legpush.canary import compute
 from legpush.errors import INTERRUPTED, ConfigError, DiskFullError
 from legpush.files import DiskError
 from legpush.options.study import RunStudy
 from legpush.service import stop_on_signals
-from legpush.study.engines.choose import make_engine, require_engine
+from legpush.study.engines.choose import LOCAL, make_engine, require_engine
 from legpush.study.file import Study, load_study
 from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.identity import study_versions
@@ -33,7 +34,7 @@ def run_study(options: RunStudy, console: Console) -> int:
         DiskFullError: The disk is full; what was written before is kept.
         LegpushError: The engine failed.
     """
-    require_engine(options.on)
+    require_engine(options.on, options.slurm_options)
     study = load_study(options.file, own_cell=options.cell, allowed_policies=options.policy, many=options.yes)
     cells = [task.cell for task in study.tasks()]
     _require_different(study, cells)
@@ -112,11 +113,15 @@ def _run_missing(
     folder.forget_failures(retried)
     if missing:
         job = Job(
-            kind=study.kind_name, code=study.code, canary=folder.record().canary, results=study.file.results, tasks=()
+            kind=study.kind_name,
+            code=study.code,
+            canary=_expected_canary(options, study, folder),
+            results=study.file.results,
+            tasks=(),
         )
         with shown(console) as show:
             Runner(
-                make_engine(options.on, options.n_workers),
+                make_engine(options.on, options.n_workers, folder.path, options.slurm_options),
                 folder,
                 job=job,
                 task=study.task,
@@ -127,6 +132,17 @@ def _run_missing(
                 on_canary=folder.set_canary,
             ).run()
     return tally
+
+
+def _expected_canary(options: RunStudy, study: Study, folder: StudyFolder) -> str | None:
+    """Return the CRC that the canary of each worker must have: that of the study, or on a cluster that of this machine.
+
+    None leaves it to the first worker, which is a process of this machine.
+    """
+    if (expected := folder.record().canary) is None and study.kind.needs_canary and options.on != LOCAL:
+        expected = compute().crc
+        folder.set_canary(expected)
+    return expected
 
 
 def _require_different(study: Study, cells: Sequence[str]) -> None:

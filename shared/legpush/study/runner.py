@@ -4,8 +4,9 @@ import logging
 import threading
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Future
 from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any, Final
 
@@ -19,12 +20,8 @@ from legpush.study.rows import write_part
 
 log = logging.getLogger(__name__)
 
-JOBS_PER_SLOT: Final = 2
-"""Jobs in flight per slot: one runs while the next one waits."""
-BATCH_S: Final = 1.5
-"""Cells are sent in batches that take about this long; a cell that takes longer is sent alone."""
-MOST_CELLS: Final = 256
-"""Most cells of a batch, and most rows that wait to be written."""
+MOST_ROWS: Final = 256
+"""Most rows that wait to be written."""
 FLUSH_S: Final = 1.0
 """Longest time that a row waits to be written."""
 TURN_S: Final = 0.2
@@ -82,12 +79,15 @@ class Runner:
         self._waiting = deque(missing)
         self._alone: deque[int] = deque()
         self._running: dict[Future[bytes], dict[str, tuple[int, Task]]] = {}
+        # Waiting for futures takes longer the more there are; a queue does not.
+        self._done: SimpleQueue[Future[bytes]] = SimpleQueue()
         self._losses: Counter[int] = Counter()
         self._rows: list[dict[str, Any]] = []
         self._oldest_s = 0.0
         self._cell_s: float | None = None
         """Recent mean time of a cell."""
         self._n_refusals = 0
+        self._most_slots = 0
         self._tally = tally
         self._stop = stop
         self._on_turn = on_turn
@@ -105,10 +105,7 @@ class Runner:
         try:
             while not self._stop.is_set() and (self._waiting or self._alone or self._running):
                 self._send()
-                if not self._running:
-                    self._stop.wait(TURN_S)
-                done, _ = wait(self._running, timeout=TURN_S, return_when=FIRST_COMPLETED)
-                for future in [each for each in self._running if each in done]:
+                for future in self._ended():
                     self._take(future, self._running.pop(future))
                 self._flush()
                 self._on_turn(self._tally)
@@ -122,13 +119,26 @@ class Runner:
     def _send(self) -> None:
         """Keep every slot busy."""
         n_slots = self._engine.n_slots()
-        while len(self._running) < JOBS_PER_SLOT * n_slots:
+        self._most_slots = max(self._most_slots, n_slots)
+        while len(self._running) < self._engine.pace.jobs_per_slot * n_slots:
             indices = self._next(n_slots)
             if not indices:
                 return
             sent = {(task := self._task(index)).cell: (index, task) for index in indices}
             job = replace(self._job, tasks=tuple(task for _, task in sent.values()))
-            self._running[self._engine.submit(encode(job))] = sent
+            future = self._engine.submit(encode(job))
+            self._running[future] = sent
+            future.add_done_callback(self._done.put)
+
+    def _ended(self) -> list["Future[bytes]"]:
+        """Return the jobs that have ended, after a short wait for the first one."""
+        try:
+            ended = [self._done.get(timeout=TURN_S)]
+        except Empty:
+            return []
+        while not self._done.empty():
+            ended.append(self._done.get())
+        return ended
 
     def _next(self, n_slots: int) -> list[int]:
         """Return the cells of the next job; empty if there is nothing to send now."""
@@ -138,8 +148,9 @@ class Runner:
             # The first answers say how long a cell takes.
             n = 1 if len(self._running) < n_slots else 0
         else:
-            fair = -(-len(self._waiting) // (JOBS_PER_SLOT * n_slots))
-            n = max(1, min(round(BATCH_S / max(self._cell_s, 1e-6)), MOST_CELLS, fair))
+            pace = self._engine.pace
+            fair = -(-len(self._waiting) // (pace.jobs_per_slot * n_slots))
+            n = max(1, min(round(pace.batch_s / max(self._cell_s, 1e-6)), pace.most_cells, fair))
         return [self._waiting.popleft() for _ in range(min(n, len(self._waiting)))]
 
     def _take(self, future: "Future[bytes]", sent: dict[str, tuple[int, Task]]) -> None:
@@ -158,9 +169,9 @@ class Runner:
             return
         self._n_refusals = 0
         for row in answer.rows:
-            if not self._rows:
-                self._oldest_s = monotonic()
-            self._rows.append(row.columns)
+            if not self._engine.workers_keep_rows:
+                self._oldest_s = self._oldest_s if self._rows else monotonic()
+                self._rows.append(row.columns)
             self._cell_s = row.wall_s if self._cell_s is None else 0.8 * self._cell_s + 0.2 * row.wall_s
             self._tally.n_done += 1
         for failure in answer.failures:
@@ -168,7 +179,7 @@ class Runner:
             self._fail(task, own=True, error=failure.error, traceback=failure.traceback, host=answer.host)
         self._tally.n_new += len(answer.rows)
         if self._cell_s is None and answer.failures:
-            self._cell_s = BATCH_S
+            self._cell_s = self._engine.pace.batch_s
 
     def _other_canary(self, answer: Answer) -> str | None:
         """Return why an answer cannot count that was begun before the canary of the study was known."""
@@ -184,7 +195,8 @@ class Runner:
             self._tally.refused.add(text)
         self._waiting.extendleft(index for index, _ in sent.values())
         self._n_refusals += 1
-        if self._n_refusals > REFUSALS_PER_SLOT * self._engine.n_slots():
+        # An engine has fewer slots when it keeps cells from a node that refused; some may have been sent there before.
+        if self._engine.n_slots() == 0 or self._n_refusals > REFUSALS_PER_SLOT * self._most_slots:
             raise EngineError(f"No worker can run this study: {'; '.join(sorted(self._tally.refused))}")
 
     def _lose(self, sent: dict[str, tuple[int, Task]], why: str) -> None:
@@ -206,6 +218,6 @@ class Runner:
 
     def _flush(self, *, now: bool = False) -> None:
         """Write the rows that wait, if it is time to."""
-        if self._rows and (now or len(self._rows) >= MOST_CELLS or monotonic() - self._oldest_s >= FLUSH_S):
+        if self._rows and (now or len(self._rows) >= MOST_ROWS or monotonic() - self._oldest_s >= FLUSH_S):
             rows, self._rows = self._rows, []
             write_part(self._folder.parts, rows)

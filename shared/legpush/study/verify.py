@@ -12,7 +12,7 @@ from rich.text import Text
 from legpush.errors import INTERRUPTED, ConfigError
 from legpush.options.study import VerifyStudy
 from legpush.service import stop_on_signals
-from legpush.study.engines.choose import make_engine, require_engine
+from legpush.study.engines.choose import SLURM, make_engine, require_engine
 from legpush.study.file import Study, read_study
 from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.jobs import Job
@@ -30,7 +30,7 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
         ConfigError: The folder has no study with rows, or one of another code version.
         LegpushError: The engine failed.
     """
-    require_engine(options.on)
+    require_engine(options.on, options.slurm_options)
     folder, stop = StudyFolder(options.folder), stop_on_signals()
     record = folder.record()
     studies = _studies(options, folder, record)
@@ -44,11 +44,13 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
         return 1
     n = max(1, round(options.share * len(cells)))
     chosen = random.Random(options.seed).sample(sorted(cells), n)  # noqa: S311 - no secret
-    with TemporaryDirectory(prefix="legpush-verify-") as scratch, shown(console) as show:
+    # Workers on Slurm write their rows where the study is, which all nodes see.
+    shared = folder.path if options.on == SLURM else None
+    with TemporaryDirectory(prefix="legpush-verify-", dir=shared) as scratch, shown(console) as show:
         again, tally, canaries = StudyFolder(Path(scratch)), Tally(n_cells=n, n_done=0), list[str]()
         again.make_folders()
         Runner(
-            make_engine(options.on, options.n_workers),
+            make_engine(options.on, options.n_workers, again.path, options.slurm_options),
             again,
             job=Job(kind=record.kind, code=record.code, canary=None, results=None, tasks=()),
             task=lambda place: places[chosen[place]][0].task(places[chosen[place]][1]),

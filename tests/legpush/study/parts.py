@@ -4,7 +4,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 
-from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.file import Study, read_study
 from legpush.study.folder import StudyFolder
 from legpush.study.jobs import Answer, Job, decode_job, encode
@@ -32,6 +32,8 @@ class FakeEngine:
     """Answers jobs at once, in this process, as `answer` says; by default as a worker would."""
 
     name = "fake"
+    pace = Pace()
+    workers_keep_rows = False
 
     def __init__(self, answer: Callable[[Job], Answer | None] | None = None) -> None:
         """`answer` returns None for a worker that is lost."""

@@ -78,7 +78,7 @@ def test_only_the_results_that_are_named_are_kept(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("more", "error"),
     [
-        (["--on", "cluster"], "Expected local"),
+        (["--on", "cluster"], "Expected one of local"),
         (["--workers", "0"], "Expected at least 1 for --workers, got 0"),
     ],
 )

@@ -1,29 +1,60 @@
 """Finds the engine that `--on` names."""
 
+import os
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError
+from legpush.processes.environment import ONE_THREAD
 from legpush.study.engines.engine import Engine
 from legpush.study.engines.local import LocalEngine
 
-ENGINES: Final = ("local",)
+LOCAL: Final = "local"
+SLURM: Final = "slurm"
+ENGINES: Final = (LOCAL, "ray", "ray:HOST:PORT", "ray://HOST:PORT", SLURM)
+NUMERICS: Final = ("LEGPUSH_NUMERICS", "OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES")
+"""Environment variables that decide which bits a process computes: workers elsewhere have those of the head."""
 
 
-def require_engine(on: str) -> None:
-    """Check that there is such an engine.
+def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
+    """Refuse an engine that is unknown, or that has no such options.
 
     Raises:
         ConfigError: There is none; lists the valid ones.
     """
-    if on not in ENGINES:
-        raise ConfigError(f"Expected {' or '.join(ENGINES)} for --on, got {on!r}")
+    if on not in (LOCAL, SLURM) and on.partition(":")[0] != "ray":
+        raise ConfigError(f"Expected one of {', '.join(ENGINES)} for --on, got {on!r}")
+    if slurm_options and on != SLURM:
+        raise ConfigError(f"Expected --slurm-option with --on slurm, got it with --on {on}")
 
 
-def make_engine(on: str, n_workers: int) -> Engine:
+def make_engine(on: str, n_workers: int, study: Path, slurm_options: Mapping[str, str]) -> Engine:
     """Make the engine that `--on` names.
+
+    Args:
+        on: One of `ENGINES`.
+        n_workers: Number of worker processes, or of jobs in the queue of Slurm.
+        study: Folder of the study.
+        slurm_options: Options of `sbatch` by name.
 
     Raises:
         ConfigError: There is none, or it cannot be used here.
     """
-    require_engine(on)
-    return LocalEngine(n_workers)
+    require_engine(on, slurm_options)
+    if on == LOCAL:
+        return LocalEngine(n_workers)
+    extra = on.partition(":")[0]
+    environment = {**ONE_THREAD, **{name: os.environ[name] for name in NUMERICS if name in os.environ}}
+    try:
+        if on == SLURM:
+            from legpush.study.engines.slurm import SlurmEngine
+
+            return SlurmEngine(study, n_jobs=n_workers, options=slurm_options, environment=environment)
+        from legpush.study.engines.ray_cluster import RayEngine
+
+        return RayEngine(on, n_workers=n_workers, environment=environment)
+    except ModuleNotFoundError as error:
+        raise ConfigError(
+            f"--on {on} needs {error.name}, which is not installed; pip install 'legpush[{extra}]' installs it"
+        ) from error

@@ -18,7 +18,7 @@ from typing import Final
 from legpush.errors import LegpushError
 from legpush.processes.environment import child_environment
 from legpush.processes.parent_watch import die_with
-from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.work import work
 
 SPAWN: Final = get_context("spawn")
@@ -29,6 +29,8 @@ class LocalEngine:
     """A number of worker processes, each driven by a thread that waits for its answers."""
 
     name = "local"
+    pace = Pace()
+    workers_keep_rows = False
 
     def __init__(self, n_workers: int) -> None:
         """Start nothing yet: a worker starts with its first job."""
