@@ -7,23 +7,20 @@ emulator cannot show.
 
 import json
 import os
-import platform
-import shlex
 import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
-from typing import Annotated, Any
+from typing import Any
 
 import tyro
 
+from benchmarks.report import write_report
 from legpush.errors import ConfigError
 from legpush.numerics.profile import VARIABLE, with_profile
 from legpush.policy_names import DEFAULT_POLICY
 from legpush.processes.environment import ONE_THREAD
-from legpush.versions import installed_versions
 
 QEMU = "qemu-x86_64"
 COMPUTE = """
@@ -53,8 +50,6 @@ class Config:
     """Scenario and seed of each mission. An emulator is about forty times slower."""
     policy: str = DEFAULT_POLICY
     """The policy of the missions."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/emulated_processors.json")
-    """Where the numbers go."""
 
 
 def main(config: Config) -> int:
@@ -74,13 +69,7 @@ def main(config: Config) -> int:
         print(f"{processor}: {computed['crcs']}, {computed['numerics']}, {wall_s:.0f} s", flush=True)
     n_differing = sum(row["crcs"] != rows["here"]["crcs"] for row in rows.values())
     print(f"{n_differing} of {len(config.processors)} emulated processors differ")
-    result = {
-        "command": shlex.join(["python", "-m", "benchmarks.emulated_processors", *sys.argv[1:]]),
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
-        "versions": installed_versions(),
-        "processors": rows,
-    }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
+    write_report("emulated_processors", {"processors": rows, "n_differing": n_differing})
     return int(n_differing > 0)
 
 

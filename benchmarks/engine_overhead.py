@@ -5,32 +5,29 @@ CPU time of everything that was started is compared with that of the episodes th
 more or less by themselves, by what else the machine does.
 """
 
-import json
-import os
-import platform
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import fmean
 from tempfile import TemporaryDirectory
 from time import process_time
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
 import msgspec
 import tyro
 from threadpoolctl import threadpool_limits
 
-from agent_proc.statistics import mean_interval
+from agent_proc.statistics.intervals import mean
+from benchmarks.report import write_report
 from benchmarks.scaling import cpu_of_all, measure_tasks
 from legpush.study.cells import columns_of, load_kind
 from legpush.study.engines.choose import make_engine
 from legpush.study.engines.engine import Engine
 from legpush.study.file import read_study
 from legpush.study.jobs import Task
-from legpush.versions import installed_versions
 
 KIND: Final = "benchmarks.study_cells:PUSH"
 STUDY: Final = """
@@ -55,8 +52,6 @@ class Config:
     cycles: int = 20
     """Pushes of an episode; twenty take about a second."""
     workers: int = 2
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/engine_overhead.json")
-    """Where the numbers go."""
 
 
 def tasks(config: Config, first: int) -> list[Task]:
@@ -115,19 +110,17 @@ def main(config: Config) -> None:
                 measured[on] = measure_rounds(config, partial(on_engine, engine))
             finally:
                 engine.close(now=True)
-    overhead = {name: mean_interval([each["overhead"] for each in rounds]) for name, rounds in measured.items()}
-    for name, mean in overhead.items():
-        print(f"{name}: {mean.value:.2%} [{mean.low:.2%}, {mean.high:.2%}] CPU beside the episodes", flush=True)
-    content = {
-        "command": "python -m benchmarks.engine_overhead",
-        "machine": {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]},
-        "versions": installed_versions(),
-        "n_cells": config.n_cells,
-        "cycles": config.cycles,
-        "rounds": measured,
-        "overhead": {name: [mean.value, mean.low, mean.high] for name, mean in overhead.items()},
-    }
-    config.out.write_text(json.dumps(content, indent=1) + "\n")
+    write_report(
+        "engine_overhead",
+        {
+            "n_cells": config.n_cells,
+            "cycles": config.cycles,
+            "rounds": measured,
+            "overhead": {
+                name: asdict(mean([each["overhead"] for each in rounds])) for name, rounds in measured.items()
+            },
+        },
+    )
 
 
 if __name__ == "__main__":

@@ -8,9 +8,7 @@ and the workers, which serve as many as there are. Service times are taken as ex
 `rate(K) = G(K - 1) / G(K)` with the normalizing constants `G` of K jobs (Buzen, 1973).
 """
 
-import json
 import os
-import platform
 import threading
 import time
 from collections import defaultdict
@@ -21,12 +19,13 @@ from itertools import pairwise
 from pathlib import Path
 from statistics import fmean, median
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
 import numpy as np
 import psutil
 import tyro
 
+from benchmarks.report import write_report
 from legpush.study.engines.choose import make_engine
 from legpush.study.engines.engine import Engine, Pace
 from legpush.study.folder import StudyFolder
@@ -34,7 +33,6 @@ from legpush.study.identity import code_version
 from legpush.study.jobs import Job, Task
 from legpush.study.rows import read_rows
 from legpush.study.runner import Runner, Tally
-from legpush.versions import installed_versions
 
 KIND: Final = "benchmarks.study_cells:SLEEP"
 PACE: Final = Pace()
@@ -52,8 +50,6 @@ class Config:
     """How long a cell sleeps; each is sent alone, so that the head has as much to do as possible."""
     span_s: float = 5.0
     """About how long each measurement takes."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/scaling.json")
-    """Where the numbers go."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,11 +262,7 @@ def check(on: str, config: Config, costs: Costs) -> list[dict[str, float]]:
 
 def main(config: Config) -> None:
     """Measure, predict, and write the numbers."""
-    began = {
-        "load_before": os.getloadavg()[0],
-        "cores": os.cpu_count(),
-        "memory_gib": psutil.virtual_memory().total / 2**30,
-    }
+    load = os.getloadavg()[0]
     # Ray makes its workers nice; where others use the machine too, these would be measured.
     os.environ["RAY_worker_niceness"] = "0"  # noqa: SIM112 - that is its name
     results: dict[str, Mapping[str, Any]] = {}
@@ -278,14 +270,16 @@ def main(config: Config) -> None:
         costs = measure_costs(on)
         print(f"{on}: {costs}", flush=True)
         results[on] = {"costs": asdict(costs), "checked": check(on, config, costs), "extrapolated": extrapolate(costs)}
-    content = {
-        "command": "python -m benchmarks.scaling",
-        "machine": {**began, "system": platform.platform(), "processor": _processor()},
-        "versions": installed_versions(),
-        "jobs_per_slot": PACE.jobs_per_slot,
-        "engines": results,
-    }
-    config.out.write_text(json.dumps(content, indent=1) + "\n")
+    write_report(
+        "scaling",
+        {
+            "load_before": load,
+            "memory_gib": psutil.virtual_memory().total / 2**30,
+            "processor": _processor(),
+            "jobs_per_slot": PACE.jobs_per_slot,
+            "engines": results,
+        },
+    )
 
 
 def _processor() -> str:

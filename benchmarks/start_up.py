@@ -7,16 +7,13 @@ weights in Stable-Baselines3.
 
 import json
 import os
-import platform
 import resource
-import shlex
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -30,10 +27,10 @@ from stable_baselines3.ppo import MlpPolicy
 from agent_proc.policies.folder import policy_path, read_policy
 from agent_proc.policies.sb3.arguments import policy_arguments, use_one_thread
 from agent_proc.policies.sb3.spaces import action_space, observation_space
+from benchmarks.report import write_report
 from legpush.errors import JournalError
 from legpush.history.journal import Acted, read_entries
 from legpush.messages.stepping import Reset
-from legpush.versions import installed_versions
 
 CHECKOUT: Final = Path(__file__).parents[1]
 LEGPUSH: Final = "import sys; from legpush.cli import main; sys.exit(main())"
@@ -59,8 +56,6 @@ class Config:
     """Another checkout to compare with."""
     label: str = "other"
     """What the other checkout is called in the results."""
-    out: Annotated[Path, tyro.conf.arg(metavar="JSON")] = Path("benchmarks/results/start_up.json")
-    """Where the numbers go."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,20 +93,15 @@ def main(config: Config) -> None:
     }
     decision_us = decisions()
     print(f"medians: {medians}; one decision, us: {decision_us}")
-    result = {
-        "command": f"python -m benchmarks.start_up --scenario {config.scenario} --n-runs {config.n_runs}"
-        + ("" if config.against is None else f" --against CHECKOUT --label {shlex.quote(config.label)}"),
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores, load {load:.1f} before the first run",
-        "versions": {
-            **installed_versions(),
-            "torch": version("torch"),
-            "stable-baselines3": version("stable-baselines3"),
+    write_report(
+        "start_up",
+        {
+            "load_before": load,
+            "medians": medians,
+            "decision_us": decision_us,
+            "missions": {name: [asdict(mission) for mission in measured] for name, measured in missions.items()},
         },
-        "medians": medians,
-        "decision_us": decision_us,
-        "missions": {name: [asdict(mission) for mission in measured] for name, measured in missions.items()},
-    }
-    config.out.write_text(json.dumps(result, indent=1) + "\n")
+    )
 
 
 def measure(checkout: Path, scenario: str, seed: int) -> Mission:
