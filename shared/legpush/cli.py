@@ -242,8 +242,10 @@ def _studies(command: Studies) -> int:
 def _run_study(command: RunStudy) -> int:
     from rich.console import Console
 
+    from legpush.numerics.entry import enter_profile
     from legpush.study.run import run_study
 
+    enter_profile()
     return run_study(command, Console())
 
 
@@ -265,8 +267,10 @@ def _study_table(command: StudyTable) -> int:
 def _verify_study(command: VerifyStudy) -> int:
     from rich.console import Console
 
+    from legpush.numerics.entry import enter_profile
     from legpush.study.verify import verify_study
 
+    enter_profile()
     return verify_study(command, Console())
 
 

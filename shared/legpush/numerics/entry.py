@@ -9,9 +9,9 @@ from legpush.numerics.profile import VARIABLE, X86_64_V3, with_profile
 def enter_profile() -> None:
     """Start this process again under the profile, unless it is under it already.
 
-    Call it first, and only from the main module of a program. Nothing happens if the environment was made for a
-    profile, or the user asked for `native`; if a debugger or a tracer would lose the process; or on a machine that
-    cannot keep the profile. `legpush.numerics.current` then says so.
+    Call it first, and only from the main module of a program, or from a command before its work begins. Nothing happens
+    if the environment was made for a profile, or the user asked for `native`; if a debugger or a tracer would lose the
+    process; or on a machine that cannot keep the profile. `legpush.numerics.current` then says so.
     """
     if VARIABLE in os.environ or is_watched() or not sys.executable or not sys.orig_argv:
         return

@@ -17,7 +17,8 @@ class EngineOptions:
     """Where cells are run, and what code they may run."""
 
     on: Annotated[str, tyro.conf.arg(metavar="ENGINE")] = "local"
-    """Where to run the cells: `local`, in processes on this machine; `ray`, on a Ray cluster that is started on this
+    """Where to run the cells: `local`, in processes on this machine; `inline`, in this process alone, for a debugger or
+    an emulator; `ray`, on a Ray cluster that is started on this
     machine; `ray:HOST:PORT`, on a running one of which this machine is a node; `ray://HOST:PORT`, on one of which it is
     none; or `slurm`."""
     workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None

@@ -16,7 +16,7 @@ from legpush.errors import INTERRUPTED, ConfigError, DiskFullError
 from legpush.files import DiskError
 from legpush.options.study import RunStudy
 from legpush.service import stop_on_signals
-from legpush.study.engines.choose import LOCAL, make_engine, require_engine
+from legpush.study.engines.choose import INLINE, LOCAL, make_engine, require_engine
 from legpush.study.file import Study, load_study
 from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.identity import study_versions
@@ -139,7 +139,7 @@ def _expected_canary(options: RunStudy, study: Study, folder: StudyFolder) -> st
 
     None leaves it to the first worker, which is a process of this machine.
     """
-    if (expected := folder.record().canary) is None and study.kind.needs_canary and options.on != LOCAL:
+    if (expected := folder.record().canary) is None and study.kind.needs_canary and options.on not in (LOCAL, INLINE):
         expected = compute().crc
         folder.set_canary(expected)
     return expected

@@ -8,11 +8,13 @@ from typing import Final
 from legpush.errors import ConfigError
 from legpush.processes.environment import ONE_THREAD
 from legpush.study.engines.engine import Engine
+from legpush.study.engines.inline import InlineEngine
 from legpush.study.engines.local import LocalEngine
 
 LOCAL: Final = "local"
 SLURM: Final = "slurm"
-ENGINES: Final = (LOCAL, "ray", "ray:HOST:PORT", "ray://HOST:PORT", SLURM)
+INLINE: Final = "inline"
+ENGINES: Final = (LOCAL, INLINE, "ray", "ray:HOST:PORT", "ray://HOST:PORT", SLURM)
 NUMERICS: Final = ("LEGPUSH_NUMERICS", "OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES")
 """Environment variables that decide which bits a process computes: workers elsewhere have those of the head."""
 
@@ -23,7 +25,7 @@ def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
     Raises:
         ConfigError: There is none; lists the valid ones.
     """
-    if on not in (LOCAL, SLURM) and on.partition(":")[0] != "ray":
+    if on not in (LOCAL, INLINE, SLURM) and on.partition(":")[0] != "ray":
         raise ConfigError(f"Expected one of {', '.join(ENGINES)} for --on, got {on!r}")
     if slurm_options and on != SLURM:
         raise ConfigError(f"Expected --slurm-option with --on slurm, got it with --on {on}")
@@ -44,6 +46,8 @@ def make_engine(on: str, n_workers: int, study: Path, slurm_options: Mapping[str
     require_engine(on, slurm_options)
     if on == LOCAL:
         return LocalEngine(n_workers)
+    if on == INLINE:
+        return InlineEngine()
     extra = on.partition(":")[0]
     environment = {**ONE_THREAD, **{name: os.environ[name] for name in NUMERICS if name in os.environ}}
     try:

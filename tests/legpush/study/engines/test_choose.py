@@ -17,7 +17,7 @@ def test_engines_that_there_are(on: str) -> None:
 
 @pytest.mark.parametrize("on", ["", "Ray", "rays", "dask", "slurm:a", "local:2"])
 def test_other_engines_are_refused_with_the_valid_ones(on: str) -> None:
-    with pytest.raises(ConfigError, match=r"Expected one of local, ray, .*, slurm for --on"):
+    with pytest.raises(ConfigError, match=r"Expected one of local, inline, ray, .*, slurm for --on"):
         require_engine(on, {})
 
 
