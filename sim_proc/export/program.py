@@ -11,9 +11,9 @@ from typing import Final
 import tyro
 
 from legpush.errors import ConfigError, exit_code_of, one_line
-from legpush.exports import FILMS, Format
 from legpush.files import new_file, sha256_of
 from legpush.options.export import ExportOptions
+from legpush.options.formats import FILMS, Format
 from sim_proc.export.columns import columns_of
 from sim_proc.export.source import Source, longest, notes, read_source
 from sim_proc.export.table_csv import write_csv

@@ -11,8 +11,8 @@ from typing import Annotated
 import tyro
 
 from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
-from legpush.exports import View
 from legpush.history.steps import read_episode
+from legpush.options.formats import View
 from legpush.runs.folder import require_no_links
 from sim_proc.render.film import film_of, timeline_of
 from sim_proc.render.rendering import Take, frame_rows, render, use_backend, usual_speed

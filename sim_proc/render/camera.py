@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from legpush.exports import View
+from legpush.options.formats import View
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import build_model
 from sim_proc.render.film import Film

@@ -20,7 +20,7 @@ import imageio_ffmpeg
 import numpy as np
 
 from legpush.errors import DiskFullError, LegpushError
-from legpush.exports import View
+from legpush.options.formats import View
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 

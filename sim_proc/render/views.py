@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.exports import View
+from legpush.options.formats import View
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 

@@ -28,6 +28,7 @@ PARTS = [
     ("agent_proc/gym_envs.py", ("train",)),
     ("agent_proc/learning", ("train",)),
     ("agent_proc/policies/sb3", ("train",)),
+    ("agent_proc/studies", ("study",)),
 ]
 """Source folder or module, without those in it that are parts themselves, and the extras that its hosts install."""
 BESIDE = [

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import INTERRUPTED, NO_OPENGL
-from legpush.exports import View
 from legpush.launch.display import Display
 from legpush.launch.supervisor import Verdict
+from legpush.options.formats import View
 from legpush.patience import SLICE_S, Stopwatch
 from legpush.processes.child import Command, describe_exit
 from legpush.processes.crew import Crew, Interrupt

@@ -8,9 +8,9 @@ import tyro
 
 from legpush.bounds import Count, FramesPerSecond, Speed, TimeS
 from legpush.errors import ConfigError
-from legpush.exports import ENDINGS, FASTEST_GIF_FPS, FILMS, LARGEST_FRAME, Format, View
 from legpush.fields import require
 from legpush.options.checks import require_new_file
+from legpush.options.formats import ENDINGS, FASTEST_GIF_FPS, FILMS, LARGEST_FRAME, Format, View
 from legpush.options.recordings import Files
 
 

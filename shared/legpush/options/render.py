@@ -6,7 +6,7 @@ from typing import Annotated, get_args
 
 import tyro
 
-from legpush.exports import View
+from legpush.options.formats import View
 
 
 @dataclass(frozen=True)

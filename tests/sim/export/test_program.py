@@ -13,7 +13,7 @@ import pytest
 from pyarrow import parquet
 
 from legpush.errors import ConfigError
-from legpush.exports import ENDINGS, Format
+from legpush.options.formats import ENDINGS, Format
 from sim_proc.export.columns import columns_of
 from sim_proc.export.program import whole_file
 from sim_proc.export.source import Source

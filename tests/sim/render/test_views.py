@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from legpush.arrays import Floats
-from legpush.exports import View
 from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Motion, Push, Reset
+from legpush.options.formats import View
 from legpush.scene.scenario import Scenario
 from sim_proc.render.film import Film, film_of
 from sim_proc.render.rendering import working_backend

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.scaling`: what a study costs its head, and how many workers one head can keep busy.
+"""`python -m benchmarks.engines.scaling`: what a study costs its head, and how many workers one head can keep busy.
 
 Real workers run stub cells that sleep. What a job and a cell cost is measured with two workers; a queueing model then
 predicts the rates at 5, 10, 20 and 40 workers, which are measured as well, and extrapolates to 1000.
@@ -34,7 +34,7 @@ from legpush.study.jobs import Job, Task
 from legpush.study.rows import read_rows
 from legpush.study.runner import Runner, Tally
 
-KIND: Final = "benchmarks.study_cells:SLEEP"
+KIND: Final = "benchmarks.engines.study_cells:SLEEP"
 PACE: Final = Pace()
 N_WARM: Final = 20
 """Most runs in which the workers of an engine may start."""

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.engine_overhead`: the CPU time that an engine takes beside the episodes that it runs.
+"""`python -m benchmarks.engines.engine_overhead`: the CPU time that an engine takes beside the episodes that it runs.
 
 Episodes of pushes of about a second run in plain processes and on each engine, on workers that have run one before. The
 CPU time of everything that was started is compared with that of the episodes themselves, in the same run: episodes take
@@ -21,15 +21,15 @@ import tyro
 from threadpoolctl import threadpool_limits
 
 from agent_proc.statistics.intervals import mean
+from benchmarks.engines.scaling import cpu_of_all, measure_tasks
 from benchmarks.report import write_report
-from benchmarks.scaling import cpu_of_all, measure_tasks
 from legpush.study.cells import columns_of, load_kind
 from legpush.study.engines.choose import make_engine
 from legpush.study.engines.engine import Engine
 from legpush.study.file import read_study
 from legpush.study.jobs import Task
 
-KIND: Final = "benchmarks.study_cells:PUSH"
+KIND: Final = "benchmarks.engines.study_cells:PUSH"
 STUDY: Final = """
 name = "overhead"
 [settings]
