@@ -86,3 +86,8 @@ def test_the_command_says_so(folder: Path, victim: Path, capsys: pytest.CaptureF
     assert cli.main(["run", "--scenario", str(folder / "scenario.toml"), "--out", str(folder)]) == 2
     assert "agent.log: expected files and folders alone" in capsys.readouterr().err
     assert victim.read_text() == "mine"
+
+
+def test_a_link_that_stays_in_the_folder_is_harmless(folder: Path) -> None:
+    (folder / "newest.journal").symlink_to("episode-0001.journal")
+    require_no_links(folder)

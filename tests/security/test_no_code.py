@@ -16,6 +16,7 @@ ALLOWED = {
     ("agent_proc/policies/sb3/model_file.py", "pickle"): "a normalizer that the command line names and trusts",
     ("agent_proc/policies/sb3/old_folder.py", "pickle"): "the error of PyTorch's loader, which loads weights alone",
     ("agent_proc/policies/registry.py", "import_module"): "a policy that the command line names",
+    ("shared/legpush/study/cells.py", "import_module"): "a kind of cell that the command line names",
     ("shared/legpush/__init__.py", "import_module"): "names of the package itself",
 }
 CODE_MODULES = {"pickle", "cloudpickle", "dill", "joblib", "shelve", "marshal", "code", "codeop", "runpy"}

@@ -119,12 +119,16 @@ def require_no_links(folder: Path) -> None:
     """Check that what is written into a folder from elsewhere stays in it.
 
     Raises:
-        ConfigError: There is a symbolic link, or something else that is neither a file nor a folder.
+        ConfigError: There is a symbolic link that leads out of it, or something else that is neither a file nor a
+            folder.
     """
+    inside = folder.resolve()
     for place, folders, names in os.walk(folder):
         for path in (Path(place) / name for name in (*folders, *names)):
             kind = path.lstat().st_mode
+            if stat.S_ISLNK(kind) and path.is_file() and path.resolve().is_relative_to(inside):
+                continue
             if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
                 raise ConfigError(
-                    f"{path}: expected files and folders alone in the folder of a run, got a link or a device"
+                    f"{path}: expected files and folders alone in the folder of a run, got a device or a link that leads elsewhere"
                 )

@@ -87,6 +87,7 @@ def test_a_message_arrives_at_those_who_subscribe_to_its_key(pair: tuple[Session
     one.put("a/y/b", b"3")
     assert eventually(lambda: len(wild.messages) == 3)
     assert wild.messages == [("a/x/b", b"1"), ("a/x/b", b"2"), ("a/y/b", b"3")]
+    assert eventually(lambda: len(exact.messages) == 2)
     assert exact.messages == [("a/x/b", b"1"), ("a/x/b", b"2")]
     assert (else_where.messages, own.messages) == ([], [])
 
