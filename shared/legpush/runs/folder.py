@@ -130,6 +130,6 @@ def require_no_links(folder: Path) -> None:
                 continue
             if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
                 raise ConfigError(
-                    f"{path}: expected files and folders alone in the folder of a run, got a device or a link that leads "
-                    "elsewhere"
+                    f"{path}: expected files and folders alone in the folder of a run, got a device or a link that "
+                    "leads elsewhere"
                 )

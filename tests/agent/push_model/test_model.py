@@ -47,7 +47,9 @@ def test_the_depth_for_a_travel_is_the_inverse_of_the_model() -> None:
 
 @pytest.mark.parametrize("model", [PushModel(), ON_ITS_SIDE])
 def test_a_push_model_holds_what_was_measured(model: PushModel) -> None:
-    """The model has the numbers of the first measurement. Under the numerics profile each is within two percent."""
+    """The model has the numbers of the first measurement. Under the numerics profile each is within two percent,
+    or half a millimetre, or a twentieth of a degree.
+    """
     table = Path(__file__).parents[3] / "experiments" / "results" / "push_effect.csv"
     with table.open(newline="") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
@@ -57,7 +59,8 @@ def test_a_push_model_holds_what_was_measured(model: PushModel) -> None:
     measured = [row for row in rows if curve.items() <= row.items()]
     assert len(measured) == 8
     for name in ("depth_m", "forward_m", "left_m", "turn_deg"):
-        assert getattr(model, name) == pytest.approx((0.0, *(row[name] for row in measured)), rel=0.02, abs=0.0002)
+        least = 0.05 if name == "turn_deg" else 0.0005
+        assert getattr(model, name) == pytest.approx((0.0, *(row[name] for row in measured)), rel=0.02, abs=least)
 
 
 def test_the_model_of_a_box_is_the_one_that_was_measured_with_the_same_side() -> None:
