@@ -76,7 +76,7 @@ def with_changes(scenario: Scenario, changes: Mapping[str, Any], where: str) -> 
     """
     changed = change_fields(scenario, changes)
     if changed.box.size_m != scenario.box.size_m and _ready(scenario):
-        place = station(changed.box, changed.box.pose.pose())
+        place = station(changed.robot, changed.box, changed.box.pose.pose())
         start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
         changed = replace(changed, start=start)
     check_scenario(changed, where)
@@ -85,7 +85,7 @@ def with_changes(scenario: Scenario, changes: Mapping[str, Any], where: str) -> 
 
 def _ready(scenario: Scenario) -> bool:
     """Whether the robot starts at its station behind the box."""
-    return at_station(scenario.start.pose(), scenario.box, scenario.box.pose.pose())
+    return at_station(scenario.robot, scenario.start.pose(), scenario.box, scenario.box.pose.pose())
 
 
 def _name(change: Iterable[tuple[str, Value]]) -> str:

@@ -19,7 +19,7 @@ from legpush.errors import ConfigError, StopRequestedError
 from legpush.numerics.entry import enter_profile
 from legpush.options.learning import CalibrateOptions
 from legpush.scenarios.file import load_scenario, override
-from legpush.scene.scenario import Box
+from legpush.scene.scenario import Scenario
 from legpush.service import run_program, stop_on_signals
 
 
@@ -35,7 +35,8 @@ def run(options: CalibrateOptions, console: Console) -> int:
         ConfigError: An option cannot be used.
         StopRequestedError: The user interrupted it; nothing is written.
     """
-    box = _box(options)
+    scenario = _scenario(options)
+    robot, box = scenario.robot, scenario.box
     if options.out.exists() or not options.out.parent.is_dir():
         raise ConfigError(f"Expected a new file in an existing folder for --out, got {options.out}")
     curves = [(w, w) for w in options.curves]
@@ -46,7 +47,7 @@ def run(options: CalibrateOptions, console: Console) -> int:
         task = bar.add_task("pushing", total=len(planned))
         with simulators(options, Path(logs), links_stop, kind="calibrate") as worlds:
             try:
-                samples = calibrate(worlds, box, planned, on_cell=lambda: bar.advance(task), stop=stop)
+                samples = calibrate(worlds, robot, box, planned, on_cell=lambda: bar.advance(task), stop=stop)
             except StopRequestedError as error:
                 raise StopRequestedError("interrupted: nothing was written") from error
             finally:
@@ -58,10 +59,10 @@ def run(options: CalibrateOptions, console: Console) -> int:
     return 0
 
 
-def _box(options: CalibrateOptions) -> Box:
+def _scenario(options: CalibrateOptions) -> Scenario:
     changes = {"box.mass_kg": options.box_mass_kg, "box.friction": options.box_friction}
     given = {field: value for field, value in changes.items() if value is not None}
-    return override(load_scenario(options.scenario), given).box
+    return override(load_scenario(options.scenario), given)
 
 
 def _show(push_map: PushMap, console: Console) -> None:

@@ -16,9 +16,9 @@ from agent_proc.statistics.estimate import Estimate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.messages.common import USUAL_DEPTH_M
+from legpush.scene.conventions import FrontLeg
 from legpush.scene.faces import FACES, PUSHABLE, pushed_box
 from legpush.scene.names import BoxShape, Face
-from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Box
 
 LEAST_FORWARD_M: Final = 1e-4

@@ -128,7 +128,8 @@ class Pushing:
                 return self._stop("max_push_cycles", f"box error {error} after {n_cycles} push cycles", to_end)
             self._pushes.push(decision.push, learn=closed)
             boxes.append(self._actor.box())
-            if len(boxes) > STILL_CYCLES and path_length_m((boxes[0], boxes[-1])) < LEAST_PUSH_M:
+            circle_m = scenario.robot.stance.foot_circle_m
+            if len(boxes) > STILL_CYCLES and path_length_m((boxes[0], boxes[-1]), circle_m) < LEAST_PUSH_M:
                 return self._stop(
                     "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}", to_end
                 )

@@ -37,7 +37,9 @@ class RoutePlanner:
         self._actor.tell("planning", None, what)
         plan = self._world.plan(query)
         _require_followable(query, plan, what)
-        self._better = BetterPaths(query, plan) if isinstance(query, TrunkPathQuery) and query.anytime else None
+        self._better = None
+        if isinstance(query, TrunkPathQuery) and query.anytime:
+            self._better = BetterPaths(query, plan, self._actor.scenario.robot.stance.foot_circle_m)
         return plan
 
     def better_path(
@@ -53,7 +55,8 @@ class RoutePlanner:
         """
         if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
             return ()
-        left_m = path_length_m(waypoints) - travelled_m - path_length_m(last_stretch)
+        circle_m = self._actor.scenario.robot.stance.foot_circle_m
+        left_m = path_length_m(waypoints, circle_m) - travelled_m - path_length_m(last_stretch, circle_m)
         plan = self._world.revision(revision)
         _require_followable(self._better.query, plan, f"revision {revision} of the way")
         joined = self._better.joined(plan, self._actor.trunk(), left_m)

@@ -8,7 +8,7 @@ from typing import Final
 
 import mujoco
 
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.model.box_body import add_box
@@ -16,7 +16,6 @@ from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery, wall_name
 
 PHYSICS_STEP_S: Final = 0.002
-FOOT_FLOOR_FRICTION: Final = 1.0
 WALL_FRICTION: Final = 0.5
 NET_FORCE: Final = 3
 """Reduction `netforce` of MuJoCo's contact sensor: the sum of all contacts as one."""
@@ -41,7 +40,7 @@ def build_spec(scenario: Scenario) -> mujoco.MjSpec:
     spec.modelname = "legpush"
     _set_options(spec, scenario.room)
     add_scenery(spec, scenario)
-    add_robot(spec)
+    add_robot(spec, scenario.robot)
     box_geoms = add_box(spec, scenario.box)
     _add_contact_pairs(spec, scenario, box_geoms)
     _add_sensors(spec)
@@ -74,7 +73,7 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
     box_friction = scenario.box.friction
     feet = [f"{leg}_foot" for leg in LEGS]
     for foot in feet:
-        pair("floor", foot, FOOT_FLOOR_FRICTION)
+        pair("floor", foot, scenario.robot.legs.foot_friction)
         for box in box_geoms:
             pair(foot, box, box_friction)
     for box in box_geoms:

@@ -21,7 +21,7 @@ import numpy as np
 
 from legpush.errors import DiskFullError, LegpushError
 from legpush.options.formats import View
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 BACKENDS: Final = ("egl", "osmesa")

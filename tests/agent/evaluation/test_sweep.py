@@ -8,6 +8,7 @@ from legpush.errors import ConfigError, ScenarioError
 from legpush.scene.scenario import PoseDeg
 from legpush.scene.station import station
 from tests.agent.fake_world import scenario_at_station
+from tests.robots import ROBOT
 
 
 def test_a_sweep_changes_one_field_at_a_time_and_a_grid_all_of_them() -> None:
@@ -37,7 +38,7 @@ def test_shape_size_and_slope_can_be_swept() -> None:
     assert len(sweep.cases) == 4
     oblong = sweep.cases["box.shape=l_shape box.size_m=0.6x0.4x0.4 room.slope_deg=5.0"]
     assert (oblong.box.shape, oblong.box.size_m, oblong.room.slope_deg) == ("l_shape", (0.6, 0.4, 0.4), 5.0)
-    assert oblong.start.pose() == station(oblong.box, oblong.box.pose.pose())
+    assert oblong.start.pose() == station(ROBOT, oblong.box, oblong.box.pose.pose())
     assert oblong.start.x_m == pytest.approx(scenario.start.x_m - 0.1)
 
 
