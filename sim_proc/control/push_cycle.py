@@ -23,7 +23,7 @@ from legpush.scene.scenario import Box
 from sim_proc.control.gait import require_within_reach, rest, swing_to
 from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing
-from sim_proc.control.swing import bezier, control_points, gentle_stop, parabola
+from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
@@ -151,10 +151,11 @@ class Pusher:
         return curve
 
     def _return_swing(self, target_m: Floats) -> Swing:
-        """A swing straight from the box down to the marker."""
+        """A swing from the box back and down to the marker."""
         end_m, return_ticks = [*target_m, self._robot.touchdown_m], self._robot.pushing.return_ticks
+        gait = self._robot.gait
 
         def curve(start_m: Floats) -> Floats:
-            return parabola(start_m, end_m, 0.0, return_ticks)
+            return landing_swing(start_m, end_m, 0.0, return_ticks, gait)
 
         return curve
