@@ -38,7 +38,20 @@ def contact_point(robot: RobotSpec, pose: Pose2, box: Box, leg: FrontLeg, depth_
     side = robot.pushing.contact_side_share * width * (1 if leg == "FL" else -1)
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
     x, y = pose.apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
-    return np.array([x, y, robot.pushing.contact_height_share * height])
+    return np.array([x, y, contact_height_m(robot, box)])
+
+
+def contact_height_m(robot: RobotSpec, box: Box) -> float:
+    """Height of the contact point: within reach of the leg, and low enough that a sliding box does not tip.
+
+    `box` has the size in the frame in which the pushed face is the rear one. A box that friction holds back at the floor
+    tips over its front edge if it is pushed above half its length divided by the friction coefficient.
+    """
+    length, _, height = box.size_m
+    motion = robot.pushing
+    tips_m = motion.tip_share * length / (2 * box.friction)
+    reach_m = motion.reach_height_share * robot.stance.height_m
+    return max(min(motion.contact_height_share * height, tips_m, reach_m), 2 * robot.legs.foot_radius_m)
 
 
 @dataclass(frozen=True, kw_only=True)
