@@ -3,8 +3,6 @@
 import shlex
 import sys
 import threading
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import tyro
 from rich.console import Console
@@ -18,6 +16,7 @@ from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.numerics.entry import enter_profile
 from legpush.options.learning import CalibrateOptions
+from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Box
 from legpush.service import run_program, stop_on_signals
@@ -42,9 +41,9 @@ def run(options: CalibrateOptions, console: Console) -> int:
     seeds = range(options.first_seed, options.first_seed + options.series)
     planned = cells(measured_faces(box), curves, options.depths_m, seeds)
     stop, links_stop = stop_on_signals(), threading.Event()
-    with TemporaryDirectory(prefix="legpush-calibrate-") as logs, _bar(console) as bar:
+    with temporary_folder("calibrate-") as logs, _bar(console) as bar:
         task = bar.add_task("pushing", total=len(planned))
-        with simulators(options, Path(logs), links_stop, kind="calibrate") as worlds:
+        with simulators(options, logs, links_stop, kind="calibrate") as worlds:
             try:
                 samples = calibrate(worlds, box, planned, on_cell=lambda: bar.advance(task), stop=stop)
             except StopRequestedError as error:

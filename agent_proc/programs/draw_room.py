@@ -1,8 +1,6 @@
 """Random rooms as a program: `python -m agent_proc.programs.draw_room FILE`, or `legpush scenarios random FILE`."""
 
 import sys
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
 import tyro
@@ -15,6 +13,7 @@ from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.processes.pool import SimPool
+from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import write_scenario
 from legpush.scenarios.random_scenario import random_scenario
 from legpush.service import run_program, stop_on_signals
@@ -36,8 +35,8 @@ def run(options: RandomScenario) -> int:
     """
     stop = stop_on_signals()
     with (
-        TemporaryDirectory(prefix="legpush-rooms-") as logs,
-        SimPool(1, Path(logs), stop, kind="scenarios", role="planner") as pool,
+        temporary_folder("rooms-") as logs,
+        SimPool(1, logs, stop, kind="scenarios", role="planner") as pool,
         Bus(pool.run, "agent", "main", pool.endpoints) as bus,
     ):
         link = PlanLink(bus, stop=stop, patience=Patience(deadline_s=DEADLINE_S))

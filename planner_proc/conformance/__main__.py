@@ -2,8 +2,6 @@
 
 import sys
 from contextlib import ExitStack
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import msgspec
 import tyro
@@ -14,6 +12,7 @@ from legpush.bus.bus import Bus
 from legpush.errors import one_line
 from legpush.files import write_whole
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
+from legpush.runs.temporary import temporary_folder
 from legpush.service import run_program, stop_on_signals
 from planner_proc.conformance.bench import Bench
 from planner_proc.conformance.checks import Finding, run_checks
@@ -47,7 +46,7 @@ def check(options: PlanCheckOptions, command: tuple[str, ...], console: Console)
     stop = stop_on_signals()
     findings: list[Finding] = []
     with ExitStack() as stack:
-        logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-check-")))
+        logs = stack.enter_context(temporary_folder("check-"))
         planner = stack.enter_context(PlannerProcess(command, logs / "planner.log", stop))
         clients = [Client(stack.enter_context(Bus(RUN, "agent", name, planner.endpoints)), planner) for name in "ab"]
         bench = Bench(planner=planner, client=clients[0], other=clients[1], deadline_s=options.deadline_s)

@@ -3,7 +3,6 @@
 import shlex
 import sys
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
@@ -18,6 +17,7 @@ from legpush.policy_names import TRUST_FILE, require_repeated
 from legpush.recording.branch import RecordedPast, parse_point
 from legpush.recording.facts import read_facts, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
+from legpush.runs.temporary import temporary_folder
 
 
 def branch(options: BranchOptions) -> int:
@@ -46,8 +46,8 @@ def branch(options: BranchOptions) -> int:
         "parent_step": str(at.step),
         "branch": shlex.join(sys.argv[1:]),
     }
-    with TemporaryDirectory(prefix="legpush-branch-") as folder:
-        mission = unpack_mission(recording, Path(folder))
+    with temporary_folder("branch-") as folder:
+        mission = unpack_mission(recording, folder)
         run = RunOptions(
             scenario=str(mission.scenario),
             seed=mission.facts.seed,

@@ -42,7 +42,7 @@ from legpush.runs.folder import (
     journals,
     run_folder,
 )
-from legpush.runs.live_runs import LiveRun, shown, socket_directory
+from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
 from legpush.runs.report import read_report
 from legpush.scene.scenario import Scenario
 
@@ -88,6 +88,8 @@ def _run_and_tell(
     again: str,
 ) -> Verdict:
     """Run the mission in its folder, and tell the user how it ended, except on a full disk."""
+    for line in clear_killed_runs():
+        console.print(Text(line), soft_wrap=True)
     with run_folder(folder, scenario):
         for journal in journals(folder):
             if done := mend(journal):
