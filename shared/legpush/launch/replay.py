@@ -85,7 +85,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
         def process(of: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
             if of == role:
                 return (sys.executable, "-P", "-m", "legpush.recording.play", role, *files)
-            return process_arguments(of, run, place) + (flags if of == "agent" else ())
+            return process_arguments(of, run, place)
 
         run = RunOptions(
             scenario=str(mission.scenario),
@@ -96,7 +96,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
             out=options.out,
             video=False,
         )
-        return launch_mission(run, console, Programs(process=process, kind="replay"))
+        return launch_mission(run, console, Programs(process=process, agent_flags=flags, kind="replay"))
 
 
 def play_agent(files: tuple[Path, ...], console: Console) -> int:

@@ -12,6 +12,7 @@ Program = Literal[
     "agent_proc.programs.train",
     "agent_proc.programs.evaluate",
     "agent_proc.programs.calibrate",
+    "agent_proc.programs.check_mission",
     "agent_proc.programs.draw_room",
     "agent_proc.programs.policy",
     "agent_proc.programs.show_map",
@@ -26,9 +27,14 @@ Program = Literal[
 
 def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
     """Become this program; `argv` are its options."""
-    # -P: what lies in the working directory is no part of the program.
-    command = [sys.executable, "-P", "-m", program, *argv]
+    command = program_command(program, argv)
     os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted
+
+
+def program_command(program: Program, argv: Sequence[str]) -> list[str]:
+    """Return the command line of a program with these options."""
+    # -P: what lies in the working directory is no part of the program.
+    return [sys.executable, "-P", "-m", program, *argv]
 
 
 def start_python(arguments: Sequence[str]) -> NoReturn:
