@@ -38,7 +38,7 @@ from legpush.runs.folder import REPORT_FILE, require_no_links
 from legpush.scenarios.file import load_scenario
 from legpush.scene.names import PlannerName
 from legpush.scene.scenario import Scenario
-from legpush.service import ServiceConfig
+from legpush.service import ServiceConfig, run_process
 from legpush.versions import installed_versions
 
 log = logging.getLogger(__name__)
@@ -184,6 +184,11 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
+
+
+def main() -> int:
+    """Run the process; returns the exit code."""
+    return run_process("agent", AgentConfig, work)
 
 
 def writable_folder(folder: Path) -> Path:

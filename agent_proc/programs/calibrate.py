@@ -1,4 +1,4 @@
-"""Calibration as a program: `python -m agent_proc.programs.calibrate`, or `legpush calibrate`."""
+"""Calibration as a program: `legpush calibrate`."""
 
 import shlex
 import sys
@@ -14,7 +14,6 @@ from agent_proc.push_model.calibration import calibrate, cells
 from agent_proc.push_model.map import PushMap, make_push_map, measured_faces, write_push_map
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
-from legpush.numerics.entry import enter_profile
 from legpush.options.learning import CalibrateOptions
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import load_scenario, override
@@ -94,8 +93,3 @@ def _bar(console: Console) -> Progress:
     """A bar with the number of finished series and the remaining time."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

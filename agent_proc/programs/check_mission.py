@@ -1,12 +1,9 @@
-"""Checks what a mission needs: `python -m agent_proc.programs.check_mission`, with the flags of the agent.
+"""Checks what a mission needs, as a program with the flags of the agent; `legpush run` starts it.
 
 It makes policy, push map and branch as the agent does, and ends. Exit codes: 0 the mission can begin, 2 it cannot.
 """
 
-import sys
-
 from agent_proc.mission.process import AgentConfig, read_inputs
-from legpush.numerics.entry import enter_profile
 from legpush.service import parse, run_program
 
 
@@ -23,8 +20,3 @@ def run(config: AgentConfig) -> int:
     """
     read_inputs(config)
     return 0
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Random rooms as a program: `python -m agent_proc.programs.draw_room FILE`, or `legpush scenarios random FILE`."""
+"""Random rooms as a program: `legpush scenarios random FILE`."""
 
 import sys
 from typing import Final
@@ -8,7 +8,6 @@ import tyro
 from agent_proc.pushing.solvable import solvable_by
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
-from legpush.numerics.entry import enter_profile
 from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
@@ -47,8 +46,3 @@ def run(options: RandomScenario) -> int:
             raise StopRequestedError("interrupted: nothing was written") from error
     sys.stdout.write(f"wrote {write_scenario(scenario, options.file)}\n")
     return 0
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

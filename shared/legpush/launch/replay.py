@@ -25,6 +25,7 @@ from legpush.plans.client import PlanLink
 from legpush.policy_names import require_repeated
 from legpush.processes.child_numerics import child_numerics
 from legpush.processes.pool import SimPool
+from legpush.processes.start_program import program_command
 from legpush.recording.episodes import difference, same
 from legpush.recording.facts import recorded_numerics, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
@@ -84,7 +85,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
 
         def process(of: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
             if of == role:
-                return (sys.executable, "-P", "-m", "legpush.recording.play", role, *files)
+                return tuple(program_command("legpush.recording.play", (role, *files)))
             return process_arguments(of, run, place)
 
         run = RunOptions(
