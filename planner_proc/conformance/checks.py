@@ -43,10 +43,14 @@ def run_checks(bench: Bench, only: Sequence[str] = ()) -> Iterator[Finding]:
 
 
 def _finding(name: str, bench: Bench, check: Callable[[Bench], str]) -> Finding:
-    """Run a check. If the planner ended during it, start it again for the next one."""
+    """Run a check. If it failed, or the planner ended during it, start the planner again for the next one.
+
+    A planner that did not answer in time may be busy with this query for long, and would fail the checks behind it.
+    """
     reason = check(bench)
     passed = not reason or reason.startswith(REMARK)
-    if bench.planner.end():
+    if bench.planner.end() or not passed:
+        bench.planner.kill()
         bench.planner.start()
         bench.client.wait_for_planner(START_S)
     return Finding(name=name, passed=passed, reason=reason.removeprefix(REMARK))

@@ -23,6 +23,13 @@ class LegpushError(Exception):
     exit_code: ClassVar[int] = 3
     """Exit code of the process: 2 for bad input, 3 if a process failed, 5 on a full disk, 130 if interrupted."""
 
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def lines(self) -> tuple[str, ...]:
+        """The text, and further lines if it has several parts."""
+        return tuple(map(str, self.args))
+
 
 class ConfigError(LegpushError):
     """A setting that cannot be used; names the setting."""
@@ -128,7 +135,8 @@ def exit_code_of(work: Callable[[], int]) -> int:
     except (LegpushError, OSError) as error:
         if not isinstance(error, LegpushError) and not is_disk_full(error):
             raise
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        lines = error.lines() if isinstance(error, LegpushError) else (str(error),)
+        sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
         return code_of(error)
 
 

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ import numpy as np
 
 from legpush.errors import DiskFullError, LegpushError
 from legpush.options.formats import View
+from legpush.runs.temporary import temporary_folder
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
@@ -99,8 +99,8 @@ def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]
     Raises:
         LegpushError: ffmpeg failed.
     """
-    with tempfile.TemporaryDirectory(prefix="legpush-video-") as scratch:
-        listing = _render_segments(film, take, Path(scratch), say)
+    with temporary_folder("video-") as scratch:
+        listing = _render_segments(film, take, scratch, say)
         if take.gif:
             _join_as_gif(listing, target)
         else:

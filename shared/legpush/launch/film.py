@@ -6,6 +6,7 @@ from typing import Final
 
 from legpush.errors import INTERRUPTED, NO_OPENGL
 from legpush.launch.display import Display
+from legpush.launch.last_words import said
 from legpush.launch.supervisor import Verdict
 from legpush.options.formats import View
 from legpush.patience import SLICE_S, Stopwatch
@@ -42,5 +43,5 @@ def film(command: Command, crew: Crew, display: Display, longest_s: float = LONG
     if process.exit_code == NO_OPENGL:
         display.notice("\n".join(process.last_words(1)) or "no video: no OpenGL library can be used")
     elif process.exit_code != 0:
-        display.notice("\n    ".join((f"no video: it {describe_exit(process.exit_code)}", *process.last_words())))
+        display.notice(f"no video: the film {describe_exit(process.exit_code)}{said(process)}")
     return None

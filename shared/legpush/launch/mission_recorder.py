@@ -9,6 +9,7 @@ from typing import Any
 from legpush.bus.endpoints import Endpoints
 from legpush.files import write_whole
 from legpush.launch.display import Display
+from legpush.launch.last_words import error_of
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
 from legpush.processes.recorder_process import INCOMPLETE, recorder_arguments, what_is_missing
@@ -33,11 +34,10 @@ class MissionRecorder:
 
     def note_end(self, process: Process) -> None:
         """Tell the user at once that the recorder ended although the mission goes on."""
-        words = process.last_words(1)
-        said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
+        why = f": {error_of(process)}" if (process.exit_code or 0) > 0 else ""
         self._failure = (
-            f"the recorder {describe_exit(process.exit_code or 0)}{said}; the mission goes on without it; "
-            f"`legpush recover {self._file}` saves what was recorded"
+            f"the recorder {describe_exit(process.exit_code or 0)}{why}; its log is {process.command.log}; the mission "
+            f"goes on without it; `legpush recover {self._file}` saves what was recorded"
         )
         self._display.notice(self._failure)
 

@@ -1,4 +1,4 @@
-"""The `legpush` command. Each subcommand imports its modules when it runs, so that `--help` is fast."""
+"""The command line of `legpush`. Each subcommand imports its modules when it runs, so that `--help` is fast."""
 
 import os
 import sys
@@ -36,8 +36,8 @@ PROGRAMS: Final[dict[type, Program]] = {
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
     Policies: "agent_proc.programs.policy",
-    ExportOptions: "sim_proc.export",
-    ViewOptions: "sim_proc.view",
+    ExportOptions: "sim_proc.export.program",
+    ViewOptions: "sim_proc.view.program",
     CanaryOptions: "legpush.canary",
 }
 """Programs that run in a process of their own, by the options of their command."""
@@ -74,10 +74,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
-    try:
-        return exit_code_of(lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv))
-    except KeyboardInterrupt:
-        return 130
+    return exit_code_of(lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv))
 
 
 def _parse_and_run(argv: Sequence[str]) -> int:
@@ -120,7 +117,7 @@ def _plan_check(argv: Sequence[str]) -> NoReturn:
     """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
     flags, _ = split_at_dashes(argv)
     tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-    start_program("planner_proc.conformance", argv)
+    start_program("planner_proc.conformance.program", argv)
 
 
 @singledispatch
@@ -242,10 +239,10 @@ def _studies(command: Studies) -> int:
 def _run_study(command: RunStudy) -> int:
     from rich.console import Console
 
-    from legpush.numerics.entry import enter_profile
+    from legpush.entry.program import enter_profile_quietly
     from legpush.study.run import run_study
 
-    enter_profile()
+    enter_profile_quietly()
     return run_study(command, Console())
 
 
@@ -267,10 +264,10 @@ def _study_table(command: StudyTable) -> int:
 def _verify_study(command: VerifyStudy) -> int:
     from rich.console import Console
 
-    from legpush.numerics.entry import enter_profile
+    from legpush.entry.program import enter_profile_quietly
     from legpush.study.verify import verify_study
 
-    enter_profile()
+    enter_profile_quietly()
     return verify_study(command, Console())
 
 
