@@ -38,10 +38,7 @@ ROGUES = {
     "Only learning, policies.sb3 and legpush.gym import Gymnasium": ("agent_proc.task", "import gymnasium"),
     "Only the file of weights imports safetensors": ("agent_proc.policies", "from safetensors.numpy import load"),
     "Only agent_proc.policies.onnx_file imports ONNX": ("agent_proc.policies", "import onnx"),
-    "Only reporting and the pictures of evaluations and studies import matplotlib": (
-        "agent_proc.evaluation",
-        "from matplotlib import pyplot",
-    ),
+    "Only agent_proc.figures imports matplotlib": ("agent_proc.reporting", "from matplotlib import pyplot"),
     "Only legpush.recording.mcap_file imports MCAP": ("legpush.recording", "import mcap"),
     "Only legpush.scenarios.map_image imports Pillow": ("legpush.scenarios", "import PIL"),
     "Only legpush.scenarios.map_yaml imports PyYAML": ("legpush.scenarios", "import yaml"),
