@@ -25,7 +25,7 @@ ROGUES = {
     "The agent is built in layers": ("agent_proc.task", "from agent_proc.policies import scripted"),
     "No circles between siblings": ("planner_proc.search", "from planner_proc import planning"),
     "Only the bus's session imports Zenoh": ("legpush.bus", "import zenoh"),
-    "Only model, physics and pictures import MuJoCo": ("sim_proc.render", "import mujoco"),
+    "Only two modules import MuJoCo: without OpenGL, and for films": ("sim_proc.model", "import mujoco"),
     "Only three modules of the planner import OMPL": ("planner_proc.search", "from ompl import base"),
     "Missions and evaluations load no learning library": (
         "agent_proc.evaluation",
