@@ -9,13 +9,6 @@ from sim_proc.render import backends
 from sim_proc.render.backends import DRAW_NOTHING, Backend, use_backend, working_backend
 
 VARIABLES = (*backends.RELEVANT, "LP_NUM_THREADS")
-    "MUJOCO_GL",
-    "PYOPENGL_PLATFORM",
-    "MUJOCO_EGL_DEVICE_ID",
-    "DISPLAY",
-    "EGL_PLATFORM",
-    "CUDA_VISIBLE_DEVICES",
-)
 
 
 @pytest.fixture
