@@ -44,7 +44,7 @@ from legpush.runs.folder import (
     run_folder,
 )
 from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
-from legpush.runs.report import read_report
+from legpush.runs.report import add_note, read_report
 from legpush.scene.scenario import Scenario
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
@@ -177,7 +177,7 @@ def _run_in(
                 log=place.folder / LOGS / "video.log",
                 environment=environment,
             )
-            return film(command, crew, display) or verdict
+            return film(command, crew, display, lambda note: add_note(place.folder, note)) or verdict
         return verdict
 
 

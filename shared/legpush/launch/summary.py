@@ -46,11 +46,14 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "seed": ("seed", str),
     "versions": ("numerics", lambda versions: versions.get(NUMERICS, "-")),
     "recording": ("recording", _recorded),
+    "notes": ("note", "; ".join),
 }
 """Fields of the report in the order of the table, each with its title and its format."""
 
 IF_APPEARED: Final = ("appeared", "n_replans")
 """Rows that are shown only if an obstacle appeared."""
+IF_ANY: Final = ("n_better_paths", "notes")
+"""Rows that are shown only if their value is not 0 or empty."""
 
 FILES: Final = {
     REPORT_FILE: "these numbers, and the versions of everything",
@@ -81,7 +84,7 @@ def _is_shown(field: str, report: dict[str, Any]) -> bool:
     """Return False for a row about something that did not happen."""
     if field in IF_APPEARED:
         return bool(report.get("appeared"))
-    return field != "n_better_paths" or report[field] > 0
+    return field not in IF_ANY or bool(report[field])
 
 
 def _style(field: str, report: dict[str, Any]) -> str:

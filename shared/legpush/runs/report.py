@@ -4,9 +4,10 @@ import json
 from pathlib import Path
 from typing import Any, Literal
 
-from msgspec import Struct
+from msgspec import Struct, to_builtins
 
 from legpush.errors import LegpushError
+from legpush.files import write_whole
 from legpush.runs.folder import REPORT_FILE
 
 Reason = Literal[
@@ -70,6 +71,8 @@ class Report(Struct, frozen=True, kw_only=True):
     seed: int
     versions: dict[str, str | None]
     """Of the host that wrote the report; None for what is not installed there."""
+    notes: tuple[str, ...] = ()
+    """Why there is no picture or no film."""
 
 
 class ReportError(LegpushError):
@@ -90,3 +93,24 @@ def read_report(folder: Path) -> dict[str, Any]:
     if not isinstance(report, dict):
         raise ReportError(f"{path}: expected a JSON object, got {type(report).__name__}")
     return report
+
+
+def add_note(folder: Path, note: str) -> None:
+    """Add a note to the report in the folder of a run, if there is one.
+
+    Raises:
+        ReportError: The report cannot be read.
+        DiskError: It cannot be written; the previous one is unchanged.
+    """
+    if (folder / REPORT_FILE).exists():
+        report = read_report(folder)
+        write_report({**report, "notes": [*report.get("notes", ()), note]}, folder)
+
+
+def write_report(report: Report | dict[str, Any], folder: Path) -> None:
+    """Write `report.json` into the folder of a run.
+
+    Raises:
+        DiskError: It cannot be written; the previous one is unchanged.
+    """
+    write_whole(folder / REPORT_FILE, (json.dumps(to_builtins(report), indent=2) + "\n").encode())

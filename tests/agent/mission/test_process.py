@@ -4,12 +4,14 @@ import json
 import subprocess
 import sys
 import threading
+from errno import ENOSPC
 from math import inf
 from pathlib import Path
 
 import pytest
 
 from agent_proc.mission.process import AgentConfig, work, writable_folder
+from agent_proc.reporting import picture
 from legpush.errors import ConfigError, JournalError, StopRequestedError
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Motion, Outcome
@@ -58,6 +60,38 @@ def test_a_mission_leaves_journal_report_and_picture(sockets: Path, scenario_fil
     assert (written["success"], written["seed"]) == (True, 4)
     assert isinstance(written["wall_time_s"], float)
     assert written["wall_time_s"] > 0.0
+
+
+def test_a_picture_that_fails_costs_neither_report_nor_result(
+    sockets: Path, scenario_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("no font\nat all")
+
+    monkeypatch.setattr(picture, "save_picture", fail)
+    with sim(sockets, KinematicSimulator()), planner(sockets, straight_plan):
+        code = run_agent(sockets, config(scenario_file, tmp_path / "out"))
+
+    assert code == 0
+    assert report(tmp_path / "out")["success"]
+    assert report(tmp_path / "out")["notes"] == ["no mission.png: RuntimeError: no font at all"]
+
+
+def test_a_disk_too_full_for_the_picture_is_a_full_disk(
+    sockets: Path, scenario_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(picture, "save_picture", fail)
+    with (
+        sim(sockets, KinematicSimulator()),
+        planner(sockets, straight_plan),
+        pytest.raises(OSError, match="No space left"),
+    ):
+        run_agent(sockets, config(scenario_file, tmp_path / "out"))
+
+    assert report(tmp_path / "out")["success"]
 
 
 def test_a_mission_without_success_ends_with_1(sockets: Path, scenario_file: Path, tmp_path: Path) -> None:

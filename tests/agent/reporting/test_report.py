@@ -40,6 +40,7 @@ REPORT_KEYS = (
     ),
     *("n_better_paths", "n_replans", "appeared"),
     *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed", "versions"),
+    "notes",
 )
 
 
