@@ -131,7 +131,11 @@ class AgentConfig(ServiceConfig):
 
 
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
-    """Run the mission of `config`; return 0 if the box is at its goal, else 1."""
+    """Run the mission of `config`; return 0 if the box is at its goal, else 1.
+
+    Raises:
+        LegpushError: What ended the mission, if it was no outcome of the mission itself; its report is written.
+    """
     scenario = load_scenario(config.scenario)
     policy = config.make_policy()
     push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
@@ -173,6 +177,8 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             log.info("the mission in %s was over before: only its report is written again", folder)
         write_report(folder, journal, result, picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
+        if result.error is not None:
+            raise result.error
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
 
