@@ -84,6 +84,12 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class BadAnswerError(PeerError):
+    """An answer of planner or simulator that cannot be used; the same question gets it again; names the answer."""
+
+    exit_code = 2
+
+
 class DivergedError(PeerError):
     """A simulator that led equal motions to another state than before; names the step and both states."""
 

@@ -102,6 +102,8 @@ def _run_and_tell(
             require_space(folder)  # on a full disk a process cannot even say so in its log
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {printable(verdict.reason)}\n")
+            if verdict.exit_code == BAD_INPUT and (folder / REPORT_FILE).exists():
+                print_summary(console, folder, read_report(folder))
         elif verdict.exit_code == INTERRUPTED:
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
