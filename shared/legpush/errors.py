@@ -3,6 +3,7 @@
 import errno
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, ClassVar, Final, Literal
 
 FAILED: Final = 3
@@ -128,7 +129,8 @@ def exit_code_of(work: Callable[[], int]) -> int:
     except (LegpushError, OSError) as error:
         if not isinstance(error, LegpushError) and not is_disk_full(error):
             raise
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        with suppress(OSError):  # on a full disk the log is full, too: the exit code says what happened
+            sys.stderr.write(f"error: {one_line(str(error))}\n")
         return code_of(error)
 
 

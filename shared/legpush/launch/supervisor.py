@@ -126,6 +126,8 @@ class Supervisor:
         if exit_code in (BAD_INPUT, DISK_FULL):
             said = process.last_words(1)
             error = said[0].removeprefix("error: ") if said else describe_exit(exit_code)
+            if exit_code == DISK_FULL and not (said and said[0].startswith("error: ")):
+                error = "the disk is full, also for its log"
             return Verdict(exit_code, f"{role}: {error}")
         post, what = self._posts[role], f"the {role} {describe_exit(exit_code)}"
         if post.n_restarts == self._limits.max_restarts:

@@ -94,7 +94,8 @@ def test_bad_input_is_not_tried_again_and_its_error_is_shown(stage: Stage, role:
 
 def test_a_full_disk_is_not_tried_again_and_has_an_exit_code_of_its_own(stage: Stage) -> None:
     verdict = stage.run({"planner": "ready", "sim": "ready", "agent": "ready die=9:5"})
-    assert verdict == Verdict(5, "agent: life 0 of the agent")
+    # It could not write an error into its log any more.
+    assert verdict == Verdict(5, "agent: the disk is full, also for its log")
 
 
 def test_a_process_that_does_not_become_ready_is_named_with_the_end_of_its_log(stage: Stage) -> None:
