@@ -102,7 +102,8 @@ def made_here() -> dict[str, Any]:
 
 def table_lines(results: SoakResults) -> list[str]:
     """Return the results for people."""
-    lines = [f"{'fault':<16}{'cells':>6}{'survived':>10}{'same state':>12}{'as expected':>13}"]
+    head = f"{'fault':<16}{'cells':>6}{'survived':>10}{'same state':>12}{'as expected':>13}"
+    lines = [head] if results.summary else []
     for name, one in results.summary.items():
         lines.append(f"{name:<16}{one.n_cells:>6}{one.n_survived:>10}{one.n_same:>12}{one.n_as_expected:>13}")
     for role, parts in results.kills.items():

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Iterator
+from typing import Final
 
 from rich.console import Console
 from rich.text import Text
@@ -15,6 +16,9 @@ from legpush.soak.results import SoakResults, read_results, table_lines, write_r
 from legpush.soak.steps import run_steps
 from legpush.soak.table import Cell, choose_cells
 from legpush.soak.training import TrainingSoak
+
+N_LINES: Final = 20
+"""Number of lines of progress of the steps."""
 
 
 def run_soak(options: SoakOptions, console: Console) -> int:
@@ -69,8 +73,13 @@ def _run_steps(options: SoakOptions, results: SoakResults, stop: threading.Event
     if left <= 0:
         return
 
+    shown = 0
+
     def progress(n_done: int) -> None:
-        console.print(Text(f"{n_done}/{left} steps"), soft_wrap=True)
+        nonlocal shown
+        if N_LINES * n_done // left > shown:
+            shown = N_LINES * n_done // left
+            console.print(Text(f"{n_done}/{left} steps"), soft_wrap=True)
 
     results.steps.append(run_steps(left, options.out / "steps", stop, progress))
     if stop.is_set():

@@ -36,7 +36,7 @@ class Times(Struct, frozen=True, kw_only=True):
     imports_s: float | None
     """From there until it had imported its modules."""
     connect_s: float | None
-    """From there until its liveliness token was up: it is ready."""
+    """From there until its liveliness token was up: it has loaded the rest, such as OMPL, and is ready."""
     redo_s: float | None
     """From there until it had done its past again; None if it has none."""
     resumed_s: float | None
