@@ -3,6 +3,7 @@
 import errno
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, ClassVar, Final, Literal
 
 FAILED: Final = 3
@@ -142,7 +143,8 @@ def exit_code_of(work: Callable[[], int]) -> int:
         if not isinstance(error, LegpushError) and not is_disk_full(error):
             raise
         lines = error.lines() if isinstance(error, LegpushError) else (str(error),)
-        sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
+        with suppress(OSError):  # on a full disk the log is full, too: the exit code says what happened
+            sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
         return code_of(error)
 
 
