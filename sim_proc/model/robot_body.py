@@ -3,10 +3,9 @@
 from math import sin
 from typing import Final
 
-import mujoco
-
 from legpush.scene.conventions import JOINTS, LEGS
 from legpush.scene.robot import RobotSpec
+from sim_proc.headless import mujoco
 from sim_proc.kinematics.leg import LegKinematics
 
 BODYWORK: Final = (0.93, 0.72, 0.11, 1.0)
