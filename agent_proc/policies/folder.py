@@ -169,7 +169,7 @@ def encode_card(card: Card) -> bytes:
         OBSERVATION: observation_elements(card.task),
         ACTION: action_elements(card.task),
         "task": {**msgspec.to_builtins(card.task), "scenario": scenario_table(card.task.scenario)},
-        **{name: getattr(card, name) for name in ("profile", *_CARD_FIELDS) if name != "command"},
+        **{name: getattr(card, name) for name in ("profile", *_CARD_FIELDS) if name not in ("command", "task")},
     }
     return msgspec.json.format(msgspec.json.encode(whole), indent=1) + b"\n"
 

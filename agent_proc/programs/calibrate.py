@@ -1,10 +1,8 @@
-"""Calibration as a program: `python -m agent_proc.programs.calibrate`, or `legpush calibrate`."""
+"""Calibration as a program: `legpush calibrate`."""
 
 import shlex
 import sys
 import threading
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import tyro
 from rich.console import Console
@@ -16,8 +14,8 @@ from agent_proc.push_model.calibration import calibrate, cells
 from agent_proc.push_model.map import PushMap, make_push_map, measured_faces, write_push_map
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
-from legpush.numerics.entry import enter_profile
 from legpush.options.learning import CalibrateOptions
+from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Scenario
 from legpush.service import run_program, stop_on_signals
@@ -43,9 +41,9 @@ def run(options: CalibrateOptions, console: Console) -> int:
     seeds = range(options.first_seed, options.first_seed + options.series)
     planned = cells(measured_faces(box), curves, options.depths_m, seeds)
     stop, links_stop = stop_on_signals(), threading.Event()
-    with TemporaryDirectory(prefix="legpush-calibrate-") as logs, _bar(console) as bar:
+    with temporary_folder("calibrate-") as logs, _bar(console) as bar:
         task = bar.add_task("pushing", total=len(planned))
-        with simulators(options, Path(logs), links_stop, kind="calibrate") as worlds:
+        with simulators(options, logs, links_stop, kind="calibrate") as worlds:
             try:
                 samples = calibrate(worlds, robot, box, planned, on_cell=lambda: bar.advance(task), stop=stop)
             except StopRequestedError as error:
@@ -96,8 +94,3 @@ def _bar(console: Console) -> Progress:
     """A bar with the number of finished series and the remaining time."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Evaluation as a program: `python -m agent_proc.programs.evaluate POLICY`, or `legpush evaluate POLICY`."""
+"""Evaluation as a program: `legpush evaluate POLICY`."""
 
 import re
 import shlex
@@ -20,7 +20,6 @@ from agent_proc.policies.registry import make_policy
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.files import write_whole
-from legpush.numerics.entry import enter_profile
 from legpush.options.learning import EvaluateOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
@@ -99,8 +98,3 @@ def _bar(console: Console) -> Progress:
     """A bar with the number of finished episodes and the remaining time."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Maps as a program: `python -m agent_proc.programs.show_map show FILE`, or `legpush map show FILE`."""
+"""Maps as a program: `legpush map show FILE`."""
 
 import sys
 from pathlib import Path
@@ -42,7 +42,3 @@ def _require_own(picture: Path) -> None:
             raise ConfigError(f"{picture}: expected a new file for --output, or a picture of `legpush map show`")
     except OSError as error:
         raise ConfigError(f"{picture}: expected a file for --output ({error.strerror})") from error
-
-
-if __name__ == "__main__":
-    sys.exit(main())

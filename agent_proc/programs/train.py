@@ -1,4 +1,4 @@
-"""Training as a program: `python -m agent_proc.programs.train`, or `legpush train`."""
+"""Training as a program: `legpush train`."""
 
 import logging
 import shlex
@@ -26,7 +26,6 @@ from agent_proc.task.config import Domain, TaskConfig
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
 from legpush.numerics.current import explained
-from legpush.numerics.entry import enter_profile
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
@@ -41,6 +40,7 @@ CONFIG_FILE: Final = "config.json"
 
 def main() -> int:
     """Parse the command line and train; returns the exit code."""
+    logging.captureWarnings(True)
     return run_program("train", lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
 
 
@@ -196,9 +196,3 @@ def _shown(console: Console) -> Iterator[Any]:
                 console.print(Text(f"step {progress.best.step}: {progress.best}"), soft_wrap=True)
 
         yield show
-
-
-if __name__ == "__main__":
-    enter_profile()
-    logging.captureWarnings(True)
-    sys.exit(main())

@@ -3,6 +3,7 @@
 import errno
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, ClassVar, Final, Literal
 
 FAILED: Final = 3
@@ -22,6 +23,13 @@ class LegpushError(Exception):
 
     exit_code: ClassVar[int] = 3
     """Exit code of the process: 2 for bad input, 3 if a process failed, 5 on a full disk, 130 if interrupted."""
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def lines(self) -> tuple[str, ...]:
+        """The text, and further lines if it has several parts."""
+        return tuple(map(str, self.args))
 
 
 class ConfigError(LegpushError):
@@ -77,6 +85,12 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class BadAnswerError(PeerError):
+    """An answer of planner or simulator that cannot be used; the same question gets it again; names the answer."""
+
+    exit_code = 2
+
+
 class DivergedError(PeerError):
     """A simulator that led equal motions to another state than before; names the step and both states."""
 
@@ -128,7 +142,9 @@ def exit_code_of(work: Callable[[], int]) -> int:
     except (LegpushError, OSError) as error:
         if not isinstance(error, LegpushError) and not is_disk_full(error):
             raise
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        lines = error.lines() if isinstance(error, LegpushError) else (str(error),)
+        with suppress(OSError):  # on a full disk the log is full, too: the exit code says what happened
+            sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
         return code_of(error)
 
 

@@ -46,8 +46,8 @@ def gentle_stop(n_ticks: int) -> Floats:
 def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int, gait: Gait) -> Floats:
     """A step from `start_m` to `end_m`, (3,) each, that touches down slowly; one point per tick, (n, 3).
 
-    The foot rises by `height_m` above the higher end. It comes down at the landing speed, with which it moves on for the
-    landing ticks. Along the floor it is at its place a little earlier.
+    The foot rises by `height_m` above the higher end. It comes down to the landing speed, with which it moves on for
+    the landing ticks. Along the floor it is at its place a little earlier.
     """
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
     tick = np.arange(1, n_ticks + 1)

@@ -3,9 +3,8 @@
 from math import atan2, cos, sin
 from typing import Any, Final
 
-import mujoco
-
 from legpush.scene.scenario import Box
+from sim_proc.headless import mujoco
 from sim_proc.model.collisions import SURROUNDINGS
 
 CARDBOARD: Final = (0.72, 0.53, 0.35, 1.0)

@@ -3,10 +3,9 @@
 from math import sin
 from typing import Final
 
-import mujoco
-
 from legpush.scene.conventions import JOINTS, LEGS
 from legpush.scene.robot import RobotSpec
+from sim_proc.headless import mujoco
 from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.collisions import LOWER_LEG, ROBOT
 

@@ -2,13 +2,13 @@
 
 from math import cos, sin
 
-import mujoco
 import numpy as np
 
 from legpush.arrays import Floats
 from legpush.scene.conventions import JOINT_QPOS, LEGS
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.joint_commands import Knots
+from sim_proc.headless import mujoco
 from sim_proc.model.world import JOINT_QVEL
 
 

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from math import cos, radians, sin
 from typing import Final
 
-import mujoco
 import numpy as np
 
 from legpush.arrays import Floats
@@ -16,6 +15,7 @@ from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog
+from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.scenery import wall_name

@@ -2,6 +2,7 @@
 
 import errno
 import os
+from contextlib import suppress
 
 import pytest
 
@@ -66,3 +67,15 @@ def test_control_characters_are_shown_and_not_obeyed() -> None:
     assert (
         one_line("ä \x1b]8;;http://x\x07[link] \x9b31m\u202e\r") == "ä \\x1b]8;;http://x\\x07[link] \\x9b31m\\u202e\\r"
     )
+
+
+def test_a_full_disk_under_standard_error_does_not_hide_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> int:
+        raise DiskFullError("Expected to write the journal")
+
+    with open("/dev/full", "w", buffering=1) as full:
+        monkeypatch.setattr("sys.stderr", full)
+        assert exit_code_of(fail) == DISK_FULL
+        monkeypatch.undo()
+        with suppress(OSError):
+            full.close()

@@ -1,18 +1,18 @@
 """Starts the recorder of a mission. It ends with the mission, and its failure does not end the mission."""
 
-import json
 from collections.abc import Mapping
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 from legpush.bus.endpoints import Endpoints
-from legpush.files import write_whole
 from legpush.launch.display import Display
+from legpush.launch.last_words import error_of
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
 from legpush.processes.recorder_process import INCOMPLETE, recorder_arguments, what_is_missing
 from legpush.runs.folder import REPORT_FILE
+from legpush.runs.report import read_report, write_report
 
 
 class MissionRecorder:
@@ -33,11 +33,10 @@ class MissionRecorder:
 
     def note_end(self, process: Process) -> None:
         """Tell the user at once that the recorder ended although the mission goes on."""
-        words = process.last_words(1)
-        said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
+        why = f": {error_of(process)}" if (process.exit_code or 0) > 0 else ""
         self._failure = (
-            f"the recorder {describe_exit(process.exit_code or 0)}{said}; the mission goes on without it; "
-            f"`legpush recover {self._file}` saves what was recorded"
+            f"the recorder {describe_exit(process.exit_code or 0)}{why}; its log is {process.command.log}; the mission "
+            f"goes on without it; `legpush recover {self._file}` saves what was recorded"
         )
         self._display.notice(self._failure)
 
@@ -51,12 +50,10 @@ class MissionRecorder:
         notes = what_is_missing(self._process)
         if self._failure is None and code == INCOMPLETE:
             self._display.notice("\n    ".join(("the recording is not complete:", *notes)))
-        report = folder / REPORT_FILE
-        if report.exists():
+        if (folder / REPORT_FILE).exists():
             recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
             recording["notes"] = [self._failure] if self._failure is not None else notes
-            with_recording = {**json.loads(report.read_bytes()), "recording": recording}
-            write_whole(report, (json.dumps(with_recording, indent=2) + "\n").encode())
+            write_report({**read_report(folder), "recording": recording}, folder)
 
 
 def next_file(file: Path) -> Path:

@@ -57,7 +57,3 @@ def main() -> int:
     import tyro
 
     return exit_code_of(lambda: run_recorder(tyro.cli(RecordOptions, prog="legpush record")))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -3,8 +3,30 @@
 import os
 import shutil
 from pathlib import Path
+from tempfile import TemporaryFile
 
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, DiskFullError, is_disk_full
+
+
+def require_writable_folder(folder: Path, flag: str) -> None:
+    """Check that files can be made in a folder, or that the folder can be made; nothing is left behind.
+
+    Raises:
+        ConfigError: It is none, or nothing can be written to it.
+    """
+    there = folder.absolute()
+    while not os.path.lexists(there):
+        there = there.parent
+    try:
+        with TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        if is_disk_full(error):
+            raise DiskFullError(f"{folder}: expected space for files ({error.strerror})") from error
+        where = "" if there == folder.absolute() else f": {there}"
+        raise ConfigError(
+            f"Expected a folder that can be written to for {flag}, got {folder} ({error.strerror}{where})"
+        ) from error
 
 
 def require_new_file(path: Path, flag: str) -> None:

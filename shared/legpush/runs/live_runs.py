@@ -8,9 +8,8 @@ import fcntl
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
 from time import time
 from typing import Annotated, Final, Self
 
@@ -19,13 +18,13 @@ from msgspec import Meta, Struct
 
 from legpush.bounds import Count
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import EndpointError
+from legpush.errors import EndpointError, printable
 from legpush.fields import Name
 from legpush.files import new_file
 from legpush.messages.common import PROTOCOL_VERSION
+from legpush.runs.folder import COMMAND_FILE, LOGS
+from legpush.runs.temporary import clear_abandoned, private_folders, temporary_folder
 
-PREFIX: Final = "legpush-"
-"""How directories of sockets are called in the temporary directory."""
 RUN_FILE: Final = "run.json"
 MAX_BYTES: Final = 65536
 """Largest file that is read; a larger one is not of a launcher."""
@@ -67,11 +66,27 @@ class LiveRun(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         )
 
 
-@contextmanager
-def socket_directory() -> Iterator[Path]:
+def socket_directory() -> AbstractContextManager[Path]:
     """A directory of mode 0700 for the sockets of a run, where `find_live_runs` looks."""
-    with TemporaryDirectory(prefix=PREFIX) as directory:
-        yield Path(directory)
+    return temporary_folder()
+
+
+def clear_killed_runs() -> list[str]:
+    """Remove the temporary folders of killed launchers; return a line for each run of them that can go on."""
+    lines: list[str] = []
+
+    def note(folder: Path) -> None:
+        run = _read(folder / RUN_FILE, locked=False)
+        if run is None or run.folder is None:
+            return
+        try:
+            command = (Path(run.folder) / LOGS / COMMAND_FILE).read_text(encoding="utf-8", errors="replace").strip()
+        except OSError:
+            return
+        lines.append(printable(f"the {run.kind} in {run.folder} was killed; to go on: {command}"))
+
+    clear_abandoned(note)
+    return lines
 
 
 @contextmanager
@@ -95,30 +110,19 @@ def find_live_runs() -> tuple[LiveRun, ...]:
 
     What others put there, what cannot be read, another protocol's and what a killed launcher left behind is skipped.
     """
-    with os.scandir(gettempdir()) as entries:
-        directories = [Path(entry.path) for entry in entries if entry.name.startswith(PREFIX) and _is_private(entry)]
-    runs = (_read(directory / RUN_FILE) for directory in directories)
+    runs = (_read(directory / RUN_FILE) for directory in private_folders())
     return tuple(sorted((run for run in runs if run is not None), key=lambda run: (run.began_unix_s, run.run)))
 
 
-def _is_private(entry: os.DirEntry[str]) -> bool:
-    """Whether it is a directory, no link to one, that only this user can enter."""
-    try:
-        status = entry.stat(follow_symlinks=False)
-    except OSError:
-        return False
-    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) & 0o077 == 0
-
-
-def _read(path: Path) -> LiveRun | None:
-    """The run in a file, None where it is none that lives."""
+def _read(path: Path, *, locked: bool = True) -> LiveRun | None:
+    """The run in a file, None where it is none that lives; with `locked` False, none that does not live any more."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return None
     try:
         status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or not _is_locked(descriptor):
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or _is_locked(descriptor) is not locked:
             return None
         run = msgspec.json.decode(os.read(descriptor, MAX_BYTES), type=LiveRun)
         Endpoints(connect=run.connect)

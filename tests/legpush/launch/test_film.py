@@ -39,7 +39,7 @@ def shoot(folder: Path, code: str, display: Notices, longest_s: float = 60.0) ->
     argv = (sys.executable, "-I", "-S", "-c", code)
     command = Command(role="video", argv=argv, log=folder / "video.log", environment=os.environ)
     with Crew() as crew:
-        verdict = film(command, crew, display, longest_s)
+        verdict = film(command, crew, display, display.notice, longest_s)
         assert crew.running() == ()
     return verdict
 
@@ -50,14 +50,21 @@ def shoot(folder: Path, code: str, display: Notices, longest_s: float = 60.0) ->
         ("pass", []),
         ("print('first'); print('no OpenGL: install libegl1'); raise SystemExit(4)", ["no OpenGL: install libegl1"]),
         ("raise SystemExit(4)", ["no video: no OpenGL library can be used"]),
-        ("print('what'); print('why'); raise SystemExit(1)", ["no video: it exited with 1\n    what\n    why"]),
-        ("import os; os.abort()", ["no video: it was killed by SIGABRT"]),
+        (
+            "print('what'); print('why'); raise SystemExit(1)",
+            ["no video: the film exited with 1; the end of {log}:\n    what\n    why"],
+        ),
+        (
+            "print('much'); print('error: no'); raise SystemExit(2)",
+            ["no video: the film exited with 2: no; its log is {log}"],
+        ),
+        ("import os; os.abort()", ["no video: the film was killed by SIGABRT; it wrote nothing to {log}"]),
     ],
 )
 def test_a_film_or_the_lack_of_one_changes_nothing_but_is_told(code: str, notices: list[str], tmp_path: Path) -> None:
     display = Notices()
     assert shoot(tmp_path, code, display) is None
-    assert display.notices == notices
+    assert display.notices == [notice.format(log=tmp_path / "video.log") for notice in notices]
 
 
 def test_a_film_that_takes_too_long_is_given_up(tmp_path: Path) -> None:
