@@ -28,7 +28,7 @@ class TickLog:
     com_m: Floats
     """Centre of mass of the robot, (n, 3)."""
     ctrl: Floats
-    """Positions commanded to the servos, (n, 12)."""
+    """Positions commanded to the servos, with all feed-forward, (n, COMMANDS_PER_TICK, 12)."""
 
 
 class Plant(Protocol):

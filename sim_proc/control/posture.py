@@ -55,6 +55,17 @@ class Posture:
         self.com_offset_m = plant.com_m()[:2] - plant.trunk_pose().xy()
         self.com_state[0] = self.trunk_xy_m + self.com_offset_m
 
+    def stand(self, n_ticks: int) -> TickLog:
+        """Stand still with the load on all feet."""
+        return self.track(
+            np.repeat(self.trunk_xy_m[None], n_ticks, axis=0),
+            np.full(n_ticks, self.yaw_rad),
+            np.repeat(self.feet_m[None], n_ticks, axis=0),
+            np.ones((n_ticks, 4)),
+            np.repeat(self.com_state[:1], n_ticks, axis=0),
+            np.zeros((n_ticks, 2)),
+        )
+
     def track(
         self,
         trunk_xy_m: Floats,

@@ -34,7 +34,7 @@ def contact_point(robot: RobotSpec, pose: Pose2, box: Box, leg: FrontLeg, depth_
 
     `pose` is the frame of the box in which its pushed face is the rear one, and `box` has the size in that frame.
     """
-    length, width, height = box.size_m
+    length, width, _ = box.size_m
     side = robot.pushing.contact_side_share * width * (1 if leg == "FL" else -1)
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
     x, y = pose.apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
@@ -44,8 +44,8 @@ def contact_point(robot: RobotSpec, pose: Pose2, box: Box, leg: FrontLeg, depth_
 def contact_height_m(robot: RobotSpec, box: Box) -> float:
     """Height of the contact point: within reach of the leg, and low enough that a sliding box does not tip.
 
-    `box` has the size in the frame in which the pushed face is the rear one. A box that friction holds back at the floor
-    tips over its front edge if it is pushed above half its length divided by the friction coefficient.
+    `box` has the size in the frame in which the pushed face is the rear one. A box that friction holds back at the
+    floor tips over its front edge if it is pushed above half its length divided by the friction coefficient.
     """
     length, _, height = box.size_m
     motion = robot.pushing

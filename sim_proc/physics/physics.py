@@ -27,8 +27,6 @@ PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
 STATE: Final = mujoco.mjtState.mjSTATE_INTEGRATION
 """All that the next step depends on."""
-SETTLE_TICKS: Final = 25
-"""How long robot and box stand before an episode begins."""
 
 
 class Physics:
@@ -65,6 +63,7 @@ class Physics:
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
+        self._places = trunk, box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._waiting = Waiting(scenario.room, scenario.box, robot)
         for index in self._waiting.indices:
@@ -74,7 +73,6 @@ class Physics:
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
-        self._settle()
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
@@ -109,7 +107,7 @@ class Physics:
             floor_forces_n=-last[:, self._floor_forces].reshape(n, 4, 3),
             box_forces_n=-last[:, self._box_forces].reshape(n, 4, 3),
             com_m=last[:, self._com],
-            ctrl=controls[:n, -1],
+            ctrl=controls[:n],
         )
 
     def _simulate(self, controls: Floats, run_tick: Callable[[Floats, Floats], None]) -> tuple[Floats, Floats]:
@@ -147,13 +145,17 @@ class Physics:
             row[:] = data.sensordata
         bounds[:, 0], bounds[:, 1] = -self._limits.peak_n_m, self._limits.peak_n_m
 
-    def _settle(self) -> None:
-        """Let robot and box stand until the contacts carry them; then time begins."""
-        model, data = self.model, self.data
-        hold = np.tile(data.qpos[JOINT_QPOS], (SETTLE_TICKS, COMMANDS_PER_TICK, 1))
-        self._simulate(hold, self._run_tick)
-        data.qvel[:], data.time, self.tick = 0.0, 0.0, 0
-        mujoco.mj_forward(model, data)
+    def begin(self) -> None:
+        """Begin the episode at tick 0, with robot and box at rest in their places on the floor.
+
+        The robot may have stood before, until the floor carried it.
+        """
+        data = self.data
+        for columns, place in zip((TRUNK_QPOS, BOX_QPOS), self._places, strict=True):
+            data.qpos[columns][:2] = place.xy()
+        data.qvel[:], data.time = 0.0, 0.0
+        mujoco.mj_forward(self.model, data)
+        self.tick = 0
 
     def alter(self, scenario: Scenario) -> None:
         """Go on with a scenario that differs from the present one only in mass or friction of the box."""
