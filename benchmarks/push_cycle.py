@@ -89,7 +89,7 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
         controls.append(recording.ctrl)
         return recording
 
-    physics.Physics.run = run_and_collect  # type: ignore[method-assign, assignment]
+    physics.Physics.run = run_and_collect  # type: ignore[method-assign]
 
 
 if __name__ == "__main__":

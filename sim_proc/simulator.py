@@ -60,6 +60,7 @@ class SimulatedEpisode:
         trunk, box = drawn_poses(reset.scenario, reset.seed)
         self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
+        self.physics.tick = -SETTLE_TICKS
         Posture(self.physics).stand(SETTLE_TICKS)
         self.physics.begin()
         self._steps = Steps(Posture(self.physics))

@@ -53,7 +53,7 @@ def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks
     tick = np.arange(1, n_ticks + 1)
     landing, speed = min(gait.landing_ticks, n_ticks - 2), gait.landing_speed_m_s * CONTROL_PERIOD_S
     flight = n_ticks - landing
-    apex, apex_m = APEX_SHARE * flight, max(start[2], end[2]) + height_m
+    apex, apex_m = APEX_SHARE * flight, max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
     along = quintic(np.clip(tick / (n_ticks - SETTLED_SHARE * landing), 0.0, 1.0))
     curve: Floats = start + along[:, None] * (end - start)
     rising = start[2] + (apex_m - start[2]) * quintic(np.clip(tick / apex, 0.0, 1.0))

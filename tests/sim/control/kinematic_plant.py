@@ -59,7 +59,8 @@ class KinematicPlant:
 
     def run(self, commands: JointCommands) -> TickLog:
         assert commands.positions_rad.shape == commands.torques_n_m.shape
-        ends = commands.positions_rad[:, -1] + COMMAND_PERIOD_S * commands.velocities_rad_s[:, -1]
+        before, last = commands.velocities_rad_s[:, -2], commands.velocities_rad_s[:, -1]
+        ends = commands.positions_rad[:, -1] + COMMAND_PERIOD_S * (last + 0.5 * (last - before))
         rows: list[tuple[Floats, ...]] = []
         for command, end in zip(commands.positions_rad, ends, strict=True):
             self._move(end.reshape(4, 3))

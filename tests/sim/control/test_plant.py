@@ -6,6 +6,7 @@ import pytest
 from legpush.geometry import Pose2
 from legpush.scene.conventions import N_QPOS
 from legpush.scene.scenario import Scenario
+from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.control.plant import Plant, TickLog
 from sim_proc.physics.physics import Physics
 from tests.sim.commands import held
@@ -18,7 +19,7 @@ SHAPES = {
     "floor_forces_n": (4, 3),
     "box_forces_n": (4, 3),
     "com_m": (3,),
-    "ctrl": (12,),
+    "ctrl": (COMMANDS_PER_TICK, 12),
 }
 """Shape of a row of each field of a `TickLog`."""
 
