@@ -40,7 +40,7 @@ def test_a_swing_peaks_where_it_should_and_lands_slowly(
     np.testing.assert_allclose(curve[-1], end)
     lands_m = gait.landing_speed_m_s * gait.landing_ticks * CONTROL_PERIOD_S
     highest_m = max(start_z_m + height_m, 0.019 + height_m, 0.019 + lands_m)
-    assert highest_m - 0.002 < curve[:, 2].max() < highest_m + 0.001
+    assert highest_m - 0.002 < curve[:, 2].max() < highest_m + 0.004
     landing = np.diff(curve[-gait.landing_ticks - 1 :], axis=0) / CONTROL_PERIOD_S
     np.testing.assert_allclose(landing[:, 2], -gait.landing_speed_m_s)
     np.testing.assert_allclose(curve[-1, :2], curve[-2, :2], atol=0.02 * abs(along_m) + 0.01)
