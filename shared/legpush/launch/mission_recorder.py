@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -57,13 +56,3 @@ class MissionRecorder:
             recording["notes"] = [self._failure] if self._failure is not None else notes
             with_recording = {**json.loads(report.read_bytes()), "recording": recording}
             write_whole(report, (json.dumps(with_recording, indent=2) + "\n").encode())
-
-
-def next_file(file: Path) -> Path:
-    """Return a file that continues this one: `m-2.mcap` after `m.mcap`, or the first number that is free."""
-    stem, _, number = file.stem.rpartition("-")
-    first = file.with_name(f"{stem}{file.suffix}")
-    if not (number.isdecimal() and first.exists()):
-        first = file
-    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
-    return next(path for path in map(first.with_name, names) if path != file and not path.exists())
