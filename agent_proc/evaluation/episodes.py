@@ -2,8 +2,8 @@
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import degrees, inf
 from queue import SimpleQueue
@@ -18,6 +18,7 @@ from agent_proc.statistics.estimate import Estimate
 from agent_proc.statistics.intervals import mean, share
 from legpush.errors import StopRequestedError
 from legpush.lockstep.world import SteppingWorld
+from legpush.long_work.parallel import in_parallel
 from legpush.messages.stepping import Reset
 from legpush.scene.scenario import Scenario
 
@@ -101,10 +102,12 @@ def evaluate(
     policy: Policy,
     on_row: Callable[[Row], None] = lambda _: None,
     stop: threading.Event | None = None,
+    finished: Mapping[tuple[str, int], Row] | None = None,
 ) -> list[Row]:
     """Run each case with each seed, one episode per world at a time; rows in the order of cases, then seeds.
 
-    `on_row` is called on the caller's thread with each row, in that order.
+    `on_row` is called on the caller's thread with each row as its episode ends. The `finished` ones, by case and seed,
+    are not run again.
 
     Raises:
         StopRequestedError: `stop` was set.
@@ -120,16 +123,11 @@ def evaluate(
         finally:
             free.put(world)
 
-    pool = ThreadPoolExecutor(len(worlds))
-    try:
-        futures = [pool.submit(one, case, seed) for case, seed in product(cases, seeds)]
-        rows = []
-        for future in futures:
-            rows.append(future.result())
-            on_row(rows[-1])
-        return rows
-    finally:
-        pool.shutdown(cancel_futures=True)
+    planned, rows = list(product(cases, seeds)), dict(finished or {})
+    missing = [episode for episode in planned if episode not in rows]
+    made = in_parallel([partial(one, case, seed) for case, seed in missing], len(worlds), on_row)
+    rows |= zip(missing, made, strict=True)
+    return [rows[episode] for episode in planned]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,7 @@ import tyro
 
 from legpush.errors import ConfigError, exit_code_of, one_line, printable
 from legpush.options.bench import Bench, ListFaults, SoakOptions
+from legpush.options.checks import require_writable_folder
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -158,6 +159,7 @@ def _render(command: RenderOptions) -> int:
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
+    require_writable_folder(command.run_folder, "RUN_FOLDER")
     argv = film_arguments(command.run_folder, command.camera)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
