@@ -6,7 +6,6 @@ import threading
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import monotonic
 from types import TracebackType
 from typing import Final, Self
@@ -20,6 +19,7 @@ from legpush.messages.planning import PlanCancel, PlanQuery, PlanRequest, PlanRe
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
+from legpush.runs.live_runs import socket_directory
 
 RUN: Final = "plan-check"
 """Name of the run in which planner and clients meet."""
@@ -41,7 +41,7 @@ class PlannerProcess:
         self._closing = ExitStack()
 
     def __enter__(self) -> Self:
-        directory = Path(self._closing.enter_context(TemporaryDirectory(prefix="legpush-check-")))
+        directory = self._closing.enter_context(socket_directory())
         self.endpoints = Endpoints(connect=in_directory(directory, "planner").listen)
         self._closing.callback(self._crew.stop)
         self.start()

@@ -18,7 +18,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from legpush.bounds import Count
-from legpush.bus.endpoints import Endpoints
+from legpush.bus.endpoints import MAX_SOCKET_PATH_BYTES, Endpoints
 from legpush.errors import EndpointError
 from legpush.fields import Name
 from legpush.files import new_file
@@ -27,6 +27,12 @@ from legpush.messages.common import PROTOCOL_VERSION
 PREFIX: Final = "legpush-"
 """How directories of sockets are called in the temporary directory."""
 RUN_FILE: Final = "run.json"
+SHORT: Final = "/tmp"  # noqa: S108 - only the parent of a directory that is made for one run
+"""Where the sockets are if `TMPDIR` is too long for them."""
+SPARE_BYTES: Final = len("/legpush-12345678/planner.sock") + 2
+"""Room for a directory of sockets and the longest name of one, behind a temporary directory."""
+NO_ENDPOINT: Final = frozenset("?#")
+"""Characters that begin the parameters of an endpoint."""
 MAX_BYTES: Final = 65536
 """Largest file that is read; a larger one is not of a launcher."""
 PRINTABLE: Final = r"^[^\x00-\x1f\x7f]+$(?!\n)"
@@ -70,8 +76,19 @@ class LiveRun(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 @contextmanager
 def socket_directory() -> Iterator[Path]:
     """A directory of mode 0700 for the sockets of a run, where `find_live_runs` looks."""
-    with TemporaryDirectory(prefix=PREFIX) as directory:
+    with TemporaryDirectory(prefix=PREFIX, dir=_places()[-1]) as directory:
         yield Path(directory)
+
+
+def _places() -> tuple[str, ...]:
+    """Return the temporary directory, and `/tmp` besides if a socket in that directory had too long a path.
+
+    The path of a unix socket is short, and an endpoint of Zenoh has no place for some characters.
+    """
+    temporary = gettempdir()
+    n_bytes = len(os.fsencode(temporary)) + SPARE_BYTES
+    fits = n_bytes <= MAX_SOCKET_PATH_BYTES and temporary.isprintable() and not NO_ENDPOINT.intersection(temporary)
+    return (temporary,) if fits else (temporary, SHORT)
 
 
 @contextmanager
@@ -95,8 +112,10 @@ def find_live_runs() -> tuple[LiveRun, ...]:
 
     What others put there, what cannot be read, another protocol's and what a killed launcher left behind is skipped.
     """
-    with os.scandir(gettempdir()) as entries:
-        directories = [Path(entry.path) for entry in entries if entry.name.startswith(PREFIX) and _is_private(entry)]
+    directories: list[Path] = []
+    for place in dict.fromkeys(_places()):
+        with os.scandir(place) as entries:
+            directories += [Path(each.path) for each in entries if each.name.startswith(PREFIX) and _is_private(each)]
     runs = (_read(directory / RUN_FILE) for directory in directories)
     return tuple(sorted((run for run in runs if run is not None), key=lambda run: (run.began_unix_s, run.run)))
 
