@@ -30,6 +30,8 @@ class SoakOptions:
     """Seed of the mission and of the faults."""
     repeat: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """How often to run each cell, with the seeds from --seed on."""
+    retry: bool = False
+    """Run the cells again that were not as expected."""
     steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Besides, do this many lockstep steps with a stub simulator, and watch memory, threads and open files."""
     training: Annotated[float | None, tyro.conf.arg(metavar="HOURS")] = None
