@@ -12,7 +12,6 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, cast
 from zlib import crc32
@@ -53,8 +52,9 @@ def prepare(folder: Path, argv: list[str], words: Sequence[str]) -> None:
 
 def _role(words: Sequence[str]) -> FaultRole | None:
     """The role of a process by its command line."""
-    for before, word in pairwise(words):
-        if before == "-m" and word in ("planner_proc", "sim_proc", "agent_proc"):
+    start = words.index("-m") + 1 if "-m" in words else len(words)
+    for word in words[start : start + 2]:  # the module itself, or one that starts it
+        if word in ("planner_proc", "sim_proc", "agent_proc"):
             return cast(FaultRole, word.removesuffix("_proc"))
     return None
 
