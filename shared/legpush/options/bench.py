@@ -17,7 +17,7 @@ class SoakOptions:
     """Disturb whole missions, one fault at a time, and check that each ends as if nothing had happened.
 
     Results go to DIR/soak.json after each cell. Ctrl-C keeps them; the same command goes on. Exit codes: 0 everything
-    is as expected, 1 something is not, 2 bad input, 3 a fault could not be brought in, 130 interrupted.
+    is as expected, 1 something is not, 2 bad input, 3 an undisturbed mission failed, 130 interrupted.
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("runs/soak")

@@ -26,7 +26,7 @@ def run_soak(options: SoakOptions, console: Console) -> int:
 
     Raises:
         ConfigError: There is no such cell, or the folder cannot be made.
-        PeerError: A fault could not be brought in, or something ended that was not disturbed.
+        PeerError: Something ended that was not disturbed.
     """
     cells = choose_cells(options.cells) if options.table else ()
     stop = stop_on_signals()
