@@ -105,6 +105,8 @@ def checksum(key: str, payload: bytes) -> bytes:
     memory module with a fault would change a number in a message, and the message would still be valid.
     """
     return crc32(payload, crc32(key.encode())).to_bytes(4, "big")
+
+
 def _why(error: zenoh.ZError) -> str:
     """Return an error of Zenoh without the places in its source, and what to do where the cause is known."""
     said = _SOURCE.sub("", str(error)).rstrip(".")

@@ -89,7 +89,6 @@ def clear_killed_runs() -> list[str]:
     return lines
 
 
-
 @contextmanager
 def shown(run: LiveRun, directory: Path) -> Iterator[None]:
     """Let others find this run by its directory of sockets, until the context is left or this process ends."""
