@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from math import degrees, inf
 from queue import SimpleQueue
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Reset
 from legpush.scene.scenario import Scenario
 
+EPISODE_CYCLES: Final = 200
+"""Most push cycles of an episode if the scenario does not say how many."""
 EvaluationEnding = Literal["done", "fell", "max_cycles"]
 
 
@@ -55,13 +57,13 @@ def run_episode(
     case: str = "",
     stop: threading.Event | None = None,
 ) -> Row:
-    """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up.
+    """Reset and push until the policy is done, the robot falls, or the push cycles are used up.
 
     Raises:
         StopRequestedError: `stop` was set; checked before each cycle.
     """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
-    estimate = PushEstimate(scenario.box)
+    estimate, n_most = PushEstimate(scenario.box), scenario.mission.max_push_cycles or EPISODE_CYCLES
     n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
     ending: EvaluationEnding = "max_cycles"
     while True:
@@ -78,7 +80,7 @@ def run_episode(
         if push is None:
             ending = "done"
             break
-        if n_cycles == scenario.mission.max_push_cycles:
+        if n_cycles == n_most:
             break
         before = planar_pose(outcome.world.box)
         outcome = world.step(push, with_trace=True)

@@ -32,6 +32,7 @@ LEAST_MOVED_M: Final = 0.0005
 """A push that moves the box by less says only that at least its depth was lost."""
 LEAST_LOST_M: Final = 0.002
 """A smaller estimate counts as no lost depth: boxes of up to 0.9 kg on a level floor lose less."""
+LEAST_TRAVEL_SHARE: Final = 0.1
 MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
@@ -74,6 +75,12 @@ class PushEstimate:
         """How much deeper than in the model a push has to be to move this box as far; 0 if it yields at once."""
         lost_m = float(self._lost[0] / self._lost[1])
         return lost_m if lost_m >= LEAST_LOST_M else 0.0
+
+    @property
+    def usual_travel_m(self) -> float:
+        """How far a push of the usual depth moves this box, at least a tenth of how far it moves that of the model."""
+        travel_m = self.travel_scale * self.commanded_m(USUAL_DEPTH_M - self.lost_depth_m)
+        return max(travel_m, LEAST_TRAVEL_SHARE * self.commanded_m(USUAL_DEPTH_M))
 
     @property
     def turning_radius_m(self) -> float:
