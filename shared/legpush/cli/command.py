@@ -11,6 +11,7 @@ import tyro
 
 from legpush.errors import ConfigError, exit_code_of, one_line, printable
 from legpush.options.bench import Bench, ListFaults, SoakOptions
+from legpush.options.checks import require_writable_folder
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -23,6 +24,7 @@ from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
+from legpush.output.guarded_streams import Output, with_guarded_output
 from legpush.processes.start_program import Program, start_program, start_python
 
 DESCRIPTION: Final = (
@@ -70,16 +72,22 @@ Command = (
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` and return the exit code; an error is one line on standard error."""
-    argv = sys.argv[1:] if argv is None else argv
+    return with_guarded_output(lambda output: _run_line(sys.argv[1:] if argv is None else argv, output))
+
+
+def _run_line(argv: Sequence[str], output: Output) -> int:
+    """Run a command line and return the exit code."""
     if list(argv[:1]) == ["python"] and not {"-h", "--help"} & set(argv[1:2]):
         start_python(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
-    return exit_code_of(lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv))
+    return exit_code_of(
+        lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv, output)
+    )
 
 
-def _parse_and_run(argv: Sequence[str]) -> int:
+def _parse_and_run(argv: Sequence[str], output: Output) -> int:
     """Parse the command line, and run its command."""
     command: object = tyro.cli(
         Command,
@@ -91,7 +99,15 @@ def _parse_and_run(argv: Sequence[str]) -> int:
     for options, program in PROGRAMS.items():
         if isinstance(command, options):
             start_program(program, argv[1:])
+    output.decides = not _is_mission(command)
     return execute(command)
+
+
+def _is_mission(command: object) -> bool:
+    """Return whether the exit code of a command says how a mission ended, whatever becomes of its output."""
+    return isinstance(command, RunOptions | BranchOptions) or (
+        isinstance(command, ReplayOptions) and command.as_role is not None
+    )
 
 
 def _plan_check(argv: Sequence[str]) -> NoReturn:
@@ -158,6 +174,7 @@ def _render(command: RenderOptions) -> int:
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
+    require_writable_folder(command.run_folder, "RUN_FOLDER")
     argv = film_arguments(command.run_folder, command.camera)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
