@@ -87,7 +87,7 @@ MAX_ARMATURE_KG_M2: Final = 100.0
 """Rotor inertia, a hundred times that of a leg."""
 LEAST_TICKS: Final = 2
 MAX_TICKS: Final = 100
-"""Duration of a part of a step: half of the least is one tick, and a plan over four steps of 2 s per part takes 0.1 s."""
+"""Duration of a part of a step: half of the least is one tick, and a plan over the next four steps takes a second."""
 MAX_STEP_TURN_RAD: Final = 1.5
 """Largest change of heading in a gait cycle, nearly a quarter turn."""
 LEAST_TILT_DEG: Final = 1.0
