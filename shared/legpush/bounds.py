@@ -86,8 +86,8 @@ MAX_TORQUE_N_M: Final = 1e5
 MAX_ARMATURE_KG_M2: Final = 100.0
 """Rotor inertia, a hundred times that of a leg."""
 LEAST_TICKS: Final = 2
-MAX_TICKS: Final = 1000
-"""Duration of a part of a step: half of the least is one tick, and a robot that takes 20 s for it stands still."""
+MAX_TICKS: Final = 100
+"""Duration of a part of a step: half of the least is one tick, and a plan over the next four steps takes a second."""
 MAX_STEP_TURN_RAD: Final = 1.5
 """Largest change of heading in a gait cycle, nearly a quarter turn."""
 LEAST_TILT_DEG: Final = 1.0

@@ -14,6 +14,8 @@ DISK_FULL: Final = 5
 """Exit code of a program that could not go on because the disk is full; with more space it can go on."""
 FULL: Final = (errno.ENOSPC, errno.EDQUOT)
 """Numbers of the system's errors that mean `DISK_FULL`."""
+EXHAUSTED: Final = (errno.EMFILE, errno.ENFILE, errno.EIO)
+"""Numbers of the system's errors that are no fault of the user's input: too many open files, or a broken device."""
 INTERRUPTED: Final = 130
 """Exit code of a program that was interrupted before its work was done."""
 
@@ -134,15 +136,15 @@ class StopRequestedError(LegpushError):
 def exit_code_of(work: Callable[[], int]) -> int:
     """Do the work and return its exit code, or that of its error, which becomes one line on standard error.
 
-    A full disk has an exit code of its own, whatever could not be written. Other errors than a `LegpushError` and a
-    full disk are raised.
+    A full disk has an exit code of its own, whatever could not be written. An error of the system that names a file is
+    bad input, or a fault where the machine is out of something. Other errors are raised.
     """
     try:
         return work()
     except (LegpushError, OSError) as error:
-        if not isinstance(error, LegpushError) and not is_disk_full(error):
+        if isinstance(error, OSError) and error.filename is None and not is_disk_full(error):
             raise
-        lines = error.lines() if isinstance(error, LegpushError) else (str(error),)
+        lines = error.lines() if isinstance(error, LegpushError) else (_of_system(error),)
         with suppress(OSError):  # on a full disk the log is full, too: the exit code says what happened
             sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
         return code_of(error)
@@ -152,7 +154,14 @@ def code_of(error: BaseException) -> int:
     """Return the exit code of a program that ends with this error."""
     if is_disk_full(error):
         return DISK_FULL
+    if isinstance(error, OSError):
+        return FAILED if error.errno in EXHAUSTED else ConfigError.exit_code
     return error.exit_code if isinstance(error, LegpushError) else 1
+
+
+def _of_system(error: OSError) -> str:
+    """Return the text of an error of the system, with its file first."""
+    return str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
 
 
 def is_disk_full(error: BaseException) -> bool:

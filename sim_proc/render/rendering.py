@@ -3,11 +3,9 @@
 import errno
 import multiprocessing
 import os
-import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from multiprocessing.synchronize import Event
@@ -17,6 +15,7 @@ from typing import Final
 import imageio_ffmpeg
 import numpy as np
 
+from legpush.entry.interrupts import deaf_children
 from legpush.errors import DiskFullError, LegpushError
 from legpush.options.formats import View
 from legpush.runs.temporary import temporary_folder
@@ -83,9 +82,9 @@ def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, 
     stop = context.Event()
     workers = min(len(os.sched_getaffinity(0)), n_segments)
     with ProcessPoolExecutor(workers, context, initializer=_open_camera, initargs=(film, take, stop)) as pool:
-        with _deaf_children():
-            segments = [pool.submit(_render_segment, job) for job in jobs]
         try:
+            with deaf_children():
+                segments = [pool.submit(_render_segment, job) for job in jobs]
             for n_done, segment in enumerate(as_completed(segments), start=1):
                 segment.result()
                 say(n_done, n_segments)
@@ -96,16 +95,6 @@ def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, 
     listing = scratch / "segments.txt"
     listing.write_text("".join(f"file '{path.name}'\n" for path, _ in jobs))
     return listing
-
-
-@contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Let processes that are started meanwhile ignore Ctrl-C in the terminal. An event stops them instead."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 _worker: dict[str, object] = {}

@@ -79,3 +79,25 @@ def test_a_full_disk_under_standard_error_does_not_hide_the_exit_code(monkeypatc
         monkeypatch.undo()
         with suppress(OSError):
             full.close()
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(errno.EROFS, 2), (errno.EACCES, 2), (errno.ENOTDIR, 2), (errno.EMFILE, 3), (errno.EIO, 3)]
+)
+def test_an_error_of_the_system_that_names_a_file_is_one_line(
+    number: int, code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail() -> int:
+        raise OSError(number, os.strerror(number), "runs/a\nb")
+
+    assert exit_code_of(fail) == code
+    assert capsys.readouterr().err == f"error: runs/a\\nb: {os.strerror(number)}\n"
+
+
+def test_an_error_with_several_parts_has_a_line_for_each(capsys: pytest.CaptureFixture[str]) -> None:
+    def fail() -> int:
+        raise ConfigError("first", "a\nb")
+
+    assert exit_code_of(fail) == 2
+    assert capsys.readouterr().err == "error: first\n       a\\nb\n"
+    assert str(ConfigError("first", "second")) == "first\nsecond"

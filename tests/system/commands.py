@@ -13,8 +13,9 @@ import psutil
 
 LEGPUSH: Final = str(Path(sys.executable).with_name("legpush"))
 RECORDING: Final = "RECORDING"
+CUT: Final = "cut.mcap"
 RUN: Final = "RUN"
-"""Words for a short recording, and for the folder of its run."""
+"""Words for a short recording, for one that is cut off, and for the folder of its run."""
 COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "run": ("run", "--scenario", "push", "--out", "run", "--no-video", "--record", "new.mcap"),
     "run with a film": ("run", "--scenario", "push", "--out", "run"),
@@ -32,7 +33,7 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "render": ("render", RUN),
     "record": ("record", "new.mcap", "--connect", "unixsock-stream/nowhere.sock"),
     "info": ("info", RECORDING),
-    "recover": ("recover", RECORDING, "--out", "whole.mcap"),
+    "recover": ("recover", CUT, "--out", "whole.mcap"),
     "replay --verify": ("replay", RECORDING, "--verify"),
     "replay --as": ("replay", RECORDING, "--as", "planner", "--out", "replayed"),
     "branch": ("branch", RECORDING, "--at", "0:2", "--policy", "scripted", "--out", "branched"),
@@ -82,6 +83,8 @@ def interrupt(name: str, after_s: float, folder: Path, words: dict[str, str]) ->
     """Start a command in an empty folder, and interrupt it so long after it began to handle signals."""
     (folder / "tmp").mkdir()
     (folder / "study.toml").write_text(STUDY)
+    data = Path(words[RECORDING]).read_bytes()
+    (folder / CUT).write_bytes(data[: len(data) // 2])
     command = [LEGPUSH, *(words.get(word, word) for word in COMMANDS[name])]
     environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
     with (folder / "output").open("wb") as output:

@@ -4,7 +4,8 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any, Final
 
@@ -66,6 +67,19 @@ def are_handled() -> bool:
 def release() -> None:
     """Let the signals come that `hold` held back."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Let processes that this thread starts meanwhile be deaf to Ctrl-C in the terminal; something else ends them.
+
+    An interrupt of this process comes afterwards.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def hold() -> None:

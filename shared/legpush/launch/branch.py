@@ -6,8 +6,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from legpush.files import sha256_of
-from legpush.launch.mission_recorder import next_file
+from legpush.files import next_file, sha256_of
 from legpush.launch.process_commands import Programs, recorded_policy_flags
 from legpush.launch.run import launch_mission
 from legpush.options.recordings import BranchOptions

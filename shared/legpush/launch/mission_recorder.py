@@ -1,7 +1,6 @@
 """Starts the recorder of a mission. It ends with the mission, and its failure does not end the mission."""
 
 from collections.abc import Mapping
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -54,13 +53,3 @@ class MissionRecorder:
             recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
             recording["notes"] = [self._failure] if self._failure is not None else notes
             write_report({**read_report(folder), "recording": recording}, folder)
-
-
-def next_file(file: Path) -> Path:
-    """Return a file that continues this one: `m-2.mcap` after `m.mcap`, or the first number that is free."""
-    stem, _, number = file.stem.rpartition("-")
-    first = file.with_name(f"{stem}{file.suffix}")
-    if not (number.isdecimal() and first.exists()):
-        first = file
-    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
-    return next(path for path in map(first.with_name, names) if path != file and not path.exists())

@@ -17,11 +17,11 @@ from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, printable
-from legpush.files import require_space, write_whole
+from legpush.files import next_file, require_space, write_whole
 from legpush.history.mending import mend
 from legpush.launch.display import make_display
 from legpush.launch.film import film
-from legpush.launch.mission_recorder import MissionRecorder, next_file
+from legpush.launch.mission_recorder import MissionRecorder
 from legpush.launch.preflight import check_mission
 from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
 from legpush.launch.summary import print_summary

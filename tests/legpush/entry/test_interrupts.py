@@ -103,3 +103,20 @@ run_module("work")
 '''
 """
     assert run(tmp_path, work) == Ended(130, "handles it\n", "")
+
+
+def test_children_that_are_started_meanwhile_are_deaf_and_the_parent_is_not(tmp_path: Path) -> None:
+    work = """
+import subprocess
+from legpush.entry.interrupts import deaf_children
+
+def main():
+    code = "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('deaf')"
+    try:
+        with deaf_children():
+            interrupt()
+            child = subprocess.Popen([sys.executable, "-c", code])
+    finally:
+        print(child.wait())
+"""
+    assert run(tmp_path, work) == Ended(130, "deaf\n0\n", "")

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from legpush.bus.endpoints import Endpoints
+from legpush.files import next_file
 from legpush.launch import mission_recorder
-from legpush.launch.mission_recorder import MissionRecorder, next_file
+from legpush.launch.mission_recorder import MissionRecorder
 from legpush.processes.crew import Crew
 from tests.legpush.launch.notebook import Notebook
 
