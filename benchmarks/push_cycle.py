@@ -8,7 +8,6 @@ numbers go to `results/push_cycle.json`.
 import time
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 import tyro
 
@@ -19,6 +18,7 @@ from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
 from sim_proc.control.plant import TickLog
+from sim_proc.headless import mujoco
 from sim_proc.physics import physics
 from sim_proc.simulator import Simulator
 

@@ -4,13 +4,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from agent_proc.evaluation.episodes import Row
 from agent_proc.evaluation.sweep import Sweep
+from agent_proc.figures import Axes, Figure, own_style, save_png
 from agent_proc.statistics.estimate import kinds_in_words
 from agent_proc.statistics.intervals import mean
 from legpush.arrays import Floats
@@ -26,10 +24,10 @@ MEASURES: Final[tuple[tuple[str, Callable[[Row], float]], ...]] = (
 def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None:
     """Draw the errors by case with means and 95 % intervals, or maps over a grid of two fields, and write a PNG."""
     draw = _maps if sweep.grid and len(sweep.fields) == len(("x", "y")) else _columns
-    with mpl.rc_context({"text.parse_math": False, "text.usetex": False}):
+    with own_style():
         figure = draw(rows, sweep)
         figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
-        figure.savefig(path, dpi=110)
+        save_png(figure, path, dpi=110)
 
 
 def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:

@@ -143,7 +143,11 @@ def read_inputs(config: AgentConfig) -> tuple[Scenario, Policy, PushMap | None, 
 
 
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
-    """Run the mission of `config`; return 0 if the box is at its goal, else 1."""
+    """Run the mission of `config`; return 0 if the box is at its goal, else 1.
+
+    Raises:
+        LegpushError: What ended the mission, if it was no outcome of the mission itself; its report is written.
+    """
     scenario, policy, push_map, branch = read_inputs(config)
     folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
     opened = Opened(
@@ -182,6 +186,8 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             log.info("the mission in %s was over before: only its report is written again", folder)
         write_report(folder, journal, result, picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
+        if result.error is not None:
+            raise result.error
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
 

@@ -17,7 +17,7 @@ from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.stage import Stage
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import STILL_CYCLES, Walker
-from legpush.runs.report import Reason
+from legpush.runs.reasons import Reason
 from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Goal
 
@@ -93,8 +93,13 @@ class Pushing:
             self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
 
     def _push_along(self, stages: list[Stage], *, to_end: bool = False) -> bool:
-        """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
+        """Stage after stage, with a walk around the box in between; whether the box came to the end of the path.
+
+        A path that does not move the box, because it is near enough to its goal, leaves nothing to push.
+        """
         for index, stage in enumerate(stages):
+            if stage.length_m == 0.0:
+                continue
             if not self._actor.at_station(stage.face) and not self._walker.change_face(stage.face):
                 return False
             if self._follow(stages[index:], to_end=to_end) == "left_path":

@@ -5,9 +5,8 @@ from math import degrees
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
+from agent_proc.figures import Axes, MaxNLocator
 from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import MAX_POINTS
 from agent_proc.reporting.style import BLUE, BOX, GOAL, RAW

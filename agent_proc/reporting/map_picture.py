@@ -5,16 +5,21 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Final
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PatchCollection
-from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
-from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
 
+from agent_proc.figures import (
+    Artist,
+    Axes,
+    FancyBboxPatch,
+    Figure,
+    Patch,
+    PatchCollection,
+    Polygon,
+    Rectangle,
+    own_style,
+    save_png,
+    to_rgba,
+)
 from agent_proc.reporting.map_view import MapView
 from agent_proc.reporting.style import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
 from legpush.arrays import Flags
@@ -59,9 +64,8 @@ def save_map_picture(view: MapView, path: Path) -> None:
     width_in, height_in = (
         max(least, scale * side) + around for least, side, around in zip(LEAST_IN, view.size_m, AROUND_IN, strict=True)
     )
-    with mpl.rc_context(STYLE):
+    with own_style(STYLE):
         figure = Figure(figsize=(width_in, height_in), layout="constrained")
-        FigureCanvasAgg(figure)
         axes = figure.add_subplot()
         _draw_map(axes, view)
         if view.scenario is not None:
@@ -72,7 +76,7 @@ def save_map_picture(view: MapView, path: Path) -> None:
         axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", facecolor=OUTSIDE)
         axes.set_title(_title(view))
         figure.legend(handles=_legend(axes, view), loc="outside lower center", ncols=3)
-        figure.savefig(path, dpi=DPI, metadata={"Software": SOFTWARE})
+        save_png(figure, path, dpi=DPI, software=SOFTWARE)
 
 
 def _title(view: MapView) -> str:

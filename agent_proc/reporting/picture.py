@@ -5,16 +5,10 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Final
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.patches import Polygon
 
 from agent_proc.endings import MissionResult
+from agent_proc.figures import Axes, ConstrainedLayoutEngine, Figure, LineCollection, Polygon, own_style, save_png
 from agent_proc.reporting.charts import draw_box_error, draw_margin, draw_tilt
 from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import appeared, box_at, extent, followed, handover_place, thin, widen
@@ -41,9 +35,8 @@ N_GHOSTS: Final = 8
 
 def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> None:
     """Draw the mission and write it as PNG."""
-    with mpl.rc_context(STYLE):
+    with own_style(STYLE):
         figure = Figure(figsize=(13.6, 7.8), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.06))
-        FigureCanvasAgg(figure)
         grid = figure.add_gridspec(4, 2, width_ratios=[1.42, 1.0], height_ratios=[2.5, 1.0, 1.0, 1.15])
         plan = figure.add_subplot(grid[:, 0])
         _draw_plan(plan, record, result)
@@ -55,7 +48,7 @@ def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> No
         handles, labels = plan.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=ceil(len(labels) / 2))
         figure.suptitle(_headline(record, result), x=0.012, ha="left", fontsize=11.5, fontweight="bold", color=INK)
-        figure.savefig(path, dpi=DPI)
+        save_png(figure, path, dpi=DPI)
 
 
 def _headline(record: MissionRecord, result: MissionResult) -> str:

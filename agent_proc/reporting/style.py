@@ -3,8 +3,6 @@
 from typing import Any, Final
 
 STYLE: Final[dict[Any, Any]] = {
-    "text.parse_math": False,
-    "text.usetex": False,
     "font.size": 9.0,
     "axes.titlesize": 9.5,
     "axes.titleweight": "bold",

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Axes, Figure, own_style, save_png
 from agent_proc.studies.table import PAIRED, Line
 from legpush.errors import ConfigError
 
@@ -35,18 +34,19 @@ def save_picture(lines: Sequence[Line], by: Sequence[str], title: str, path: Pat
         raise ConfigError(f"Expected 1 to {MOST_MEASURES} columns to draw, got {len(measures)}: choose with --measure")
     n_columns = min(N_COLUMNS, len(measures))
     n_rows = ceil(len(measures) / n_columns)
-    figure = Figure(figsize=(1.0 + 3.6 * n_columns, 1.0 + 3.0 * n_rows), layout="constrained")
-    axes = figure.subplots(n_rows, n_columns, squeeze=False).flatten()
-    for axis, measure in zip(axes, measures, strict=False):
-        _draw(axis, [line for line in lines if line.measure == measure], by)
-    for axis in axes[len(measures) :]:
-        axis.set_axis_off()
-    if by[1:]:
-        handles, labels = axes[0].get_legend_handles_labels()
-        n_across = min(len(labels), 4)
-        figure.legend(handles, labels, loc="outside lower center", ncols=n_across, title=", ".join(by[1:]))
-    figure.suptitle(title)
-    figure.savefig(path, dpi=110)
+    with own_style():
+        figure = Figure(figsize=(1.0 + 3.6 * n_columns, 1.0 + 3.0 * n_rows), layout="constrained")
+        axes = figure.subplots(n_rows, n_columns, squeeze=False).flatten()
+        for axis, measure in zip(axes, measures, strict=False):
+            _draw(axis, [line for line in lines if line.measure == measure], by)
+        for axis in axes[len(measures) :]:
+            axis.set_axis_off()
+        if by[1:]:
+            handles, labels = axes[0].get_legend_handles_labels()
+            n_across = min(len(labels), 4)
+            figure.legend(handles, labels, loc="outside lower center", ncols=n_across, title=", ".join(by[1:]))
+        figure.suptitle(title)
+        save_png(figure, path, dpi=110)
 
 
 def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:

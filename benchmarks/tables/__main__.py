@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import Final
 
 import tyro
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Figure
 from benchmarks.report import RESULTS
 from benchmarks.tables import box_paths, collisions, compare, peers
 from experiments.tables.__main__ import Config, make

@@ -2,8 +2,7 @@
 
 from typing import Final
 
-from matplotlib.figure import Figure
-
+from agent_proc.figures import Figure
 from agent_proc.statistics.intervals import mean, median, share
 from benchmarks.planners.maps import MAPS
 from benchmarks.tables.compare_picture import draw

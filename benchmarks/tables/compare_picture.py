@@ -3,8 +3,7 @@
 from math import isfinite
 from typing import Final
 
-from matplotlib.figure import Figure
-
+from agent_proc.figures import Figure
 from experiments.rows import Row
 from experiments.tables.parts import errors_of, kinds_of
 

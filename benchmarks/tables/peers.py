@@ -1,7 +1,6 @@
 """Planners of legpush and of other projects: times and lengths over those of our `rrt_connect` with the same seed."""
 
-from matplotlib.figure import Figure
-
+from agent_proc.figures import Figure
 from agent_proc.statistics.intervals import ORDER_STATISTICS, median
 from agent_proc.statistics.paired import common
 from benchmarks.planners.peers import UNTIL

@@ -4,8 +4,8 @@ from math import ceil
 from typing import Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Figure
 from experiments.rows import Row
 
 N_COLUMNS: Final = 3

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Annotated, Final
 
 import tyro
-from matplotlib.figure import Figure
 from rich.progress import track
 
+from agent_proc.figures import Figure, own_style, save_png
 from experiments.rows import RESULTS
 from experiments.tables import (
     circles,
@@ -95,8 +95,9 @@ def make(
         for file, text in texts[name]().items():
             write_whole(folder / file, text.encode())
         if config.pictures and name in pictures:
-            for file, figure in pictures[name]().items():
-                figure.savefig(folder / file)
+            with own_style({"text.parse_math": True}):
+                for file, figure in pictures[name]().items():
+                    save_png(figure, folder / file)
 
 
 if __name__ == "__main__":

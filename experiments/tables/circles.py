@@ -3,9 +3,8 @@
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Axes, Figure
 from experiments.cells.circle import sine
 from experiments.rows import Row, Rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, published

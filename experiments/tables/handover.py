@@ -6,8 +6,8 @@ The paper leaves open at which distance the robot should stop following the map 
 from typing import Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Figure
 from agent_proc.statistics.estimate import Estimate, kinds_in_words
 from agent_proc.statistics.intervals import mean
 from agent_proc.statistics.paired import paired_difference

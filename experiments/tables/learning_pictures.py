@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Axes, Figure
 from agent_proc.statistics.intervals import mean_curve
 from experiments.rows import Row
 from experiments.tables.learning import WINDOW, Variants, moving_average, read_trainings, variants

@@ -10,9 +10,8 @@ from typing import Any, Final
 
 import msgspec
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, NullFormatter
 
+from agent_proc.figures import Axes, LogLocator, NullFormatter
 from agent_proc.statistics.estimate import Estimate, kinds_in_words
 from agent_proc.statistics.intervals import mean, share
 from experiments.rows import Made, Row, Rows

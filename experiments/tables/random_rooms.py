@@ -6,10 +6,8 @@ from typing import Any, Final
 
 import msgspec
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
+from agent_proc.figures import Axes, Figure, Polygon
 from agent_proc.statistics.intervals import mean, median, share
 from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain

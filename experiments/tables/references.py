@@ -2,8 +2,7 @@
 
 from typing import Final
 
-from matplotlib.figure import Figure
-
+from agent_proc.figures import Figure
 from agent_proc.statistics.intervals import mean
 from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain

@@ -3,9 +3,8 @@
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from agent_proc.figures import Axes, Figure
 from experiments.cells.straight_push import EVERY_TICKS
 from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_json, made_of

@@ -4,9 +4,9 @@ from math import radians
 from typing import Final
 
 import numpy as np
-from matplotlib.figure import Figure
 from msgspec.structs import replace
 
+from agent_proc.figures import Figure
 from agent_proc.push_model.map import Sample, make_push_map
 from agent_proc.push_model.model import NOMINAL
 from experiments.rows import Row, Rows, read_rows

@@ -2,8 +2,7 @@
 
 from typing import Any, Final
 
-from matplotlib.figure import Figure
-
+from agent_proc.figures import Figure
 from experiments.rows import Row, Rows, read_rows
 from experiments.tables.parts import as_csv, as_json, errors_of, kinds_of, made_of, summary_columns
 

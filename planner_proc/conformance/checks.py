@@ -8,7 +8,7 @@ from typing import Final
 from legpush.errors import ConfigError
 from planner_proc.conformance import exchange_checks, path_checks
 from planner_proc.conformance.bench import REMARK, START_S, Bench
-from planner_proc.conformance.cases import AHEAD, ASIDE, cases
+from planner_proc.conformance.cases import AHEAD, ASIDE, HERE, cases
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +71,7 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "turning radius between straight lines": partial(path_checks.steers, steering="straight"),
     "turning radius, forward only (Dubins)": partial(path_checks.steers, steering="dubins"),
     "turning radius, backward too (Reeds and Shepp)": partial(path_checks.steers, steering="reeds_shepp"),
+    "paths of the box: already at its goal": partial(path_checks.knows_boxes, goal=HERE),
     "paths of the box: straight ahead": partial(path_checks.knows_boxes, goal=AHEAD),
     "paths of the box: to the side and turned": partial(path_checks.knows_boxes, goal=ASIDE),
 }

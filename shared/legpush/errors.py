@@ -3,6 +3,7 @@
 import errno
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, ClassVar, Final, Literal
 
 FAILED: Final = 3
@@ -86,6 +87,12 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class BadAnswerError(PeerError):
+    """An answer of planner or simulator that cannot be used; the same question gets it again; names the answer."""
+
+    exit_code = 2
+
+
 class DivergedError(PeerError):
     """A simulator that led equal motions to another state than before; names the step and both states."""
 
@@ -138,7 +145,8 @@ def exit_code_of(work: Callable[[], int]) -> int:
         if isinstance(error, OSError) and error.filename is None and not is_disk_full(error):
             raise
         lines = error.lines() if isinstance(error, LegpushError) else (_of_system(error),)
-        sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
+        with suppress(OSError):  # on a full disk the log is full, too: the exit code says what happened
+            sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
         return code_of(error)
 
 

@@ -41,7 +41,7 @@ def export(options: ExportOptions) -> int:
     source = read_source(options.files, options.episode, partial=options.partial)
     if made in FILMS:
         from legpush.errors import NO_OPENGL
-        from sim_proc.render.rendering import use_backend
+        from sim_proc.render.backends import use_backend
 
         if not use_backend("legpush export"):
             return NO_OPENGL

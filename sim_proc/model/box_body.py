@@ -3,9 +3,8 @@
 from math import atan2, cos, sin
 from typing import Any, Final
 
-import mujoco
-
 from legpush.scene.scenario import Box
+from sim_proc.headless import mujoco
 
 CARDBOARD: Final = (0.72, 0.53, 0.35, 1.0)
 MARK: Final = (0.13, 0.14, 0.16, 1.0)

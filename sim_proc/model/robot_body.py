@@ -3,9 +3,8 @@
 from math import sin
 from typing import Final
 
-import mujoco
-
 from legpush.scene.robot import FOOT_RADIUS_M, HIP_X_M, HIP_Y_M, JOINT_LIMITS_RAD, JOINTS, L1_M, L2_M, L3_M, LEGS
+from sim_proc.headless import mujoco
 from sim_proc.kinematics.body import (
     ARMATURE_KG_M2,
     DAMPING_N_M_S_RAD,

@@ -3,9 +3,8 @@
 from math import cos, radians, sin
 from typing import Final
 
-import mujoco
-
 from legpush.scene.scenario import Box, Goal, Room, Scenario
+from sim_proc.headless import mujoco
 
 WALL_GREY: Final = (0.62, 0.65, 0.69, 1.0)
 APPEARED_OCHRE: Final = (0.80, 0.58, 0.30, 1.0)

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal
 
-import mujoco
 import numpy as np
 
 from legpush.arrays import Floats
 from legpush.scene.scenario import Scenario
+from sim_proc.headless import mujoco
 from sim_proc.model.world import build_model
 
 Kind = Literal["plane", "sphere", "capsule", "cylinder", "box", "mesh"]

@@ -6,11 +6,10 @@ Only the listed contact pairs collide, so that each friction coefficient is stat
 from collections.abc import Sequence
 from typing import Final
 
-import mujoco
-
 from legpush.scene.robot import LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
+from sim_proc.headless import mujoco
 from sim_proc.model.box_body import add_box
 from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery, wall_name

@@ -4,7 +4,6 @@ import zlib
 from math import cos, radians, sin
 from typing import Final
 
-import mujoco
 import numpy as np
 
 from legpush.arrays import Floats
@@ -14,6 +13,7 @@ from legpush.messages.stepping import Appearance
 from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.plant import TickLog
+from sim_proc.headless import mujoco
 from sim_proc.kinematics.body import POSITION_GAIN_N_M_RAD, STANDING_HEIGHT_M, standing_joints_rad
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import PHYSICS_STEP_S, build_model

@@ -14,8 +14,9 @@ from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
 from legpush.history.steps import read_episode
 from legpush.options.formats import View
 from legpush.runs.folder import require_no_links
+from sim_proc.render.backends import use_backend
 from sim_proc.render.film import film_of, timeline_of
-from sim_proc.render.rendering import Take, frame_rows, render, use_backend, usual_speed
+from sim_proc.render.rendering import Take, frame_rows, render, usual_speed
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,6 @@ import errno
 import multiprocessing
 import os
 import subprocess
-import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -23,9 +22,6 @@ from legpush.runs.temporary import temporary_folder
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
-BACKENDS: Final = ("egl", "osmesa")
-DRAW_NOTHING: Final = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 8, 8).render()"
-"""A program that fails where off-screen rendering does."""
 SEGMENT_FRAMES: Final = 60
 LONGEST_S: Final = 30.0
 LEAST_SPEED: Final = 3.0
@@ -61,37 +57,6 @@ def usual_speed(duration_s: float) -> float:
     return max(LEAST_SPEED, duration_s / LONGEST_S)
 
 
-def working_backend() -> str | None:
-    """The first OpenGL backend that draws, tried in a process of its own. Only `MUJOCO_GL` is tried if it is set."""
-    asked = os.environ.get("MUJOCO_GL")
-    for backend in (asked,) if asked else BACKENDS:
-        attempt = subprocess.run(
-            [sys.executable, "-P", "-c", DRAW_NOTHING],
-            env={**os.environ, "MUJOCO_GL": backend},
-            capture_output=True,
-            check=False,
-        )
-        if attempt.returncode == 0:
-            return backend
-    return None
-
-
-def use_backend(again: str) -> bool:
-    """Choose the OpenGL backend of this process and its workers.
-
-    Returns False if no backend draws, after it told the user what to install before running `again`.
-    """
-    backend = working_backend()
-    if backend is None:
-        sys.stderr.write(
-            "No OpenGL library for off-screen rendering was found, so there is no video. "
-            f"Install one (Debian: libegl1 and libgl1-mesa-dri, or libosmesa6) and run `{again}`.\n"
-        )
-        return False
-    os.environ.update(MUJOCO_GL=backend, LP_NUM_THREADS="1")  # one thread per worker for Mesa's software renderer
-    return True
-
-
 def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]) -> None:
     """Write a film to a file, which is replaced; call `say` with the numbers of finished and of all segments.
 
@@ -101,9 +66,9 @@ def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]
     with temporary_folder("video-") as scratch:
         listing = _render_segments(film, take, scratch, say)
         if take.gif:
-            _join_as_gif(listing, target)
+            _join_as_gif(listing, target.absolute())
         else:
-            _ffmpeg(*_joined(listing), "-c", "copy", "-movflags", "+faststart", str(target))
+            _ffmpeg(listing, "-c", "copy", "-movflags", "+faststart", str(target.absolute()))
 
 
 def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, int], None]) -> Path:
@@ -128,7 +93,7 @@ def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, 
             pool.shutdown(wait=True, cancel_futures=True)
             raise
     listing = scratch / "segments.txt"
-    listing.write_text("".join(f"file '{path}'\n" for path, _ in jobs))
+    listing.write_text("".join(f"file '{path.name}'\n" for path, _ in jobs))
     return listing
 
 
@@ -174,28 +139,26 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
     writer.close()
 
 
-def _joined(listing: Path) -> tuple[str, ...]:
-    """Arguments of ffmpeg that read the listed segments as one film."""
-    return ("-f", "concat", "-safe", "0", "-i", str(listing))
-
-
 def _join_as_gif(listing: Path, target: Path) -> None:
     """Join segments in two passes: find the best 256 colors of all frames, then convert the frames to them."""
-    palette = listing.with_name("palette.png")
-    _ffmpeg(*_joined(listing), "-vf", "palettegen=stats_mode=diff", str(palette))
+    palette = "palette.png"
+    _ffmpeg(listing, "-vf", "palettegen=stats_mode=diff", palette)
     colors = "paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
-    _ffmpeg(*_joined(listing), "-i", str(palette), "-lavfi", colors, "-loop", "0", str(target))
+    _ffmpeg(listing, "-i", palette, "-lavfi", colors, "-loop", "0", str(target))
 
 
-def _ffmpeg(*arguments: str) -> None:
-    """Run ffmpeg. The last argument is the file that it writes.
+def _ffmpeg(listing: Path, *arguments: str) -> None:
+    """Run ffmpeg on the listed segments as one film. The last argument is the file that it writes.
+
+    It works in the folder of the segments: with bare names, no character of a path means something to ffmpeg.
 
     Raises:
         DiskFullError: There is no space for the file.
         LegpushError: ffmpeg failed otherwise; with its message.
     """
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-nostdin", "-loglevel", "error", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    segments = ("-f", "concat", "-safe", "0", "-i", listing.name)
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-nostdin", "-loglevel", "error", *segments, *arguments]
+    done = subprocess.run(command, cwd=listing.parent, capture_output=True, text=True, errors="replace", check=False)
     if done.returncode != 0:
         why = done.stderr.strip() or f"it ended with {done.returncode}"
         kind = DiskFullError if os.strerror(errno.ENOSPC) in why else LegpushError

@@ -6,13 +6,13 @@ The meshes are coarse, because a page without a GPU spends most of its time on t
 from dataclasses import dataclass
 from typing import Any, Final
 
-import mujoco
 import numpy as np
 import trimesh
 
 from legpush.arrays import Floats
 from legpush.messages.stepping import Appearance
 from legpush.scene.scenario import Scenario
+from sim_proc.headless import mujoco
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import Part, Shape, parts_of_model
 from sim_proc.model.world import build_model

@@ -2,6 +2,7 @@
 
 import errno
 import os
+from contextlib import suppress
 
 import pytest
 
@@ -88,3 +89,15 @@ def test_an_error_with_several_parts_has_a_line_for_each(capsys: pytest.CaptureF
     assert exit_code_of(fail) == 2
     assert capsys.readouterr().err == "error: first\n       a\\nb\n"
     assert str(ConfigError("first", "second")) == "first\nsecond"
+
+
+def test_a_full_disk_under_standard_error_does_not_hide_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> int:
+        raise DiskFullError("Expected to write the journal")
+
+    with open("/dev/full", "w", buffering=1) as full:
+        monkeypatch.setattr("sys.stderr", full)
+        assert exit_code_of(fail) == DISK_FULL
+        monkeypatch.undo()
+        with suppress(OSError):
+            full.close()

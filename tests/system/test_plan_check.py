@@ -90,7 +90,7 @@ def test_the_example_without_a_fault_passes_the_same_checks() -> None:
     done = check("--deadline", "60", "--only", *only, command=(sys.executable, FAULTY, "none"))
 
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.count("pass  ") == len(only) + 2
+    assert done.stdout.count("pass  ") == len(only) + 3
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from typing import Annotated, Final, NoReturn
 import tyro
 
 from legpush.errors import ConfigError, exit_code_of, one_line, printable
+from legpush.options.bench import Bench, ListFaults, SoakOptions
 from legpush.options.checks import require_writable_folder
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
@@ -64,6 +65,7 @@ Command = (
     | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
     | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
     | Annotated[Studies, tyro.conf.subcommand("study")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 
 
@@ -80,28 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parse_and_run(argv: Sequence[str]) -> int:
     """Parse the command line, and run its command."""
-    command: (
-        RunOptions
-        | TrainOptions
-        | EvaluateOptions
-        | CalibrateOptions
-        | PlanCheckOptions
-        | Scenarios
-        | MapOptions
-        | Policies
-        | RenderOptions
-        | RecordOptions
-        | InfoOptions
-        | RecoverOptions
-        | ReplayOptions
-        | BranchOptions
-        | ExportOptions
-        | ViewOptions
-        | PythonOptions
-        | KernelOptions
-        | CanaryOptions
-        | Studies
-    ) = tyro.cli(
+    command: object = tyro.cli(
         Command,
         prog="legpush",
         description=DESCRIPTION,
@@ -225,6 +206,29 @@ def _kernel(command: KernelOptions) -> int:
     from legpush.launch.kernel import install_kernel
 
     return install_kernel(command)
+
+
+@execute.register
+def _bench(command: Bench) -> int:
+    return execute(command.action)
+
+
+@execute.register
+def _soak(command: SoakOptions) -> int:
+    from rich.console import Console
+
+    from legpush.soak.run import run_soak
+
+    return run_soak(command, Console())
+
+
+@execute.register
+def _list_faults(_: ListFaults) -> int:
+    from legpush.soak.table import read_table
+
+    for cell in read_table():
+        sys.stdout.write(f"{cell.name:<32}{cell.expected:<9}{cell.why}".rstrip() + "\n")
+    return 0
 
 
 @execute.register

@@ -1,6 +1,7 @@
 """Films a run in a process of its own, since only a trial shows whether and how a machine can draw."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -23,8 +24,10 @@ def film_arguments(folder: Path, camera: View = "follow") -> tuple[str, ...]:
     return (sys.executable, "-P", "-m", "sim_proc.render", str(folder), *flags)
 
 
-def film(command: Command, crew: Crew, display: Display, longest_s: float = LONGEST_S) -> Verdict | None:
-    """Make the film, or tell the user why there is none.
+def film(
+    command: Command, crew: Crew, display: Display, note: Callable[[str], None], longest_s: float = LONGEST_S
+) -> Verdict | None:
+    """Make the film, or `note` in one line why there is none.
 
     Returns the verdict of an interrupt, which replaces that of the run; otherwise None.
     """
@@ -38,10 +41,10 @@ def film(command: Command, crew: Crew, display: Display, longest_s: float = LONG
             return Verdict(INTERRUPTED, f"interrupted by {event.by.name} while filming")
         if stopwatch.tick() > longest_s:
             crew.stop()
-            display.notice(f"no video: it was not ready after {longest_s:g} s; see {command.log}")
+            note(f"no video: it was not ready after {longest_s:g} s; see {command.log}")
             return None
     if process.exit_code == NO_OPENGL:
-        display.notice("\n".join(process.last_words(1)) or "no video: no OpenGL library can be used")
+        note("".join(process.last_words(1)) or "no video: no OpenGL library can be used")
     elif process.exit_code != 0:
-        display.notice(f"no video: the film {describe_exit(process.exit_code)}{said(process)}")
+        note(f"no video: the film {describe_exit(process.exit_code)}{said(process)}")
     return None

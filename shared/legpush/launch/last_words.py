@@ -13,8 +13,13 @@ EXPLAINED: Final = (2, DISK_FULL, NO_OPENGL)
 
 
 def error_of(process: Process) -> str:
-    """Return the line with which the process said why it ended, or its last line; empty if it wrote nothing."""
+    """Return the line with which the process said why it ended, or its last line; empty if it wrote nothing.
+
+    A full disk may be full for the log as well, and then only the exit code says why.
+    """
     words = process.last_words()
+    if process.exit_code == DISK_FULL and not any(line.startswith(ERROR) for line in words):
+        return "the disk is full, also for its log"
     told = next((line for line in reversed(words) if line.startswith(ERROR)), words[-1] if words else "")
     return told.removeprefix(ERROR)
 

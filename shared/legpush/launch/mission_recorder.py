@@ -1,18 +1,17 @@
 """Starts the recorder of a mission. It ends with the mission, and its failure does not end the mission."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from legpush.bus.endpoints import Endpoints
-from legpush.files import write_whole
 from legpush.launch.display import Display
 from legpush.launch.last_words import error_of
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
 from legpush.processes.recorder_process import INCOMPLETE, recorder_arguments, what_is_missing
 from legpush.runs.folder import REPORT_FILE
+from legpush.runs.report import read_report, write_report
 
 
 class MissionRecorder:
@@ -50,9 +49,7 @@ class MissionRecorder:
         notes = what_is_missing(self._process)
         if self._failure is None and code == INCOMPLETE:
             self._display.notice("\n    ".join(("the recording is not complete:", *notes)))
-        report = folder / REPORT_FILE
-        if report.exists():
+        if (folder / REPORT_FILE).exists():
             recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
             recording["notes"] = [self._failure] if self._failure is not None else notes
-            with_recording = {**json.loads(report.read_bytes()), "recording": recording}
-            write_whole(report, (json.dumps(with_recording, indent=2) + "\n").encode())
+            write_report({**read_report(folder), "recording": recording}, folder)

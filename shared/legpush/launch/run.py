@@ -44,7 +44,7 @@ from legpush.runs.folder import (
     run_folder,
 )
 from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
-from legpush.runs.report import read_report
+from legpush.runs.report import add_note, read_report
 from legpush.scene.scenario import Scenario
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
@@ -102,6 +102,8 @@ def _run_and_tell(
             require_space(folder)  # on a full disk a process cannot even say so in its log
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {printable(verdict.reason)}\n")
+            if verdict.exit_code == BAD_INPUT and (folder / REPORT_FILE).exists():
+                print_summary(console, folder, read_report(folder))
         elif verdict.exit_code == INTERRUPTED:
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
@@ -177,7 +179,7 @@ def _run_in(
                 log=place.folder / LOGS / "video.log",
                 environment=environment,
             )
-            return film(command, crew, display) or verdict
+            return film(command, crew, display, lambda note: add_note(place.folder, note)) or verdict
         return verdict
 
 

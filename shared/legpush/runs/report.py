@@ -2,25 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-from msgspec import Struct
+from msgspec import Struct, to_builtins
 
 from legpush.errors import LegpushError
+from legpush.files import write_whole
 from legpush.runs.folder import REPORT_FILE
-
-Reason = Literal[
-    "success",
-    "fell",
-    "box_tipped",
-    "no_path",
-    "stuck",
-    "missed_station",
-    "left_reference",
-    "max_push_cycles",
-    "tolerance_missed",
-]
-"""Why a mission ended."""
+from legpush.runs.reasons import Reason
 
 
 class Appeared(Struct, frozen=True, kw_only=True):
@@ -40,6 +29,8 @@ class Report(Struct, frozen=True, kw_only=True):
     """Why the mission ended."""
     detail: str
     """One sentence for people."""
+    remedy: str
+    """What would change the reason, with the keys of the scenario or the options; empty for a success."""
     box_position_error_m: float
     box_angle_error_deg: float
     walk_tracking_rms_m: float | None
@@ -70,6 +61,8 @@ class Report(Struct, frozen=True, kw_only=True):
     seed: int
     versions: dict[str, str | None]
     """Of the host that wrote the report; None for what is not installed there."""
+    notes: tuple[str, ...] = ()
+    """Why there is no picture or no film."""
 
 
 class ReportError(LegpushError):
@@ -90,3 +83,24 @@ def read_report(folder: Path) -> dict[str, Any]:
     if not isinstance(report, dict):
         raise ReportError(f"{path}: expected a JSON object, got {type(report).__name__}")
     return report
+
+
+def add_note(folder: Path, note: str) -> None:
+    """Add a note to the report in the folder of a run, if there is one.
+
+    Raises:
+        ReportError: The report cannot be read.
+        DiskError: It cannot be written; the previous one is unchanged.
+    """
+    if (folder / REPORT_FILE).exists():
+        report = read_report(folder)
+        write_report({**report, "notes": [*report.get("notes", ()), note]}, folder)
+
+
+def write_report(report: Report | dict[str, Any], folder: Path) -> None:
+    """Write `report.json` into the folder of a run.
+
+    Raises:
+        DiskError: It cannot be written; the previous one is unchanged.
+    """
+    write_whole(folder / REPORT_FILE, (json.dumps(to_builtins(report), indent=2) + "\n").encode())

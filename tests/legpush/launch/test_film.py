@@ -39,7 +39,7 @@ def shoot(folder: Path, code: str, display: Notices, longest_s: float = 60.0) ->
     argv = (sys.executable, "-I", "-S", "-c", code)
     command = Command(role="video", argv=argv, log=folder / "video.log", environment=os.environ)
     with Crew() as crew:
-        verdict = film(command, crew, display, longest_s)
+        verdict = film(command, crew, display, display.notice, longest_s)
         assert crew.running() == ()
     return verdict
 

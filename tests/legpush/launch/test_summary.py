@@ -14,6 +14,7 @@ REPORT = {
     "success": True,
     "reason": "success",
     "detail": "the box is at its goal",
+    "remedy": "raise `mission.max_push_cycles`",
     "box_position_error_m": 0.0123,
     "box_angle_error_deg": 1.26,
     "walk_tracking_rms_m": None,
@@ -33,6 +34,7 @@ REPORT = {
     "state_crc": 123456789,
     "seed": 3,
     "recording": {"file": "mission.mcap", "complete": True, "notes": []},
+    "notes": ["no mission.png: it is too dark", "no video: it is too late"],
     "versions": {"legpush": "0.1.0", "numerics": "x86-64-v3/1a2b3c4d"},
 }
 

@@ -96,7 +96,8 @@ def test_bad_input_is_not_tried_again_and_its_error_is_shown(stage: Stage, role:
 def test_a_full_disk_is_not_tried_again_and_has_an_exit_code_of_its_own(stage: Stage) -> None:
     verdict = stage.run({"planner": "ready", "sim": "ready", "agent": "ready die=9:5"})
     log = stage.folder / "agent.log"
-    assert verdict == Verdict(5, f"the agent exited with 5: life 0 of the agent; its log is {log}")
+    # It could not write an error into its log any more.
+    assert verdict == Verdict(5, f"the agent exited with 5: the disk is full, also for its log; its log is {log}")
 
 
 @pytest.mark.parametrize("code", [0, 1])

@@ -1,5 +1,7 @@
 """One map that no mirror leaves as it is, in every kind of file."""
 
+import struct
+import zlib
 from pathlib import Path
 from typing import Any, Final
 
@@ -56,6 +58,29 @@ def write_pgm_binary(path: Path, grey: NDArray[np.uint8]) -> None:
 
 def write_png(path: Path, pixels: NDArray[Any]) -> None:
     Image.fromarray(pixels).save(path, format="PNG")
+
+
+GREY, COLOR, GREY_ALPHA, COLOR_ALPHA = 0, 2, 4, 6
+"""Kinds of pixels as the header of a PNG names them."""
+
+
+def png_of(samples: NDArray[Any], kind: int, *, n_bits: int = 8, hidden: list[int] | None = None) -> bytes:
+    """The bytes of a PNG of these samples, (rows, columns, channels); `hidden` is the color that is transparent."""
+
+    def chunk(name: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    n_rows, n_columns = samples.shape[:2]
+    if n_bits < 8:
+        bits = np.unpackbits(samples.reshape(n_rows, -1, 1).astype(np.uint8), axis=-1)[..., -n_bits:]
+        rows = np.packbits(bits.reshape(n_rows, -1), axis=-1)
+    else:
+        rows = samples.reshape(n_rows, -1).astype(f">u{n_bits // 8}").view(np.uint8)
+    header = struct.pack(">IIBBBBB", n_columns, n_rows, n_bits, kind, 0, 0, 0)
+    transparent = b"" if hidden is None else chunk(b"tRNS", struct.pack(f">{len(hidden)}H", *hidden))
+    filtered = b"".join(b"\0" + row.tobytes() for row in rows)
+    body = chunk(b"IHDR", header) + transparent + chunk(b"IDAT", zlib.compress(filtered)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + body
 
 
 def write_yaml(path: Path, **changes: Any) -> None:

@@ -15,19 +15,11 @@ from legpush.scenarios.map_server import read_map_server
 from tests.legpush.scenarios.map_examples import (
     FREE,
     UNKNOWN,
-    as_pgm_in_ascii,
     as_pgm_in_binary,
     write_png,
     write_scenario_of,
     write_yaml,
 )
-
-
-def test_a_number_may_have_an_exponent_and_no_point(tmp_path: Path) -> None:
-    as_pgm_in_ascii(tmp_path)
-    text = (tmp_path / "map.yaml").read_text()
-    (tmp_path / "map.yaml").write_text(text.replace("resolution: 0.5", "resolution: 5e-1"))
-    assert read_map_server(tmp_path, "map.yaml").cell_m == 0.5
 
 
 def pixels_read(folder: Path, pixels: NDArray[Any], **changes: Any) -> str:
@@ -48,11 +40,14 @@ def marks(occupancy: OccupancyMap) -> str:
         ({}, "##??.."),
         ({"free_thresh": 0.25}, "##?..."),
         ({"negate": 1}, ".??###"),
-        ({"occupied_thresh": 0.2, "free_thresh": 0.2}, "###?.."),
-        ({"occupied_thresh": 1.0, "free_thresh": 0.0}, "??????"),
+        ({"occupied_thresh": 0.2, "free_thresh": 0.2}, "####.."),
+        ({"occupied_thresh": 1.0, "free_thresh": 0.0}, "#????."),
+        ({"occupied_thresh": 1.0, "free_thresh": 0.0, "negate": True}, ".????#"),
+        ({"occupied_thresh": 1.0, "free_thresh": 1.0}, "#....."),
+        ({"occupied_thresh": 0.0, "free_thresh": 0.0}, "######"),
     ],
 )
-def test_only_beyond_a_threshold_is_a_pixel_occupied_or_free(
+def test_at_the_upper_threshold_a_pixel_is_occupied_and_below_the_lower_one_it_is_free(
     changes: dict[str, Any], expected: str, tmp_path: Path
 ) -> None:
     grey = np.array([0, 88, 153, 204, FREE, 255], dtype=np.uint8)
@@ -65,15 +60,16 @@ def test_what_map_saver_leaves_unknown_is_unknown_and_counts_as_occupied(tmp_pat
     assert read_map_server(tmp_path, "map.yaml").occupied.tolist() == [[True, False]]
 
 
-def test_a_color_counts_as_the_mean_of_its_channels(tmp_path: Path) -> None:
-    colors = np.array([[255, 0, 0], [255, 255, 0], [255, 255, 240], [20, 10, 0]], dtype=np.uint8)
-    assert pixels_read(tmp_path, colors) == "#?.#"
+def test_a_color_is_as_dark_as_its_mean_or_its_luma_whichever_is_darker(tmp_path: Path) -> None:
+    colors = np.array([[255, 0, 0], [255, 255, 0], [255, 255, 240], [20, 10, 0], [255, 180, 255]], dtype=np.uint8)
+    assert pixels_read(tmp_path, colors) == "#?.#?"
 
 
-@pytest.mark.parametrize(("mode", "expected"), [("trinary", ".?.##"), ("scale", ".???#")])
-def test_transparency_is_one_more_channel_or_else_hides_what_is_free(mode: str, expected: str, tmp_path: Path) -> None:
-    colors = [[254, 254, 254, 255], [254, 254, 254, 0], [254, 254, 254, 200], [0, 0, 0, 0], [0, 0, 0, 255]]
-    assert pixels_read(tmp_path, np.array(colors, dtype=np.uint8), mode=mode) == expected
+@pytest.mark.parametrize("mode", ["trinary", "scale", "Trinary", "SCALE"])
+def test_opaque_pixels_count_by_their_color_and_others_are_unknown(mode: str, tmp_path: Path) -> None:
+    colors = [[254, 254, 254, 255], [205, 205, 205, 255], [254, 254, 254, 0], [254, 254, 254, 254]]
+    colors += [[0, 0, 0, 0], [0, 0, 0, 255]]
+    assert pixels_read(tmp_path, np.array(colors, dtype=np.uint8), mode=mode) == ".????#"
 
 
 def edit_yaml(**changes: Any) -> Callable[[Path], None]:
@@ -105,6 +101,10 @@ ROS_ERRORS: dict[str, tuple[Callable[[Path], None], str]] = {
     ),
     "YAML without end": (put_bytes("map.yaml", b"[" * 5000), r"map\.yaml: expected YAML \("),
     "YAML that is no text": (put_bytes("map.yaml", b"\xff\xfe\x00"), r"map\.yaml: expected YAML \("),
+    "a key twice": (
+        put_bytes("map.yaml", b"image: map.pgm\nresolution: 1\nimage: map.pgm\n"),
+        r"map\.yaml: at `image`: expected the key once, got it in line 1 and in line 3",
+    ),
     "resolution in words": (edit_yaml(resolution="fine"), r"at `resolution`: expected a number, got a text 'fine'"),
     "resolution 0": (edit_yaml(resolution=0), r"at `resolution`: expected a number from 0\.001 to 100, got 0"),
     "resolution without end": (
@@ -124,23 +124,26 @@ ROS_ERRORS: dict[str, tuple[Callable[[Path], None], str]] = {
     "no threshold": (edit_yaml(free_thresh=None), r"at `free_thresh`: expected a value, got nothing"),
     "negate 2": (edit_yaml(negate=2), r"at `negate`: expected a whole number from 0 to 1, got 2"),
     "mode raw": (edit_yaml(mode="raw"), r"at `mode`: expected one of scale, trinary, got 'raw'"),
-    "truncated PNG": (png_without_its_end, r"map\.pgm: expected a whole PGM or PNG image \("),
+    "truncated PNG": (png_without_its_end, r"map\.pgm: expected a whole PGM, PNG, BMP or JPEG image \("),
     "truncated PGM": (
         put_bytes("map.pgm", b"P5\n16 10\n255\n" + bytes(9)),
-        r"expected a whole PGM or PNG image \(image",
+        r"expected a whole PGM, PNG, BMP or JPEG image \(image",
     ),
     "letters in a PGM": (
         put_bytes("map.pgm", b"P2\n2 1\n255\n0 x\n"),
-        r"map\.pgm: expected a whole PGM or PNG image \(",
+        r"map\.pgm: expected a whole PGM, PNG, BMP or JPEG image \(",
     ),
-    "neither PGM nor PNG": (put_bytes("map.pgm", b"GIF89a" + bytes(20)), r"a whole PGM or PNG image \(neither\)"),
+    "an image of another format": (
+        put_bytes("map.pgm", b"GIF89a" + bytes(20)),
+        r"a whole PGM, PNG, BMP or JPEG image \(none of them\)",
+    ),
     "image too wide": (
         put_bytes("map.pgm", b"P5\n4097 1\n255\n" + bytes(4097)),
         r"map\.pgm: expected 1 to 4096 rows and columns of cells, got 1 rows of 4097",
     ),
     "image of a billion pixels": (
         put_bytes("map.pgm", b"P5\n40000 40000\n255\n"),
-        r"map\.pgm: expected a whole PGM or PNG image \(.*exceeds limit",
+        r"map\.pgm: expected a whole PGM, PNG, BMP or JPEG image \(.*exceeds limit",
     ),
 }
 

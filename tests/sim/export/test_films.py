@@ -11,8 +11,8 @@ from legpush.errors import ConfigError
 from legpush.options.export import ExportOptions
 from sim_proc.export.films import take_of
 from sim_proc.export.source import Source
+from sim_proc.render.backends import working_backend
 from sim_proc.render.film import Film, film_of
-from sim_proc.render.rendering import working_backend
 from tests.sim.export.program import export
 
 

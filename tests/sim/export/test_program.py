@@ -17,7 +17,7 @@ from legpush.options.formats import ENDINGS, Format
 from sim_proc.export.columns import columns_of
 from sim_proc.export.program import whole_file
 from sim_proc.export.source import Source
-from sim_proc.render.rendering import working_backend
+from sim_proc.render.backends import working_backend
 from tests.sim.export.foxglove_reading import read
 from tests.sim.export.program import CLI, export
 

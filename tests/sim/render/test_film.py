@@ -16,8 +16,8 @@ from legpush.history.journal import Acted, Journal, Observed, Opened
 from legpush.history.steps import StepRecord, read_episode
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Walk
 from legpush.scene.scenario import Rectangle, Room, Scenario
+from sim_proc.render.backends import working_backend
 from sim_proc.render.film import Film, film_of, timeline_of
-from sim_proc.render.rendering import working_backend
 from sim_proc.simulator import Simulator
 
 
@@ -104,13 +104,15 @@ def test_ticks_without_a_trace_stand_still_and_an_episode_of_them_cannot_be_film
 
 
 def test_the_video_has_twenty_frames_for_each_of_its_seconds_or_says_why_there_is_none(
-    run_folder: Path,
+    run_folder: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    done = make_video(run_folder)
+    strange = tmp_path_factory.mktemp("strange") / "a b's 100%d"
+    strange.mkdir()
+    done = make_video(run_folder, TMPDIR=str(strange), MUJOCO_GL="nonsense", PYOPENGL_PLATFORM="x11")
     video = run_folder / "mission.mp4"
     if working_backend() is None:
         assert done.returncode == NO_OPENGL
-        assert "No OpenGL library" in done.stderr
+        assert "no OpenGL library" in done.stderr
         assert not video.exists()
         return
     assert done.returncode == 0, done.stderr
@@ -123,11 +125,17 @@ def test_the_video_has_twenty_frames_for_each_of_its_seconds_or_says_why_there_i
     assert np.abs(np.diff(pictures, axis=0)).mean(axis=1).max() > 0.5
 
 
-def test_without_a_working_opengl_library_a_notice_says_what_to_install(run_folder: Path) -> None:
-    done = make_video(run_folder, MUJOCO_GL="glfw", DISPLAY=":99999")
+def test_without_a_working_opengl_library_a_notice_says_why_and_what_to_install(
+    run_folder: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    broken = tmp_path_factory.mktemp("broken")
+    (broken / "OpenGL.py").write_text("raise ImportError('broken on purpose')")
+    done = make_video(run_folder, PYTHONPATH=f"{broken}:{os.environ.get('PYTHONPATH', '')}", MUJOCO_GL="osmesa")
     assert done.returncode == NO_OPENGL
+    assert "broken on purpose" in done.stderr
+    assert "Set are MUJOCO_GL=osmesa" in done.stderr
     assert "libosmesa6" in done.stderr
-    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1
     assert not (run_folder / "mission.mp4").exists()
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim_proc.render.rendering import frame_rows, use_backend, usual_speed, working_backend
+from sim_proc.render.rendering import frame_rows, usual_speed
 
 
 @pytest.mark.parametrize(
@@ -23,14 +23,3 @@ def test_frames_show_the_last_tick_that_was_reached(
 @pytest.mark.parametrize(("duration_s", "speed"), [(1.0, 3.0), (90.0, 3.0), (300.0, 10.0)])
 def test_a_film_is_three_times_as_fast_as_the_mission_or_30_s_long(duration_s: float, speed: float) -> None:
     assert usual_speed(duration_s) == speed
-
-
-def test_a_backend_that_draws_nothing_is_not_used_and_the_user_is_told_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("MUJOCO_GL", "glfw")
-    monkeypatch.setenv("DISPLAY", ":99999")
-    assert working_backend() is None
-    assert not use_backend("legpush render there")
-    assert "Install one (Debian: libegl1" in (said := capsys.readouterr().err)
-    assert "run `legpush render there`" in said

@@ -16,8 +16,8 @@ from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Motion, Push, Reset
 from legpush.options.formats import View
 from legpush.scene.scenario import Scenario
+from sim_proc.render.backends import working_backend
 from sim_proc.render.film import Film, film_of
-from sim_proc.render.rendering import working_backend
 from sim_proc.render.views import FIELD_OF_VIEW_RAD, look
 from sim_proc.simulator import Simulator
 
@@ -98,7 +98,7 @@ def test_every_camera_shows_another_picture(film: Film, tmp_path: Path) -> None:
     (tmp_path / "film").write_bytes(pickle.dumps(film))
     command = [sys.executable, "-P", "-c", PHOTOGRAPH, str(tmp_path), *VIEWS]
     done = subprocess.run(
-        command, env={**os.environ, "MUJOCO_GL": backend}, capture_output=True, text=True, check=False, timeout=120
+        command, env=backend.environment(os.environ), capture_output=True, text=True, check=False, timeout=120
     )
     assert done.returncode == 0, done.stderr
     pictures = {view: np.load(tmp_path / f"{view}.npy").astype(np.float64) for view in VIEWS}

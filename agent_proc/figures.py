@@ -1,0 +1,120 @@
+"""Figures of matplotlib, untouched by the user's settings of it. The only module that imports matplotlib.
+
+The backend of the user's shell or notebook is not loaded, and no `matplotlibrc` is read: with a wrong one there would
+be no picture, or one of another look.
+"""
+
+import os
+import sys
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Final
+
+SETTINGS: Final = {"MPLBACKEND": None, "MATPLOTLIBRC": os.devnull}
+"""Environment while matplotlib is imported; None removes a variable. MPLCONFIGDIR stays, since it also has the font
+cache; its `matplotlibrc` comes after the one that is named here."""
+RC_FILE: Final = "matplotlibrc"
+"""The file that matplotlib looks for in the working directory, before all others."""
+PLAIN: Final[Mapping[str, Any]] = {"text.parse_math": False, "text.usetex": False}
+"""Settings of all figures: names of users and their files are shown as they are."""
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Hide the user's settings from matplotlib while it is imported; one that is imported already is left alone."""
+    if "matplotlib" in sys.modules:
+        yield
+        return
+    before = {name: os.environ.get(name) for name in SETTINGS}
+    with _elsewhere():
+        _set_environment(SETTINGS)
+        try:
+            yield
+        finally:
+            _set_environment(before)
+
+
+@contextmanager
+def _elsewhere() -> Iterator[None]:
+    """Work in another directory if there is a `matplotlibrc` in the working directory."""
+    if not os.path.lexists(RC_FILE):
+        yield
+        return
+    here = os.open(".", os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.chdir(Path(__file__).parent)
+        try:
+            yield
+        finally:
+            os.fchdir(here)
+    finally:
+        os.close(here)
+
+
+def _set_environment(values: Mapping[str, str | None]) -> None:
+    for name, value in values.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
+
+
+with _undisturbed():
+    import matplotlib as mpl
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.collections import LineCollection, PatchCollection
+    from matplotlib.colors import to_rgba
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+    from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+
+__all__ = [
+    "Artist",
+    "Axes",
+    "ConstrainedLayoutEngine",
+    "FancyBboxPatch",
+    "Figure",
+    "LineCollection",
+    "LogLocator",
+    "MaxNLocator",
+    "NullFormatter",
+    "Patch",
+    "PatchCollection",
+    "Polygon",
+    "Rectangle",
+    "own_style",
+    "save_png",
+    "to_rgba",
+]
+
+
+@contextmanager
+def own_style(more: Mapping[str, Any] | None = None) -> Iterator[None]:
+    """Draw with the defaults of matplotlib, the settings `PLAIN` and `more`; other settings are back afterwards."""
+    settings: dict[Any, Any] = {name: value for name, value in mpl.rcParamsDefault.items() if name != "backend"}
+    with mpl.rc_context():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", mpl.MatplotlibDeprecationWarning)
+            mpl.rcParams.update(settings | dict(PLAIN) | dict(more or {}))
+        yield
+
+
+def save_png(figure: Figure, path: Path, *, dpi: float | None = None, software: str | None = None) -> None:
+    """Write a figure as PNG. It has to be drawn and saved in one `own_style`.
+
+    `software` is named as the author in the file.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    picture = BytesIO()
+    metadata = None if software is None else {"Software": software}
+    FigureCanvasAgg(figure)
+    figure.savefig(picture, format="png", dpi=dpi, metadata=metadata)
+    path.write_bytes(picture.getvalue())
