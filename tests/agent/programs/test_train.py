@@ -76,7 +76,8 @@ def test_an_interrupted_training_says_how_to_go_on_and_then_ends_as_another_one(
     stop.set()
     code, lines = said(options)
     assert code == INTERRUPTED
-    assert lines[-1] == f"interrupted: 0 steps are kept; to go on: legpush train --resume {folder}"
+    assert lines[-1].startswith("interrupted: 0 steps are kept; ")
+    assert lines[-1].endswith(f"; to go on: legpush train --resume {folder}")
     stop.clear()
 
     assert said(TrainOptions(resume=folder))[0] == 0
