@@ -41,7 +41,8 @@ def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
     leg: FrontLeg = "FR" if right else "FL"
     depth_m = task.fixed_depth_m
     if task.entry == "variable":
-        depth_m = task.least_depth_m + float(unit[3]) * (deepest_push_m(task, view) - task.least_depth_m)
+        shallowest_m = shallowest_push_m(task, view)
+        depth_m = shallowest_m + float(unit[3]) * (deepest_push_m(task, view) - shallowest_m)
     return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m)
 
 
@@ -63,16 +64,22 @@ def _checked(action: NDArray[Any], task: TaskConfig) -> NDArray[Any]:
     return clipped
 
 
+def shallowest_push_m(task: TaskConfig, view: PushView) -> float:
+    """Depth of the lowest action with variable entry: the least depth, and what this box loses of it."""
+    return min(task.least_depth_m + view.lost_depth_m, task.max_depth_m)
+
+
 def deepest_push_m(task: TaskConfig, view: PushView) -> float:
-    """Depth of the highest action; with `limit_depth` at most the depth that brings the box to its goal."""
+    """Depth of the highest action; with `limit_depth` at most the depth that brings this box to its goal."""
     if not task.limit_depth:
         return task.max_depth_m
     remaining_m = max(0.0, -view.box_g.x_m)
     limit_m = float(MODEL.depth_for(np.array([remaining_m]))[0])
-    return min(max(limit_m, task.least_depth_m), task.max_depth_m)
+    return min(max(limit_m, task.least_depth_m) + view.lost_depth_m, task.max_depth_m)
 
 
 def no_push_helps(task: TaskConfig, view: PushView) -> bool:
     """Whether the shallowest push would carry the box farther beyond its goal than it is short of it now."""
-    travel_m = float(np.interp(task.shallowest_m, MODEL.depth_m, MODEL.forward_m))
+    shallowest_m = task.fixed_depth_m if task.entry == "fixed" else shallowest_push_m(task, view)
+    travel_m = float(np.interp(shallowest_m - view.lost_depth_m, MODEL.depth_m, MODEL.forward_m))
     return -view.box_g.x_m <= travel_m / 2

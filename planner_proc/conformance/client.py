@@ -19,7 +19,7 @@ from legpush.messages.planning import PlanCancel, PlanQuery, PlanRequest, PlanRe
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
 from legpush.processes.environment import child_environment
-from legpush.runs.temporary import temporary_folder
+from legpush.runs.live_runs import socket_directory
 
 RUN: Final = "plan-check"
 """Name of the run in which planner and clients meet."""
@@ -41,7 +41,7 @@ class PlannerProcess:
         self._closing = ExitStack()
 
     def __enter__(self) -> Self:
-        directory = self._closing.enter_context(temporary_folder("check-"))
+        directory = self._closing.enter_context(socket_directory("check-"))
         self.endpoints = Endpoints(connect=in_directory(directory, "planner").listen)
         self._closing.callback(self._crew.stop)
         self.start()

@@ -16,6 +16,7 @@ from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.mission import Mission, Tell
 from legpush.lockstep.simulator import Stepper
 from legpush.numerics.current import tell_if_native
+from legpush.output.screen import Screen
 from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin
 from legpush.policy_names import DEFAULT_POLICY, require_trust
@@ -168,10 +169,15 @@ def _progress(progress: bool | Tell) -> Iterator[Tell]:
     if not isinstance(progress, bool):
         raise ConfigError(f"Expected a truth value or a function for progress, got {type(progress).__name__}")
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[detail]}"))
-    with Progress(*columns, disable=not progress, transient=True) as bar:
-        task = bar.add_task("starting", total=1.0, detail="")
+    bar = Progress(*columns, disable=not progress, transient=True)
+    task = bar.add_task("starting", total=1.0, detail="")
+    screen = Screen()
 
-        def tell(phase: str, fraction: float | None, detail: str) -> None:
-            bar.update(task, description=phase, completed=fraction or 0.0, detail=detail)
+    def tell(phase: str, fraction: float | None, detail: str) -> None:
+        screen.draw(lambda: bar.update(task, description=phase, completed=fraction or 0.0, detail=detail))
 
+    screen.draw(bar.start)
+    try:
         yield tell
+    finally:
+        screen.draw(bar.stop)

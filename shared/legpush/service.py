@@ -25,6 +25,7 @@ from legpush.errors import FAILED, exit_code_of, one_line
 from legpush.fields import Name, require
 from legpush.messages.common import Role
 from legpush.numerics.current import tell_if_native
+from legpush.output.guarded_streams import Output, with_guarded_output
 
 log = logging.getLogger(__name__)
 
@@ -97,8 +98,9 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     """
     stop = stop_on_signals()
 
-    def connect_and_work() -> int:
+    def connect_and_work(output: Output) -> int:
         config = parse(role, kind)
+        output.decides = False
         start_log(f"{role}/{config.name}", config.log_level)
         tell_if_native()
         at = config.endpoints()
@@ -107,18 +109,25 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
         return code
 
-    try:
-        return exit_code_of(connect_and_work)
-    except Exception:  # noqa: BLE001 - whatever it is, the launcher has to learn of it
-        with suppress(OSError):  # the log may be on a full disk
-            traceback.print_exc()
-        return FAILED
+    def end_well(output: Output) -> int:
+        try:
+            return exit_code_of(lambda: connect_and_work(output))
+        except Exception:  # noqa: BLE001 - whatever it is, the launcher has to learn of it
+            with suppress(OSError):  # the log may be on a full disk
+                traceback.print_exc()
+            return FAILED
+
+    return with_guarded_output(end_well)
 
 
 def run_program(name: str, work: Callable[[], int]) -> int:
     """Run one of the programs behind the `legpush` command, with `name` in its log lines; return its exit code."""
-    start_log(name, "warning")
-    return exit_code_of(work)
+
+    def end_well(_: Output) -> int:
+        start_log(name, "warning")
+        return exit_code_of(work)
+
+    return with_guarded_output(end_well)
 
 
 def start_log(who: str, level: str) -> None:

@@ -16,6 +16,7 @@ from legpush.files import new_file, sha256_of
 from legpush.long_work.progress import pieces
 from legpush.options.export import ExportOptions
 from legpush.options.formats import FILMS, Format
+from legpush.output.guarded_streams import with_guarded_output
 from sim_proc.export.columns import columns_of
 from sim_proc.export.source import Source, longest, notes, read_source
 from sim_proc.export.table_csv import write_csv
@@ -29,7 +30,7 @@ LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
 
 def main() -> int:
     """Parse the command line, export, and return the exit code."""
-    return exit_code_of(lambda: export(tyro.cli(ExportOptions, prog="legpush export")))
+    return with_guarded_output(lambda _: exit_code_of(lambda: export(tyro.cli(ExportOptions, prog="legpush export"))))
 
 
 def export(options: ExportOptions) -> int:

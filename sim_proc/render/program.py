@@ -13,6 +13,7 @@ import tyro
 from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
 from legpush.history.steps import read_episode
 from legpush.options.formats import View
+from legpush.output.guarded_streams import with_guarded_output
 from legpush.runs.folder import require_no_links
 from sim_proc.render.backends import use_backend
 from sim_proc.render.film import film_of, timeline_of
@@ -38,7 +39,9 @@ class VideoConfig:
 
 def main() -> int:
     """Film the run; write one line to stderr if that fails."""
-    return exit_code_of(lambda: film_run(tyro.cli(VideoConfig, prog="python -m sim_proc.render")))
+    return with_guarded_output(
+        lambda _: exit_code_of(lambda: film_run(tyro.cli(VideoConfig, prog="python -m sim_proc.render")))
+    )
 
 
 def film_run(config: VideoConfig) -> int:

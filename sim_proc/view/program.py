@@ -8,6 +8,7 @@ import tyro
 
 from legpush.errors import exit_code_of, one_line
 from legpush.options.view import EVERYWHERE, ViewOptions
+from legpush.output.guarded_streams import with_guarded_output
 from legpush.service import stop_on_signals
 from sim_proc.view.page import Page
 from sim_proc.view.sources import LiveSource, RecordedSource
@@ -15,9 +16,12 @@ from sim_proc.view.sources import LiveSource, RecordedSource
 
 def main() -> int:
     """Serve the page until Ctrl-C."""
+    return with_guarded_output(lambda _: exit_code_of(_parse_and_serve))
+
+
+def _parse_and_serve() -> int:
     options = tyro.cli(ViewOptions, prog="legpush view")
-    stop = stop_on_signals()
-    return exit_code_of(lambda: serve(options, stop))
+    return serve(options, stop_on_signals())
 
 
 def serve(options: ViewOptions, stop: threading.Event) -> int:

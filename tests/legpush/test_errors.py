@@ -69,6 +69,18 @@ def test_control_characters_are_shown_and_not_obeyed() -> None:
     )
 
 
+def test_a_full_disk_under_standard_error_does_not_hide_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> int:
+        raise DiskFullError("Expected to write the journal")
+
+    with open("/dev/full", "w", buffering=1) as full:
+        monkeypatch.setattr("sys.stderr", full)
+        assert exit_code_of(fail) == DISK_FULL
+        monkeypatch.undo()
+        with suppress(OSError):
+            full.close()
+
+
 @pytest.mark.parametrize(
     ("number", "code"), [(errno.EROFS, 2), (errno.EACCES, 2), (errno.ENOTDIR, 2), (errno.EMFILE, 3), (errno.EIO, 3)]
 )
@@ -89,15 +101,3 @@ def test_an_error_with_several_parts_has_a_line_for_each(capsys: pytest.CaptureF
     assert exit_code_of(fail) == 2
     assert capsys.readouterr().err == "error: first\n       a\\nb\n"
     assert str(ConfigError("first", "second")) == "first\nsecond"
-
-
-def test_a_full_disk_under_standard_error_does_not_hide_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail() -> int:
-        raise DiskFullError("Expected to write the journal")
-
-    with open("/dev/full", "w", buffering=1) as full:
-        monkeypatch.setattr("sys.stderr", full)
-        assert exit_code_of(fail) == DISK_FULL
-        monkeypatch.undo()
-        with suppress(OSError):
-            full.close()

@@ -5,6 +5,7 @@ planner, simulator and agent find each other without flags and in any order. The
 directory that only the user can enter.
 """
 
+import re
 import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,6 +24,9 @@ CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {
     "recorder": ("planner", "sim", "agent"),
 }
 PROTOCOLS: Final = ("unixsock-stream", "tcp")
+_ADDRESS: Final = re.compile(r"[^?#]+:(?P<port>[0-9]{1,5})([?#]|\Z)")
+"""A host and a port; Zenoh takes parameters behind them."""
+MAX_PORT: Final = 65535
 MAX_SOCKET_PATH_BYTES: Final = 107
 """`sun_path` holds 108 bytes with its final zero."""
 
@@ -90,7 +94,12 @@ def _check(locator: str) -> None:
     if protocol == "unixsock-stream" and length > MAX_SOCKET_PATH_BYTES:
         raise EndpointError(
             f"Expected a unix socket path of at most {MAX_SOCKET_PATH_BYTES} bytes, got {length}: {address}; "
-            "use a shorter run directory"
+            "use a shorter path"
+        )
+    host_and_port = _ADDRESS.match(address)
+    if protocol == "tcp" and (host_and_port is None or int(host_and_port["port"]) > MAX_PORT):
+        raise EndpointError(
+            f"Expected a host and a port from 0 to {MAX_PORT}, such as tcp/127.0.0.1:17472, got {locator!r}"
         )
 
 

@@ -5,6 +5,7 @@ there yet, or comes back, is connected to within half a second, so the order of 
 """
 
 import json
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
@@ -20,6 +21,11 @@ from legpush.errors import EndpointError
 
 RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
 
+_SOURCE: Final = re.compile(r"\.? at /\S+\.rs:\d+\.?")
+"""The place of an error in the source of Zenoh."""
+_IN_USE: Final = re.compile(r"\bEADDRINUSE\b|Address already in use|acquire lock: E(AGAIN|WOULDBLOCK)\b")
+_MISSING: Final = re.compile(r"\bENOENT\b|No such file or directory")
+
 
 class ZenohSession:
     """A `legpush.bus.transport.Session` over Zenoh."""
@@ -34,8 +40,7 @@ class ZenohSession:
             self._session: Any = zenoh.open(_config(endpoints))
         except zenoh.ZError as error:
             raise EndpointError(
-                f"Expected to listen on {listing(endpoints.listen)} as {who}, but that is not possible; "
-                f"is another process running there, and does the directory exist? ({error})"
+                f"Expected to listen on {listing(endpoints.listen)} as {who}, but that is not possible: {_why(error)}"
             ) from error
 
     def close(self) -> None:
@@ -100,6 +105,17 @@ def checksum(key: str, payload: bytes) -> bytes:
     memory module with a fault would change a number in a message, and the message would still be valid.
     """
     return crc32(payload, crc32(key.encode())).to_bytes(4, "big")
+
+
+def _why(error: zenoh.ZError) -> str:
+    """Return an error of Zenoh without the places in its source, and what to do where the cause is known."""
+    said = _SOURCE.sub("", str(error)).rstrip(".")
+    if _IN_USE.search(said):
+        cure = "; choose another port with --listen" if "tcp/" in said else ""
+        return f"another process listens there{cure} ({said})"
+    if _MISSING.search(said):
+        return f"the directory does not exist ({said})"
+    return said
 
 
 def _undeclare(declared: Any) -> None:

@@ -1,4 +1,7 @@
-"""Shows the progress of a mission to the user: one progress line, and notices above it."""
+"""Shows the progress of a mission to the user: one progress line, and notices above it.
+
+A display turns itself off when it cannot be written to any more: progress decides nothing about a mission.
+"""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -11,6 +14,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from rich.text import Text
 
 from legpush.errors import one_line, printable
+from legpush.output.screen import Screen
 
 PLAIN_PERIOD_S: Final = 5.0
 """Least time between two lines of one phase where lines cannot be overwritten."""
@@ -44,16 +48,17 @@ class LiveDisplay:
             TimeElapsedColumn(),
             console=console,
         )
+        self._screen = Screen()
         self._task = self._bar.add_task("starting", total=None, detail="", waiting="")
         self._shown: tuple[str, float | None, str, str] | None = None
 
     def __enter__(self) -> Self:
-        self._bar.start()
+        self._screen.draw(self._bar.start)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._bar.remove_task(self._task)
-        self._bar.stop()
+        self._screen.draw(lambda: self._bar.remove_task(self._task))
+        self._screen.draw(self._bar.stop)
 
     def progress(self, phase: str, fraction: float | None, detail: str, waiting_for: str) -> None:
         """Redraw the line if it has changed."""
@@ -64,18 +69,20 @@ class LiveDisplay:
         self._shown = shown
         (task,) = self._bar.tasks
         task.total = None if fraction is None else 1.0  # to `update`, None means "unchanged", not "unknown"
-        self._bar.update(
-            self._task,
-            description=phase,
-            completed=fraction or 0.0,
-            detail=detail,
-            waiting=_waiting(waiting_for),
-            refresh=True,
+        self._screen.draw(
+            lambda: self._bar.update(
+                self._task,
+                description=phase,
+                completed=fraction or 0.0,
+                detail=detail,
+                waiting=_waiting(waiting_for),
+                refresh=True,
+            )
         )
 
     def notice(self, text: str) -> None:
         """Print a line above the redrawn one."""
-        self._bar.console.print(Text(printable(text)))
+        self._screen.draw(lambda: self._bar.console.print(Text(printable(text))))
 
 
 class PlainDisplay:
@@ -83,6 +90,7 @@ class PlainDisplay:
 
     def __init__(self, console: Console, clock: Callable[[], float] = monotonic) -> None:
         self._console = console
+        self._screen = Screen()
         self._clock = clock
         self._began = clock()
         self._shown: tuple[str, int | None, str] | None = None
@@ -108,7 +116,8 @@ class PlainDisplay:
 
     def notice(self, text: str) -> None:
         """Print a line."""
-        self._console.print(Text(f"{self._clock() - self._began:7.1f} s  {printable(text)}"), soft_wrap=True)
+        line = Text(f"{self._clock() - self._began:7.1f} s  {printable(text)}")
+        self._screen.draw(lambda: self._console.print(line, soft_wrap=True))
 
 
 def _waiting(waiting_for: str) -> str:

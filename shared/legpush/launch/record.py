@@ -10,6 +10,7 @@ from legpush.errors import exit_code_of, printable
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.checks import require_writable_file
 from legpush.options.recordings import RecordOptions
+from legpush.output.guarded_streams import Output, with_guarded_output
 from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.runs.choose_run import choose_run
@@ -58,4 +59,9 @@ def main() -> int:
     """Run the recorder that a launcher starts."""
     import tyro
 
-    return exit_code_of(lambda: run_recorder(tyro.cli(RecordOptions, prog="legpush record")))
+    def parse_and_record(output: Output) -> int:
+        options = tyro.cli(RecordOptions, prog="legpush record")
+        output.decides = False  # the exit code says whether the recording is complete
+        return run_recorder(options)
+
+    return with_guarded_output(lambda output: exit_code_of(lambda: parse_and_record(output)))

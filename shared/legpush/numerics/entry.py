@@ -18,7 +18,7 @@ def enter_profile() -> None:
     environment = with_profile(os.environ)
     if environment.get(VARIABLE) != X86_64_V3:
         return
-    for stream in (sys.stdout, sys.stderr):
+    for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.flush()
     os.execve(sys.executable, [sys.executable, *sys.orig_argv[1:]], environment)  # noqa: S606 - no shell is wanted
 

@@ -17,7 +17,7 @@ class SoakOptions:
     """Disturb whole missions, one fault at a time, and check that each ends as if nothing had happened.
 
     Results go to DIR/soak.json after each cell. Ctrl-C keeps them; the same command goes on. Exit codes: 0 everything
-    is as expected, 1 something is not, 2 bad input, 3 a fault could not be brought in, 130 interrupted.
+    is as expected, 1 something is not, 2 bad input, 3 an undisturbed mission failed, 130 interrupted.
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("runs/soak")
@@ -30,6 +30,8 @@ class SoakOptions:
     """Seed of the mission and of the faults."""
     repeat: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """How often to run each cell, with the seeds from --seed on."""
+    retry: bool = False
+    """Run the cells again that were not as expected."""
     steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Besides, do this many lockstep steps with a stub simulator, and watch memory, threads and open files."""
     training: Annotated[float | None, tyro.conf.arg(metavar="HOURS")] = None

@@ -23,7 +23,7 @@ from legpush.fields import Name
 from legpush.files import new_file
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.runs.folder import COMMAND_FILE, LOGS
-from legpush.runs.temporary import clear_abandoned, private_folders, temporary_folder
+from legpush.runs.temporary import clear_abandoned, private_folders, socket_place, temporary_folder
 
 RUN_FILE: Final = "run.json"
 MAX_BYTES: Final = 65536
@@ -66,9 +66,9 @@ class LiveRun(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         )
 
 
-def socket_directory() -> AbstractContextManager[Path]:
+def socket_directory(kind: str = "") -> AbstractContextManager[Path]:
     """A directory of mode 0700 for the sockets of a run, where `find_live_runs` looks."""
-    return temporary_folder()
+    return temporary_folder(kind, socket_place())
 
 
 def clear_killed_runs() -> list[str]:

@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from itertools import pairwise
+from itertools import cycle
 from pathlib import Path
 from typing import Any, Final, cast
 from zlib import crc32
@@ -21,6 +21,8 @@ from legpush.soak.table import FaultRole, Kind
 
 CELL_FILE: Final = "cell.json"
 SWITCH: Final = "on"
+HARMED: Final = "harmed"
+"""A file that is made when a message was dropped, duplicated or reordered."""
 SOCKETS: Final = "unixsock-stream/"
 JUMP_S: Final = 3600.0
 LOOK_S: Final = 0.005
@@ -53,8 +55,9 @@ def prepare(folder: Path, argv: list[str], words: Sequence[str]) -> None:
 
 def _role(words: Sequence[str]) -> FaultRole | None:
     """The role of a process by its command line."""
-    for before, word in pairwise(words):
-        if before == "-m" and word in ("planner_proc", "sim_proc", "agent_proc"):
+    start = words.index("-m") + 1 if "-m" in words else len(words)
+    for word in words[start : start + 2]:  # the module itself, or one that starts it
+        if word in ("planner_proc", "sim_proc", "agent_proc"):
             return cast(FaultRole, word.removesuffix("_proc"))
     return None
 
@@ -85,6 +88,7 @@ def spoil_messages(kind: Kind, switch: Path) -> None:
     from legpush.bus.session import ZenohSession
     from legpush.bus.transport import Sender
 
+    untouched = Fate(dropped=False, duplicated=False, delay_s=0.0, reordered=False)
     sound: Callable[..., Sender] = ZenohSession.publisher
 
     def publisher(session: ZenohSession, key: str, quality: Any) -> Sender:
@@ -92,19 +96,24 @@ def spoil_messages(kind: Kind, switch: Path) -> None:
         if quality != "lockstep":
             return sender
         fates = fate_table(Faults(probability=PROBABILITY, seed=crc32(kind.encode())), key, TABLE_ROWS)
-        table = [
+        table = [  # the first message always meets the fault: a planner sends few
             Fate(
-                fate.dropped and kind == "drop",
-                fate.duplicated and kind == "duplicate",
-                0.0,
-                fate.reordered and kind == "reorder",
+                dropped=kind == "drop" and (fate.dropped or place == 0),
+                duplicated=kind == "duplicate" and (fate.duplicated or place == 0),
+                delay_s=0.0,
+                reordered=kind == "reorder" and (fate.reordered or place == 0),
             )
-            for fate in fates
+            for place, fate in enumerate(fates)
         ]
-        bad = BadChannel(table, sender.send)
+        bad, rows = BadChannel(table, sender.send), cycle(fate != untouched for fate in table)
 
         def send(payload: bytes) -> None:
-            (bad.send if switch.exists() else sender.send)(payload)
+            if not switch.exists():
+                sender.send(payload)
+                return
+            bad.send(payload)
+            if next(rows):
+                switch.with_name(HARMED).touch()
 
         return Sender(send, sender.undeclare)
 

@@ -2,18 +2,17 @@
 
 import json
 import signal
-import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from time import sleep
+from time import monotonic, sleep
 from typing import Final, cast
 from zlib import crc32
 
 import numpy as np
 import psutil
 
-from legpush.soak.in_child import CELL_FILE, LINK_FAULTS, MESSAGE_FAULTS, SWITCH, proxy_path, target_path
+from legpush.soak.in_child import CELL_FILE, HARMED, LINK_FAULTS, MESSAGE_FAULTS, SWITCH, proxy_path, target_path
 from legpush.soak.mission import RunningMission
 from legpush.soak.proxy import LinkFault, LinkProxy
 from legpush.soak.table import Cell, FaultRole
@@ -25,6 +24,9 @@ LINK_FAULTS_S: Final = {"cut": 1.0, "stall": 4.0, "delay": 2.0, "slow_consumer":
 MESSAGE_FAULTS_S: Final = 2.0
 CLOCK_S: Final = 1.0
 """How long the clock stays where it jumped."""
+LONGER_S: Final = 20.0
+"""How much longer a fault may last that has met nothing yet."""
+LOOK_S: Final = 0.02
 
 
 class Injector:
@@ -35,9 +37,18 @@ class Injector:
         self.folder = folder
         self._proxies = proxies
 
-    def strike(self, mission: RunningMission) -> psutil.Process:
-        """Bring the fault into the mission, end it after its time, and return the process of the role."""
-        kind, victim = self.cell.kind, mission.process(self.cell.role)
+    @property
+    def has_harmed(self) -> bool:
+        """Whether the fault has met anything, such as a byte that it could change."""
+        if self.cell.kind == "corrupt":
+            return any(proxy.n_flips for proxy in self._harmed())
+        if self.cell.kind in MESSAGE_FAULTS and self.folder is not None:
+            return (self.folder / HARMED).exists()
+        return True
+
+    def strike(self, mission: RunningMission, victim: psutil.Process) -> None:
+        """Bring the fault into the mission, or into the process of its role, and end it after its time."""
+        kind = self.cell.kind
         if kind in SIGNALS:
             victim.send_signal(SIGNALS[kind])
         elif kind in FREEZES_S:
@@ -48,16 +59,24 @@ class Injector:
         elif kind in LINK_FAULTS:
             for proxy in self._harmed():
                 proxy.fault = cast(LinkFault, kind)
-            _sleep(LINK_FAULTS_S[kind], mission)
+            self._wait(LINK_FAULTS_S[kind], mission)
             for proxy in self._harmed():
                 proxy.fault = ""
         elif self.folder is not None:
             switch = self.folder / SWITCH
             switch.touch()
             if kind != "disk_full":
-                _sleep(MESSAGE_FAULTS_S if kind in MESSAGE_FAULTS else CLOCK_S, mission)
+                self._wait(MESSAGE_FAULTS_S if kind in MESSAGE_FAULTS else CLOCK_S, mission)
                 switch.unlink()
-        return victim
+
+    def _wait(self, time_s: float, mission: RunningMission) -> None:
+        """Wait until the fault is over, but not beyond the end of the mission."""
+        until = monotonic() + time_s
+        longest = until + LONGER_S
+        while (now := monotonic()) < until or (not self.has_harmed and now < longest):
+            if mission.launcher.poll() is not None:
+                return
+            sleep(LOOK_S)
 
     def _harmed(self) -> list[LinkProxy]:
         """The links of the role; an agent has two."""
@@ -82,9 +101,3 @@ def injector(cell: Cell, folder: Path, seed: int) -> Iterator[Injector]:
                 stack.callback(proxy.close)
                 proxies[role] = proxy
         yield Injector(cell, folder, proxies)
-
-
-def _sleep(time_s: float, mission: RunningMission) -> None:
-    """Wait, but not beyond the end of the mission."""
-    with suppress(subprocess.TimeoutExpired):
-        mission.launcher.wait(time_s)

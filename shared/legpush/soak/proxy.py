@@ -19,7 +19,7 @@ LOOK_S: Final = 0.01
 DELAY_S: Final = 0.2
 SLOW_BYTES_PER_S: Final = 20_000
 MAX_FLIPS: Final = 20
-FLIP_PROBABILITY: Final = 0.3
+FLIP_PROBABILITY: Final = 0.5
 
 LinkFault = Literal["", "cut", "stall", "delay", "slow_consumer", "corrupt"]
 """Empty: the link is sound."""

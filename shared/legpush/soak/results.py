@@ -94,7 +94,7 @@ def made_here() -> dict[str, Any]:
     return {
         "version": versions.get("legpush", "?"),
         "commit": _commit(),
-        "command": shlex.join(["legpush", *sys.argv[1:]]),
+        "command": shlex.join(["legpush", *_without_folder(sys.argv[1:])]),
         "machine": f"{platform.machine()}, {len(os.sched_getaffinity(0))} cores",
         "versions": versions,
     }
@@ -123,6 +123,12 @@ def table_lines(results: SoakResults) -> list[str]:
             f"{training.killed_learners} learners killed: {words} as without",
         ]
     return lines
+
+
+def _without_folder(words: Sequence[str]) -> list[str]:
+    """Return a command line without the folder of its results, which says nothing about them."""
+    folder = words.index("--out") if "--out" in words else len(words)
+    return [*words[:folder], *words[folder + 2 :]]
 
 
 def _growth_words(growth: Any) -> str:

@@ -26,7 +26,7 @@ def run_soak(options: SoakOptions, console: Console) -> int:
 
     Raises:
         ConfigError: There is no such cell, or the folder cannot be made.
-        PeerError: A fault could not be brought in, or something ended that was not disturbed.
+        PeerError: Something ended that was not disturbed.
     """
     cells = choose_cells(options.cells) if options.table else ()
     stop = stop_on_signals()
@@ -54,6 +54,8 @@ def run_soak(options: SoakOptions, console: Console) -> int:
 def _run_table(
     options: SoakOptions, cells: tuple[Cell, ...], results: SoakResults, stop: threading.Event, console: Console
 ) -> None:
+    if options.retry:
+        results.cells = [cell for cell in results.cells if cell.is_as_expected]
     done = {(cell.name, cell.seed) for cell in results.cells}
     left = [(cell, seed) for seed in _seeds(options) for cell in cells if (cell.name, seed) not in done]
     for number, (cell, seed) in enumerate(left, 1):

@@ -33,8 +33,24 @@ def test_a_directory_that_others_may_enter_is_refused(tmp_path: Path) -> None:
 def test_a_socket_path_that_the_system_cannot_hold_is_refused(tmp_path: Path) -> None:
     deep = tmp_path / ("x" * 110)
     deep.mkdir(mode=0o700)
-    with pytest.raises(EndpointError, match=r"at most 107 bytes, got .* shorter run directory"):
+    with pytest.raises(EndpointError, match=r"at most 107 bytes, got .* shorter path"):
         endpoints.in_directory(deep, "sim")
+
+
+@pytest.mark.parametrize(
+    "address", ["127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", "[::1]:65536", "h:80x", ":80", "h:-1"]
+)
+def test_a_port_that_is_none_is_refused_before_anything_waits_for_it(address: str) -> None:
+    for endpoint in ({"listen": (f"tcp/{address}",)}, {"connect": (f"tcp/{address}",)}):
+        with pytest.raises(EndpointError, match="Expected a host and a port from 0 to 65535, such as tcp/127"):
+            Endpoints(**endpoint)
+
+
+@pytest.mark.parametrize(
+    "address", ["127.0.0.1:0", "[::]:65535", "host.name:07447", "10.0.0.1:1#iface=eth0", "h:1?a=b"]
+)
+def test_a_host_with_a_port_is_an_endpoint(address: str) -> None:
+    assert Endpoints(listen=(f"tcp/{address}",)).listen == (f"tcp/{address}",)
 
 
 @pytest.mark.parametrize("locator", ["", "tcp", "tcp/", "127.0.0.1:17472", "udp/127.0.0.1:17472"])

@@ -1,5 +1,6 @@
 """Sessions, on Zenoh and in memory: what arrives where, who is alive, and how a process on a taken address ends."""
 
+import re
 import signal
 import socket
 import subprocess
@@ -131,20 +132,51 @@ def test_the_tokens_of_a_session_go_when_it_is_closed(pair: tuple[Session, Sessi
 def test_a_second_process_on_the_same_socket_has_one_clear_error(tmp_path: Path) -> None:
     with (
         bus(tmp_path, "sim"),
-        pytest.raises(EndpointError, match=r"listen on unixsock-stream/.*sim\.sock as sim main"),
+        pytest.raises(EndpointError, match=r"listen on unixsock-stream/.*sim\.sock as sim main") as raised,
         bus(tmp_path, "sim"),
     ):
         pass
+    assert "not possible: another process listens there (" in str(raised.value)
 
 
-def test_a_second_process_on_the_same_port_has_one_clear_error() -> None:
+def cannot_listen(locator: str) -> str:
+    """Why a process cannot listen there."""
+    with (
+        pytest.raises(EndpointError, match=f"listen on {re.escape(locator)}, but|as sim main, but") as raised,
+        Bus(RUN, "sim", "main", Endpoints(listen=(locator,))),
+    ):
+        pass
+    assert ".rs" not in str(raised.value)
+    return str(raised.value).partition("not possible: ")[2]
+
+
+def test_a_second_process_on_the_same_port_is_told_the_flag_for_another_one() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
-        locator = f"tcp/127.0.0.1:{server.getsockname()[1]}"
-        with (
-            pytest.raises(EndpointError, match=f"listen on {locator}"),
-            Bus(RUN, "sim", "main", Endpoints(listen=(locator,))),
-        ):
-            pass
+        why = cannot_listen(f"tcp/127.0.0.1:{server.getsockname()[1]}")
+    assert why.startswith("another process listens there; choose another port with --listen (")
+    assert why.endswith("Address already in use (os error 98)])")
+
+
+@pytest.mark.parametrize(
+    ("locator", "guess", "words"),
+    [
+        ("unixsock-stream/{folder}/none/sim.sock", "the directory does not exist", "ENOENT: No such file or directory"),
+        ("unixsock-stream/{folder}/file/sim.sock", "", "ENOTDIR: Not a directory"),
+        ("tcp/127.0.0.1:0#iface=nope0", "", "No such device"),
+        ("tcp/203.0.113.1:17999", "", "Cannot assign requested address"),
+    ],
+)
+def test_only_a_known_cause_is_named_beside_what_the_system_says(
+    locator: str, guess: str, words: str, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    why = cannot_listen(locator.format(folder=tmp_path))
+    assert words in why
+    if guess:
+        assert why.startswith(f"{guess} (")
+    else:
+        assert "another process" not in why
+        assert "directory does not exist" not in why
 
 
 def test_a_socket_left_behind_by_a_killed_process_is_taken_over(tmp_path: Path) -> None:

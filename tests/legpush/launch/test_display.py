@@ -3,6 +3,7 @@
 import re
 from io import StringIO
 
+import pytest
 from rich.console import Console
 
 from legpush.launch.display import LiveDisplay, PlainDisplay, make_display
@@ -65,3 +66,24 @@ def test_the_live_display_shows_the_last_phase_and_keeps_notices() -> None:
     assert "4.0 of 8.0 m" in text
     assert "cycle 3, 12 cm to go [m]" in text
     assert "waiting for sim (slow)" in text
+
+
+class Broken(StringIO):
+    """A file that takes nothing."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__()
+        self._error = error
+
+    def write(self, text: str) -> int:
+        raise self._error
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+@pytest.mark.parametrize("error", [BrokenPipeError(32, "gone"), OSError(28, "full"), ValueError("closed")])
+def test_a_display_that_cannot_be_written_to_costs_no_mission(error: Exception, terminal: bool) -> None:
+    console = Console(file=Broken(error), force_terminal=terminal, width=80)
+    with make_display(console) as display:
+        for percent in range(0, 100, 20):
+            display.progress("walking", percent / 100, "", "")
+            display.notice("the planner died")

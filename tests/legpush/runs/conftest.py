@@ -13,12 +13,13 @@ AT = ("unixsock-stream//tmp/legpush-x/agent.sock", "unixsock-stream//tmp/legpush
 
 
 @pytest.fixture(autouse=True)
-def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A temporary directory of its own."""
-    monkeypatch.setattr(tempfile, "tempdir", None)
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
-    monkeypatch.delenv("LEGPUSH_RUN", raising=False)
-    return tmp_path
+def temporary(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A temporary directory of its own, with a path that is short enough for sockets."""
+    with tempfile.TemporaryDirectory(prefix="runs-", dir="/tmp") as folder:
+        monkeypatch.setattr(tempfile, "tempdir", None)
+        monkeypatch.setenv("TMPDIR", folder)
+        monkeypatch.delenv("LEGPUSH_RUN", raising=False)
+        yield Path(folder)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from legpush.bus.endpoints import in_directory, in_pool
 from legpush.runs.folder import COMMAND_FILE, LOGS
 from legpush.runs.live_runs import (
     MAX_BYTES,
@@ -58,6 +59,37 @@ def test_runs_of_another_temporary_directory_are_not_found(
     assert names() == []
     launch("r2")
     assert names() == ["r2"]
+
+
+@pytest.mark.parametrize("name", ["x" * 90, "what?", "a#b", "new\nline", "\udcff"])
+def test_where_a_temporary_directory_cannot_have_sockets_the_run_is_in_tmp_and_found(
+    name: str, launch: Callable[..., Path], temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    strange = temporary / name
+    strange.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(strange))
+    directory = launch("far_away")
+    assert directory.parent == Path("/tmp")
+    assert directory.stat().st_mode & 0o777 == 0o700
+    assert "far_away" in names()
+    for role in ("planner", "agent", "sim"):
+        assert in_directory(directory, role).listen
+
+
+def test_the_longest_temporary_directory_that_is_used_has_place_for_all_sockets(
+    launch: Callable[..., Path], temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    used = []
+    for n in range(50, 78):
+        folder = Path("/".join((str(temporary), "x" * (n - len(str(temporary)) - 1))))
+        folder.mkdir(exist_ok=True)
+        monkeypatch.setattr(tempfile, "tempdir", str(folder))
+        directory = launch(f"r{n}")
+        in_pool(directory, "sim999")
+        assert in_directory(directory, "planner").listen
+        used.append(directory.parent == folder)
+    assert used[0]
+    assert not used[-1]
 
 
 LAUNCHER = """

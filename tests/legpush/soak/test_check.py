@@ -112,6 +112,12 @@ def test_recordings_are_compared_with_the_journal(tmp_path: Path, wrong: str) ->
     assert words in "; ".join(found)
 
 
+def test_the_last_action_of_a_killed_agent_may_be_missing_if_the_recording_says_so(tmp_path: Path) -> None:
+    actions, answers = traffic(MOTIONS)
+    paths = write(tmp_path / "mission.mcap", actions[:-1], answers, says_farewell=False)
+    assert recorded_wrongs(paths, steps_of(entries(MOTIONS))) == []
+
+
 def test_a_recorded_motion_that_is_not_that_of_the_journal_is_found(tmp_path: Path) -> None:
     actions, answers = traffic(MOTIONS)
     write(tmp_path / "mission.mcap", actions, answers)

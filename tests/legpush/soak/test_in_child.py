@@ -27,6 +27,13 @@ def test_the_links_of_an_agent_lead_through_proxies_whose_target_is_kept(tmp_pat
     assert target_path(tmp_path, "sim").readlink() == Path("/tmp/legpush-x/sim.sock")
 
 
+@pytest.mark.parametrize("words", [("python", "-m", "agent_proc"), ("python", "-P", "-m", "starter", "agent_proc")])
+def test_an_agent_is_found_by_its_module_and_by_one_that_starts_it(tmp_path: Path, words: tuple[str, ...]) -> None:
+    argv = ["--connect", "unixsock-stream//tmp/legpush-x/sim.sock"]
+    prepare(cell(tmp_path, "cut", "agent"), argv, words)
+    assert argv == ["--connect", f"unixsock-stream/{tmp_path}/sim.proxy"]
+
+
 @pytest.mark.parametrize("words", [("python", "-m", "sim_proc"), ("python", "-c", "agent_proc"), ("legpush", "run")])
 def test_other_processes_stay_as_they_are(tmp_path: Path, words: tuple[str, ...]) -> None:
     argv = ["--connect", "unixsock-stream//tmp/legpush-x/sim.sock"]

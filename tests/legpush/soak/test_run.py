@@ -49,6 +49,15 @@ def test_what_is_done_is_kept_and_the_same_command_does_the_rest(tmp_path: Path,
     assert kept["summary"]["all"] == {"n_cells": 3, "n_survived": 3, "n_same": 2, "n_as_expected": 2}
 
 
+def test_cells_that_were_not_as_expected_are_run_again_on_demand(tmp_path: Path, done: list[tuple[str, int]]) -> None:
+    assert run_soak(SoakOptions(out=tmp_path, cells=CELLS[:2]), Console(quiet=True)) == 1
+    done.clear()
+    assert run_soak(SoakOptions(out=tmp_path, cells=CELLS[:2]), Console(quiet=True)) == 1
+    assert done == []
+    assert run_soak(SoakOptions(out=tmp_path, cells=CELLS[:2], retry=True), Console(quiet=True)) == 1
+    assert [name for name, _ in done] == [CELLS[1]]
+
+
 def test_cells_are_repeated_with_the_next_seeds(tmp_path: Path, done: list[tuple[str, int]]) -> None:
     options = SoakOptions(out=tmp_path, cells=CELLS[:1], repeat=2, seed=7)
     assert run_soak(options, Console(quiet=True)) == 0

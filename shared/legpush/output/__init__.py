@@ -1,0 +1,1 @@
+"""What programs write for people: to standard output and standard error."""
