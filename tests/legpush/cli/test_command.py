@@ -222,6 +222,7 @@ def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyP
 def test_render_becomes_the_film_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     became: list[tuple[str, ...]] = []
     monkeypatch.setattr(os, "execv", lambda program, argv: became.append((program, *argv)))
+    monkeypatch.setattr("legpush.cli.execute.hold", lambda: None)
     (tmp_path / "episode-0000.journal").touch()
     cli.main(["render", str(tmp_path)])
     cli.main(["render", str(tmp_path), "--camera", "top"])
