@@ -28,7 +28,7 @@ from legpush.files import write_whole
 from legpush.numerics.current import explained
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
-from legpush.runs.folder import LOGS, own_folder
+from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
 from legpush.versions import NUMERICS, installed_versions
@@ -72,6 +72,8 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
     from agent_proc.learning.vec_env import PushVecEnv
 
     stop, links_stop = stop_on_signals(), threading.Event()
+    (folder / LOGS).mkdir(exist_ok=True)
+    write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder)}\n".encode())
     with (
         own_folder(folder),
         simulators(

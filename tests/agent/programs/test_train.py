@@ -126,7 +126,7 @@ def test_a_full_disk_ends_with_the_command_that_goes_on(options: TrainOptions, m
     def fill(descriptor: int) -> None:
         nonlocal n_synced
         n_synced += 1
-        if n_synced > 2:
+        if n_synced > 3:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         fsync(descriptor)
 
