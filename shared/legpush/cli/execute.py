@@ -4,6 +4,7 @@ import os
 import sys
 from functools import singledispatch
 
+from legpush.entry.interrupts import hold
 from legpush.errors import ConfigError, one_line, printable
 from legpush.options.bench import Bench, ListFaults, SoakOptions
 from legpush.options.checks import require_writable_folder
@@ -75,6 +76,7 @@ def _render(command: RenderOptions) -> int:
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
     require_writable_folder(command.run_folder, "RUN_FOLDER")
     argv = film_arguments(command.run_folder, command.camera)
+    hold()
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
 

@@ -7,7 +7,7 @@ from legpush.errors import DISK_FULL, NO_OPENGL
 from legpush.processes.child import TAIL_LINES, Process
 
 ERROR: Final = "error: "
-"""How a program begins the line that says why it ends."""
+"""How a program begins the line that says why it ends; further lines are indented as far."""
 EXPLAINED: Final = (2, DISK_FULL, NO_OPENGL)
 """Exit codes of ends that one line explains; the lines before it, such as a traceback, add nothing."""
 

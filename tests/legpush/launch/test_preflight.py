@@ -51,7 +51,10 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ({"policy": "mine:breaks"}, "mine:breaks: the factory raised KeyError: 'no model here'"),
         ({"policy": "mine:nothing"}, "mine:nothing: expected a policy with a method `decide"),
         ({"push_map": Path("nowhere.json")}, r"nowhere\.json: expected a push map that `legpush calibrate` wrote"),
-        ({"push_map": Path("map.json")}, r"map\.json: expected a push map that `legpush calibrate` wrote"),
+        (
+            {"push_map": Path("map.json")},
+            r"map\.json: at `box`: expected a value, got nothing\n.*map\.json: at `effects`: expected a value",
+        ),
         ({"steering": "dubins"}, r"min_turning_radius_m above 0 m for the steering dubins, got 0"),
         (
             {"steering": "reeds_shepp", "turning_radius_m": 0.5, "planner": "prm_star"},
