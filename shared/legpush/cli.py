@@ -23,7 +23,6 @@ from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenari
 from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
 from legpush.output.guarded_streams import Output, with_guarded_output
-from legpush.plugins import why_not_loaded
 from legpush.processes.start_program import Program, start_program, start_python
 
 DESCRIPTION: Final = (
@@ -249,7 +248,9 @@ def _studies(command: Studies) -> int:
     try:
         return execute(command.action)
     except ModuleNotFoundError as error:
-        raise ConfigError(f"Expected a study that can run, but {why_not_loaded(error)}") from error
+        raise ConfigError(
+            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
+        ) from error
 
 
 @execute.register
