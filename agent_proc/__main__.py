@@ -2,10 +2,7 @@
 
 import sys
 
-from agent_proc.mission.process import AgentConfig, work
-from legpush.numerics.entry import enter_profile
-from legpush.service import run_process
+from legpush.entry.program import run_module
 
 if __name__ == "__main__":
-    enter_profile()
-    sys.exit(run_process("agent", AgentConfig, work))
+    sys.exit(run_module("agent_proc.mission.process", profile=True))

@@ -2,9 +2,9 @@
 
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
-studies and benchmarks and the templates in `templates/`; and the list of studies in `experiments/README.md`. Everything
-between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
-test fails when a generated part is stale.
+studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; and the
+reasons of endings in `run.md`. Everything between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is
+replaced; the rest is written by hand. A test fails when a generated part is stale.
 """
 
 import ast
@@ -24,6 +24,7 @@ from legpush import bounds, geometry
 from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
+from legpush.runs.reasons import REASONS
 from legpush.scene import footprints, occupancy, reference, scenario
 
 DOCS: Final = Path(__file__).parent
@@ -31,6 +32,7 @@ PROTOCOL: Final = DOCS / "protocol.md"
 ARCHITECTURE: Final = DOCS / "architecture.md"
 MEASURED: Final = DOCS / "measured.md"
 README: Final = DOCS.parent / "README.md"
+RUN: Final = DOCS / "run.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
@@ -115,6 +117,7 @@ def main() -> None:
         (MEASURED, measured),
         (README, measured),
         (EXPERIMENTS, experiments_parts()),
+        (RUN, run_parts()),
     ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)
@@ -147,6 +150,12 @@ def measured_parts() -> dict[str, str]:
 def experiments_parts() -> dict[str, str]:
     """The generated parts of the README of the experiments: the lists of studies."""
     return {folder.partition("/")[0]: f"{study_list.study_list(folder)}\n" for folder in study_list.FOLDERS}
+
+
+def run_parts() -> dict[str, str]:
+    """The generated part of `run.md`: the reasons why missions end."""
+    rows = [f"| `{name}` | {note.meaning} | {note.remedy or '-'} |" for name, note in REASONS.items()]
+    return {"reasons": "\n".join(["| reason | meaning | what would change it |", "| --- | --- | --- |", *rows, ""])}
 
 
 def schemas() -> dict[str, str]:

@@ -16,6 +16,9 @@ def plan_box(query, fits):
 
     `fits` tests a disc. The straight run-in before the goal is left out only if that saves more than its length.
     """
+    if is_at_goal(query):
+        side = query["present_side"] or 0
+        return {"status": "exact", "reason": "", "waypoints": [query["start"]], "sides": [side], "length_m": 0.0}
     paths = []
     for (index, side), run_in_m in product(enumerate(query["sides"]), (query["run_in_m"], 0.0)):
         begin, end = (moved(place(query[name]), place(side["frame"])) for name in ("start", "goal"))
@@ -34,6 +37,13 @@ def plan_box(query, fits):
             sides = [index] * len(boxes)
             return {"status": "exact", "reason": "", "waypoints": boxes, "sides": sides, "length_m": length_m}
     return {"status": "failed", "reason": "no arc, line and arc from one side keep clear; no other paths are tried"}
+
+
+def is_at_goal(query):
+    """Whether the box is within the tolerances of its goal, so that it need not move."""
+    (start, heading), (goal, goal_heading) = place(query["start"]), place(query["goal"])
+    off_rad = abs(phase(heading / goal_heading))
+    return abs(goal - start) <= query["position_tolerance_m"] and off_rad <= query["angle_tolerance_rad"]
 
 
 def arcs_and_lines(begin, end, radius_m):

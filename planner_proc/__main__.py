@@ -1,21 +1,8 @@
 """The planner as a process of its own: `python -m planner_proc`."""
 
 import sys
-import threading
 
-from legpush.bus.bus import Bus
-from legpush.numerics.entry import enter_profile
-from legpush.plans.server import serve_plans
-from legpush.service import ServiceConfig, run_process
-
-
-def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
-    """Answer plan requests until `stop` is set."""
-    from planner_proc.planning import make_plans
-
-    serve_plans(bus, make_plans, stop)
-
+from legpush.entry.program import run_module
 
 if __name__ == "__main__":
-    enter_profile()
-    sys.exit(run_process("planner", ServiceConfig, serve))
+    sys.exit(run_module("planner_proc.process", profile=True))

@@ -2,25 +2,30 @@
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import degrees, inf
 from queue import SimpleQueue
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import push_view
 from agent_proc.policies.policy import Policy
+from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.statistics.intervals import mean, share
 from legpush.errors import StopRequestedError
 from legpush.lockstep.world import SteppingWorld
+from legpush.long_work.parallel import in_parallel
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Reset
 from legpush.scene.scenario import Scenario
 
+EPISODE_CYCLES: Final = 200
+"""Most push cycles of an episode if the scenario does not say how many."""
 EvaluationEnding = Literal["done", "fell", "max_cycles"]
 
 
@@ -35,7 +40,7 @@ class Row:
     ending: EvaluationEnding
     """The policy was `done`, the robot `fell`, or the episode reached `max_cycles`."""
     success: bool
-    """Whether the box ended within the goal's tolerances and the robot stands."""
+    """Whether the policy was done, with the box within the goal's tolerances."""
     position_error_m: float
     angle_error_deg: float
     n_cycles: int
@@ -53,12 +58,13 @@ def run_episode(
     case: str = "",
     stop: threading.Event | None = None,
 ) -> Row:
-    """Reset and push until the policy is done, the robot falls, or the scenario's cycles are used up.
+    """Reset and push until the policy is done, the robot falls, or the push cycles are used up.
 
     Raises:
         StopRequestedError: `stop` was set; checked before each cycle.
     """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
+    estimate, n_most = PushEstimate(scenario.box), scenario.mission.max_push_cycles or EPISODE_CYCLES
     n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
     ending: EvaluationEnding = "max_cycles"
     while True:
@@ -71,20 +77,22 @@ def run_episode(
         if outcome.world.fallen:
             ending = "fell"
             break
-        push = policy.decide(push_view(outcome.world, scenario))
+        push = policy.decide(push_view(outcome.world, scenario, estimate.lost_depth_m))
         if push is None:
             ending = "done"
             break
-        if n_cycles == scenario.mission.max_push_cycles:
+        if n_cycles == n_most:
             break
+        before = planar_pose(outcome.world.box)
         outcome = world.step(push, with_trace=True)
+        estimate.learn(before, push, planar_pose(outcome.world.box))
         n_cycles += 1
     error = box_error(outcome.world, scenario)
     return Row(
         case=case,
         seed=seed,
         ending=ending,
-        success=ending != "fell" and error.within(scenario.goal),
+        success=ending == "done" and error.within(scenario.goal),
         position_error_m=error.position_m,
         angle_error_deg=degrees(error.angle_rad),
         n_cycles=n_cycles,
@@ -101,10 +109,12 @@ def evaluate(
     policy: Policy,
     on_row: Callable[[Row], None] = lambda _: None,
     stop: threading.Event | None = None,
+    finished: Mapping[tuple[str, int], Row] | None = None,
 ) -> list[Row]:
     """Run each case with each seed, one episode per world at a time; rows in the order of cases, then seeds.
 
-    `on_row` is called on the caller's thread with each row, in that order.
+    `on_row` is called on the caller's thread with each row as its episode ends. The `finished` ones, by case and seed,
+    are not run again.
 
     Raises:
         StopRequestedError: `stop` was set.
@@ -120,16 +130,11 @@ def evaluate(
         finally:
             free.put(world)
 
-    pool = ThreadPoolExecutor(len(worlds))
-    try:
-        futures = [pool.submit(one, case, seed) for case, seed in product(cases, seeds)]
-        rows = []
-        for future in futures:
-            rows.append(future.result())
-            on_row(rows[-1])
-        return rows
-    finally:
-        pool.shutdown(cancel_futures=True)
+    planned, rows = list(product(cases, seeds)), dict(finished or {})
+    missing = [episode for episode in planned if episode not in rows]
+    made = in_parallel([partial(one, case, seed) for case, seed in missing], len(worlds), on_row)
+    rows |= zip(missing, made, strict=True)
+    return [rows[episode] for episode in planned]
 
 
 @dataclass(frozen=True, kw_only=True)

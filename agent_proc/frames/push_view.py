@@ -41,6 +41,8 @@ class PushView:
     """Pose of the pushed frame, world frame: measured, or predicted if the box is pushed in an open loop."""
     goal: Goal
     """Pose that the pushed frame should come to, world frame, and its tolerances."""
+    lost_depth_m: float = 0.0
+    """How much deeper this box has to be pushed than the default one to move as far, by its pushes up to now."""
 
     @cached_property
     def box_w(self) -> Pose2:
@@ -84,9 +86,16 @@ class PushView:
         return self.world.fallen
 
 
-def push_view(world: WorldState, scenario: Scenario) -> PushView:
+def push_view(world: WorldState, scenario: Scenario, lost_depth_m: float = 0.0) -> PushView:
     """The view of a box that is pushed at its rear face to the goal of its scenario."""
-    return PushView(world=world, scenario=scenario, box=scenario.box, box_state=world.box, goal=scenario.goal)
+    return PushView(
+        world=world,
+        scenario=scenario,
+        box=scenario.box,
+        box_state=world.box,
+        goal=scenario.goal,
+        lost_depth_m=lost_depth_m,
+    )
 
 
 def pushed_state(box: BoxState, face: Face) -> BoxState:

@@ -33,10 +33,13 @@ def run_local(
     Raises:
         PolicyError: There is no such policy, or it has no method `decide`.
         ConfigError: The push map cannot be used with the scenario's box.
+        LegpushError: Planner, simulator or policy failed, or gave an answer that cannot be used.
     """
     decides = make_policy(policy, trust_file=trust_policy_file) if isinstance(policy, str) else user_policy(policy)
     measured = None if push_map is None else load_push_map(push_map, scenario.box)
     began_s = perf_counter()
     result = run_mission(world, scenario, seed, decides, measured, tell=tell)
     wall_time_s = perf_counter() - began_s
+    if result.error is not None:
+        raise result.error
     return make_report(read_record(records), result, wall_time_s, installed_versions())

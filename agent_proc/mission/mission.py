@@ -4,7 +4,7 @@ It depends on nothing but the answers of a `World`: the same answers lead to the
 interrupted can go on from the journal of the answers it got before.
 """
 
-from agent_proc.endings import MissionEndedError, MissionResult
+from agent_proc.endings import REASON_OF, MissionEndedError, MissionResult
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.map import PushMap
 from agent_proc.pushing.box_route import BoxRoute
@@ -17,6 +17,7 @@ from agent_proc.walking.walker import Walker
 from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import World
 from legpush.messages.stepping import Reset
+from legpush.runs.reasons import REASONS
 from legpush.scene.scenario import Scenario
 
 
@@ -32,7 +33,11 @@ def run_mission(
     """Run a mission from its reset to its end: the step order of Fig. 5.
 
     `push_map` is the measured effect of pushes on the scenario's box; without it, that on the default box is scaled.
-    `revise` returns the scenario that holds after a step. `tell` gets the progress of the mission.
+    `revise` returns the scenario that holds after a step. `tell` gets the progress of the mission. An error of
+    `REASON_OF` after the reset ends the mission, and the result has it.
+
+    Raises:
+        LegpushError: The reset failed, or another error that a second try may not meet.
     """
     actor = Actor(world, scenario, revise, tell)
     planner = RoutePlanner(world, actor, seed)
@@ -40,25 +45,35 @@ def run_mission(
     pushes = Pushes(actor, walker, world.tell_reward, push_map)
     route = BoxRoute(actor, planner, walker, pushes)
     pushing = Pushing(actor, walker, route, pushes, Calibration(actor, planner, pushes), policy)
-    handover_distance_m = None
+    handover_distance_m, error, has_begun = None, None, False
     try:
         actor.step(Reset(scenario=scenario, seed=seed))
+        has_begun = True
         if actor.standing_at() is None:
             _walk_to_handover(actor, walker, route)
         handover_distance_m = actor.box_distance_m()
         pushing.run()
     except MissionEndedError as end:
-        success, reason, detail = False, end.reason, str(end)
+        success, reason, detail, remedy = False, end.reason, str(end), end.remedy
+    except tuple(REASON_OF) as fault:
+        if not has_begun:
+            raise
+        error = fault
+        success, detail = False, str(fault)
+        reason = next(reason for kind, reason in REASON_OF.items() if isinstance(fault, kind))
+        remedy = REASONS[reason].remedy
     else:
-        success, reason, detail = True, "success", f"box error {actor.box_error()}"
+        success, reason, detail, remedy = True, "success", f"box error {actor.box_error()}", ""
     return MissionResult(
         success=success,
         reason=reason,
         detail=detail,
+        remedy=remedy,
         handover_distance_m=handover_distance_m,
         n_push_cycles=pushes.n_cycles,
         n_better_paths=planner.n_better_paths,
         n_replans=planner.n_replans,
+        error=error,
     )
 
 

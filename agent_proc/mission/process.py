@@ -16,7 +16,7 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.mission.progress import MissionProgress
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy, policy_from_data
-from agent_proc.push_model.map import load_push_map
+from agent_proc.push_model.map import PushMap, load_push_map
 from agent_proc.reporting.report_files import write_report
 from agent_proc.walking.actor import as_it_is
 from legpush.bounds import BoxMass, Friction, WaitS
@@ -37,7 +37,8 @@ from legpush.recording.branch import parse_point
 from legpush.runs.folder import REPORT_FILE, require_no_links
 from legpush.scenarios.file import load_scenario
 from legpush.scene.names import PlannerName
-from legpush.service import ServiceConfig
+from legpush.scene.scenario import Scenario
+from legpush.service import ServiceConfig, run_process
 from legpush.versions import installed_versions
 
 log = logging.getLogger(__name__)
@@ -130,12 +131,24 @@ class AgentConfig(ServiceConfig):
         return policy_from_data(self.policy, sha256, repeated=repeated, trust_file=trust_file)
 
 
-def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
-    """Run the mission of `config`; return 0 if the box is at its goal, else 1."""
+def read_inputs(config: AgentConfig) -> tuple[Scenario, Policy, PushMap | None, Branch | None]:
+    """Read and make what the mission of `config` needs, before any other process is asked.
+
+    Raises:
+        LegpushError: Scenario, policy, push map or branch cannot be used.
+    """
     scenario = load_scenario(config.scenario)
-    policy = config.make_policy()
     push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
-    branch = config.branch()
+    return scenario, config.make_policy(), push_map, config.branch()
+
+
+def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
+    """Run the mission of `config`; return 0 if the box is at its goal, else 1.
+
+    Raises:
+        LegpushError: What ended the mission, if it was no outcome of the mission itself; its report is written.
+    """
+    scenario, policy, push_map, branch = read_inputs(config)
     folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
     opened = Opened(
         protocol=PROTOCOL_VERSION,
@@ -173,8 +186,15 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
             log.info("the mission in %s was over before: only its report is written again", folder)
         write_report(folder, journal, result, picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
+        if result.error is not None:
+            raise result.error
     log.info("%s: %s; see %s", result.reason, result.detail, folder)
     return 0 if result.success else 1
+
+
+def main() -> int:
+    """Run the process; returns the exit code."""
+    return run_process("agent", AgentConfig, work)
 
 
 def writable_folder(folder: Path) -> Path:

@@ -67,6 +67,8 @@ class ScriptedPolicy:
         if costs[best] > _error(row, goal)[0] - LEAST_GAIN:
             return None
         push = self._pushes[best]
+        if view.lost_depth_m > 0.0:
+            push = replace(push, depth_m=min(push.depth_m + view.lost_depth_m, FIRST_DEPTHS_M[-1]))
         return push if mirror > 0.0 else replace(push, leg=OTHER_LEG[push.leg])
 
     def _costs(self, box: Floats, goal: Goal) -> Floats:

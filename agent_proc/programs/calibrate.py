@@ -1,23 +1,29 @@
-"""Calibration as a program: `python -m agent_proc.programs.calibrate`, or `legpush calibrate`."""
+"""Calibration as a program: `legpush calibrate`."""
 
 import shlex
 import sys
 import threading
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
+import msgspec
 import tyro
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
-from agent_proc.push_model.calibration import calibrate, cells
-from agent_proc.push_model.map import PushMap, make_push_map, measured_faces, write_push_map
+from agent_proc.push_model.calibration import Cell, calibrate, cells
+from agent_proc.push_model.map import PushMap, Sample, make_push_map, measured_faces, write_push_map
 from agent_proc.simulators import simulators
-from legpush.errors import ConfigError, StopRequestedError
-from legpush.numerics.entry import enter_profile
+from legpush.errors import StopRequestedError
+from legpush.long_work.finished import open_finished
+from legpush.long_work.progress import counted
+from legpush.numerics.current import current
+from legpush.options.checks import require_new_file
 from legpush.options.learning import CalibrateOptions
+from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import load_scenario, override
 from legpush.scene.scenario import Box
 from legpush.service import run_program, stop_on_signals
@@ -33,29 +39,71 @@ def run(options: CalibrateOptions, console: Console) -> int:
 
     Raises:
         ConfigError: An option cannot be used.
-        StopRequestedError: The user interrupted it; nothing is written.
+        StopRequestedError: The user interrupted it; the finished series are kept.
     """
     box = _box(options)
-    if options.out.exists() or not options.out.parent.is_dir():
-        raise ConfigError(f"Expected a new file in an existing folder for --out, got {options.out}")
+    require_new_file(options.out, "--out")
     curves = [(w, w) for w in options.curves]
     seeds = range(options.first_seed, options.first_seed + options.series)
-    planned = cells(measured_faces(box), curves, options.depths_m, seeds)
-    stop, links_stop = stop_on_signals(), threading.Event()
-    with TemporaryDirectory(prefix="legpush-calibrate-") as logs, _bar(console) as bar:
-        task = bar.add_task("pushing", total=len(planned))
-        with simulators(options, Path(logs), links_stop, kind="calibrate") as worlds:
-            try:
-                samples = calibrate(worlds, box, planned, on_cell=lambda: bar.advance(task), stop=stop)
-            except StopRequestedError as error:
-                raise StopRequestedError("interrupted: nothing was written") from error
-            finally:
-                links_stop.set()
+    samples = _measure(options, box, cells(measured_faces(box), curves, options.depths_m, seeds), console)
     push_map = make_push_map(box, samples, shlex.join(["legpush", "calibrate", *sys.argv[1:]]))
-    write_push_map(push_map, options.out)
     _show(push_map, console)
+    write_push_map(push_map, options.out)
+    unfinished(options.out).unlink()
     console.print(Text(f"written to {options.out}"), soft_wrap=True)
     return 0
+
+
+def unfinished(out: Path) -> Path:
+    """The file of the finished series while the map is not finished."""
+    return out.with_name(f"{out.name}.unfinished")
+
+
+def _measure(options: CalibrateOptions, box: Box, planned: list[Cell], console: Console) -> list[Sample]:
+    """Push the series that are not finished yet; returns the samples of all.
+
+    Raises:
+        StopRequestedError: The user interrupted it; the finished series are kept.
+    """
+    stop, links_stop = stop_on_signals(), threading.Event()
+    work = {
+        "box": msgspec.to_builtins(box),
+        "legpush": version("legpush"),
+        "numerics": current().name,
+    }
+    names = {_name(cell): cell for cell in planned}
+    with open_finished(unfinished(options.out), work) as kept, temporary_folder("calibrate-") as logs:
+        before = {
+            names[name]: [Sample(**fields) for fields in samples]
+            for name, samples in kept.parts.items()
+            if name in names
+        }
+        if before:
+            console.print(Text(f"{len(before)} of {len(planned)} series are finished already"), soft_wrap=True)
+        with (
+            counted(console, "pushing", len(planned), "series", done=len(before)) as advance,
+            simulators(options, logs, links_stop, kind="calibrate") as worlds,
+        ):
+
+            def on_cell(cell: Cell, samples: Sequence[Sample]) -> None:
+                kept.keep(_name(cell), [asdict(sample) for sample in samples])
+                advance()
+
+            try:
+                return calibrate(worlds, box, planned, on_cell=on_cell, stop=stop, finished=before)
+            except StopRequestedError as error:
+                if not kept.parts:
+                    raise StopRequestedError("interrupted: no series was finished") from error
+                raise StopRequestedError(
+                    f"interrupted: {len(kept.parts)} of {len(planned)} series are kept in {kept.path}; the same "
+                    "command goes on"
+                ) from error
+            finally:
+                links_stop.set()
+
+
+def _name(cell: Cell) -> str:
+    return f"{cell.face} face, w {cell.curve[0]!r}, {cell.depth_m!r} m, seed {cell.seed}"
 
 
 def _box(options: CalibrateOptions) -> Box:
@@ -89,14 +137,3 @@ def _show(push_map: PushMap, console: Console) -> None:
             ),
             soft_wrap=True,
         )
-
-
-def _bar(console: Console) -> Progress:
-    """A bar with the number of finished series and the remaining time."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

@@ -1,8 +1,6 @@
-"""Random rooms as a program: `python -m agent_proc.programs.draw_room FILE`, or `legpush scenarios random FILE`."""
+"""Random rooms as a program: `legpush scenarios random FILE`."""
 
 import sys
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
 import tyro
@@ -10,11 +8,11 @@ import tyro
 from agent_proc.pushing.solvable import solvable_by
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
-from legpush.numerics.entry import enter_profile
 from legpush.options.scenarios import RandomScenario
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.processes.pool import SimPool
+from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import write_scenario
 from legpush.scenarios.random_scenario import random_scenario
 from legpush.service import run_program, stop_on_signals
@@ -36,8 +34,8 @@ def run(options: RandomScenario) -> int:
     """
     stop = stop_on_signals()
     with (
-        TemporaryDirectory(prefix="legpush-rooms-") as logs,
-        SimPool(1, Path(logs), stop, kind="scenarios", role="planner") as pool,
+        temporary_folder("rooms-") as logs,
+        SimPool(1, logs, stop, kind="scenarios", role="planner") as pool,
         Bus(pool.run, "agent", "main", pool.endpoints) as bus,
     ):
         link = PlanLink(bus, stop=stop, patience=Patience(deadline_s=DEADLINE_S))
@@ -48,8 +46,3 @@ def run(options: RandomScenario) -> int:
             raise StopRequestedError("interrupted: nothing was written") from error
     sys.stdout.write(f"wrote {write_scenario(scenario, options.file)}\n")
     return 0
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

@@ -1,28 +1,36 @@
-"""Evaluation as a program: `python -m agent_proc.programs.evaluate POLICY`, or `legpush evaluate POLICY`."""
+"""Evaluation as a program: `legpush evaluate POLICY`."""
 
 import re
 import shlex
 import sys
 import threading
+from dataclasses import asdict
 from datetime import datetime
+from hashlib import sha256
+from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 from typing import Final
 
 import msgspec
 import tyro
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from agent_proc.evaluation.episodes import evaluate, summarize
-from agent_proc.evaluation.sweep import make_sweep
+from agent_proc.evaluation.episodes import Row, evaluate, summarize
+from agent_proc.evaluation.sweep import Sweep, make_sweep
+from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
 from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
-from legpush.files import write_whole
-from legpush.numerics.entry import enter_profile
+from legpush.files import next_file, sha256_of, write_whole
+from legpush.long_work.finished import open_finished
+from legpush.long_work.progress import counted
+from legpush.numerics.current import current
+from legpush.options.checks import require_writable_folder
 from legpush.options.learning import EvaluateOptions
-from legpush.runs.folder import LOGS, own_folder
+from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
 from legpush.versions import installed_versions
@@ -31,6 +39,8 @@ ROWS_FILE: Final = "episodes.csv"
 PARQUET_FILE: Final = "episodes.parquet"
 SUMMARY_FILE: Final = "summary.json"
 PLOT_FILE: Final = "evaluation.png"
+FINISHED_FILE: Final = "finished.jsonl"
+"""The finished episodes of an evaluation that is not."""
 
 
 def main() -> int:
@@ -43,64 +53,110 @@ def run(options: EvaluateOptions, console: Console) -> int:
 
     Raises:
         ConfigError: An option cannot be used.
-        StopRequestedError: The user interrupted it; nothing is written.
+        StopRequestedError: The user interrupted it; the finished episodes are kept.
     """
     from agent_proc.evaluation.plot import save_plot
     from agent_proc.evaluation.table import as_csv, table, write_parquet
 
+    folder = options.out or _default_folder(options.policy)
+    require_writable_folder(folder, "--out")
     scenario = load_scenario(options.scenario)
     sweep = make_sweep(scenario, options.sweep, grid=options.grid)
     policy = make_policy(options.policy, options.normalizer, trust_file=options.trust_policy_file)
-    folder = options.out or _default_folder(options.policy)
-    if folder.exists() and any(folder.iterdir()):
-        raise ConfigError(f"Expected a new or empty folder for --out, got {folder}")
-    folder.mkdir(parents=True, exist_ok=True)
-    seeds = range(options.first_seed, options.first_seed + options.episodes)
-    stop, links_stop = stop_on_signals(), threading.Event()
-    with (
-        own_folder(folder),
-        simulators(options, folder / LOGS, links_stop, kind="evaluate", folder=folder) as worlds,
-        _bar(console) as bar,
-    ):
-        task = bar.add_task("evaluating", total=len(sweep.cases) * len(seeds))
-        try:
-            rows = evaluate(worlds, sweep.cases, seeds, policy, on_row=lambda _: bar.advance(task), stop=stop)
-        except StopRequestedError as error:
-            raise StopRequestedError("interrupted: nothing was written") from error
-        finally:
-            links_stop.set()
-    summaries = summarize(rows)
-    record = {
-        "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),
-        "policy": options.policy,
-        "scenario": scenario,
-        "first_seed": options.first_seed,
-        "episodes": options.episodes,
-        "versions": installed_versions(),
-        "cases": summaries,
-    }
-    columns = table(rows, sweep)
-    write_whole(folder / ROWS_FILE, as_csv(columns).encode())
-    write_parquet(columns, folder / PARQUET_FILE)
-    write_whole(folder / SUMMARY_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
-    save_plot(rows, sweep, options.policy, folder / PLOT_FILE)
-    for case, summary in summaries.items():
-        console.print(Text(f"{case or scenario.name}: {summary}"), soft_wrap=True)
+    _require_unused(folder)
+    (folder / LOGS).mkdir(parents=True, exist_ok=True)
+    with own_folder(folder):
+        write_whole(folder / LOGS / COMMAND_FILE, f"{_again(options, folder)}\n".encode())
+        rows = _finish(options, sweep, policy, folder, console)
+        summaries = summarize(rows)
+        for case, summary in summaries.items():
+            console.print(Text(f"{case or scenario.name}: {summary}"), soft_wrap=True)
+        record = {
+            "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),
+            "policy": options.policy,
+            "scenario": scenario,
+            "first_seed": options.first_seed,
+            "episodes": options.episodes,
+            "versions": installed_versions(),
+            "cases": summaries,
+        }
+        columns = table(rows, sweep)
+        write_whole(folder / ROWS_FILE, as_csv(columns).encode())
+        write_parquet(columns, folder / PARQUET_FILE)
+        save_plot(rows, sweep, options.policy, folder / PLOT_FILE)
+        write_whole(folder / SUMMARY_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
+        (folder / FINISHED_FILE).unlink()
     console.print(Text(f"written to {folder}"), soft_wrap=True)
     return 0
+
+
+def _finish(options: EvaluateOptions, sweep: Sweep, policy: Policy, folder: Path, console: Console) -> list[Row]:
+    """Run the episodes that are not finished yet; returns the rows of all.
+
+    Raises:
+        StopRequestedError: The user interrupted it; the finished episodes are kept.
+    """
+    seeds = range(options.first_seed, options.first_seed + options.episodes)
+    total = len(sweep.cases) * len(seeds)
+    stop, links_stop = stop_on_signals(), threading.Event()
+    with open_finished(folder / FINISHED_FILE, _work(options)) as kept:
+        before = {(row.case, row.seed): row for row in (Row(**fields) for fields in kept.parts.values())}
+        planned = set(product(sweep.cases, seeds))
+        n_done = len(before.keys() & planned)
+        if n_done:
+            console.print(Text(f"{n_done} of {total} episodes are finished already"), soft_wrap=True)
+        with (
+            simulators(options, folder / LOGS, links_stop, kind="evaluate", folder=folder) as worlds,
+            counted(console, "evaluating", total, "episodes", done=n_done) as advance,
+        ):
+
+            def on_row(row: Row) -> None:
+                kept.keep(f"{row.case} seed {row.seed}", asdict(row))
+                advance()
+
+            try:
+                return evaluate(worlds, sweep.cases, seeds, policy, on_row=on_row, stop=stop, finished=before)
+            except StopRequestedError as error:
+                if not kept.parts:
+                    raise StopRequestedError("interrupted: no episode was finished") from error
+                raise StopRequestedError(
+                    f"interrupted: {len(kept.parts)} of {total} episodes are kept; to go on: {_again(options, folder)}"
+                ) from error
+            finally:
+                links_stop.set()
+
+
+def _work(options: EvaluateOptions) -> dict[str, str]:
+    """What decides about an episode besides its case and its seed."""
+    normalizer = "" if options.normalizer is None else sha256_of([options.normalizer])
+    scenario = msgspec.json.encode(load_scenario(options.scenario))
+    return {
+        "policy": options.policy,
+        "policy_sha256": policy_sha256(options.policy),
+        "normalizer_sha256": normalizer,
+        "scenario_sha256": sha256(scenario).hexdigest(),
+        "legpush": version("legpush"),
+        "numerics": current().name,
+    }
+
+
+def _again(options: EvaluateOptions, folder: Path) -> str:
+    """The command that goes on in the folder."""
+    words = [word if word != str(options.record) else str(next_file(Path(word))) for word in sys.argv[1:]]
+    return shlex.join(["legpush", "evaluate", *words, *([] if options.out else ["--out", str(folder)])])
+
+
+def _require_unused(folder: Path) -> None:
+    """Require a folder that is new or empty, or in which this evaluation goes on.
+
+    Raises:
+        ConfigError: It is another one.
+    """
+    names = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    if names and FINISHED_FILE not in names and names != {LOGS}:
+        raise ConfigError(f"Expected a new or empty folder for --out, or one with {FINISHED_FILE}, got {folder}")
 
 
 def _default_folder(policy: str) -> Path:
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", policy).strip("-")[-64:]
     return Path("runs") / f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-evaluate-{name}"
-
-
-def _bar(console: Console) -> Progress:
-    """A bar with the number of finished episodes and the remaining time."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(main())

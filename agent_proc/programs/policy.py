@@ -1,4 +1,4 @@
-"""Trained policies as a program: `python -m agent_proc.programs.policy show NAME`, or `legpush policy show NAME`."""
+"""Trained policies as a program: `legpush policy show NAME`."""
 
 import sys
 from pathlib import Path
@@ -86,7 +86,3 @@ def _write_onnx(folder: Path, policy: PolicyFolder) -> None:
         (part / README_FILE).write_text(readme(policy.card), encoding="utf-8")
 
     replace_folder(folder, fill)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Maps as a program: `python -m agent_proc.programs.show_map show FILE`, or `legpush map show FILE`."""
+"""Maps as a program: `legpush map show FILE`."""
 
 import sys
 from pathlib import Path
@@ -8,6 +8,7 @@ import tyro
 from agent_proc.reporting.map_picture import is_own_picture, save_map_picture
 from agent_proc.reporting.map_view import read_view
 from legpush.errors import ConfigError, one_line
+from legpush.options.checks import require_writable_file
 from legpush.options.maps import MapOptions
 from legpush.service import run_program
 
@@ -24,6 +25,7 @@ def run(options: MapOptions) -> int:
         ConfigError: The picture cannot be written, or would overwrite another file.
     """
     picture = options.picture()
+    require_writable_file(picture, "--output")
     _require_own(picture)
     view = read_view(options)
     try:
@@ -42,7 +44,3 @@ def _require_own(picture: Path) -> None:
             raise ConfigError(f"{picture}: expected a new file for --output, or a picture of `legpush map show`")
     except OSError as error:
         raise ConfigError(f"{picture}: expected a file for --output ({error.strerror})") from error
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,7 +1,6 @@
-"""Tables of studies as a program: `python -m agent_proc.programs.study_table`, or `legpush study table`."""
+"""Tables of studies as a program: `legpush study table`."""
 
 import io
-import sys
 from typing import Final
 
 import tyro
@@ -65,7 +64,3 @@ def run(options: StudyTable, console: Console) -> int:
         save_picture(lines, by, f"{record.name}{what}, {n_rows} cells, 95 % intervals", options.plot)
         console.print(Text(f"wrote {options.plot}"), soft_wrap=True)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Training as a program: `python -m agent_proc.programs.train`, or `legpush train`."""
+"""Training as a program: `legpush train`."""
 
 import logging
 import shlex
@@ -26,7 +26,7 @@ from agent_proc.task.config import Domain, TaskConfig
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
 from legpush.numerics.current import explained
-from legpush.numerics.entry import enter_profile
+from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import LOGS, own_folder
 from legpush.scenarios.file import load_scenario
@@ -41,6 +41,7 @@ CONFIG_FILE: Final = "config.json"
 
 def main() -> int:
     """Parse the command line and train; returns the exit code."""
+    logging.captureWarnings(True)
     return run_program("train", lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
 
 
@@ -52,7 +53,11 @@ def train(options: TrainOptions, console: Console) -> int:
     """
     with learning_libraries("a training"):
         from agent_proc.learning import training
-    folder, plan = (options.resume, read_plan(options.resume)) if options.resume is not None else _begin(options)
+    if options.resume is not None:
+        folder, plan = options.resume, read_plan(options.resume)
+        require_writable_folder(folder, "--resume")
+    else:
+        folder, plan = _begin(options)
     try:
         return _learn(folder, plan, options, console)
     except (LegpushError, OSError) as error:
@@ -129,6 +134,7 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     )
     name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{options.entry}"
     folder = options.out or Path("runs") / f"{name}-seed{options.seed}"
+    require_writable_folder(folder, "--out")
     if folder.exists() and any(folder.iterdir()):
         raise ConfigError(f"Expected a new or empty folder for --out, got {folder}; --resume {folder} goes on in it")
     folder.mkdir(parents=True, exist_ok=True)
@@ -196,9 +202,3 @@ def _shown(console: Console) -> Iterator[Any]:
                 console.print(Text(f"step {progress.best.step}: {progress.best}"), soft_wrap=True)
 
         yield show
-
-
-if __name__ == "__main__":
-    enter_profile()
-    logging.captureWarnings(True)
-    sys.exit(main())

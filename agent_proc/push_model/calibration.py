@@ -1,9 +1,9 @@
 """Calibration: series of pushes at a box on an open floor, and the displacement by each push."""
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import degrees
 from queue import SimpleQueue
@@ -15,6 +15,7 @@ from agent_proc.push_model.map import Sample
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.geometry import Pose2
 from legpush.lockstep.world import SteppingWorld
+from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Outcome, Push, Reset
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
@@ -91,10 +92,14 @@ def calibrate(
     worlds: Sequence[SteppingWorld],
     box: Box,
     planned: Sequence[Cell],
-    on_cell: Callable[[], None] = lambda: None,
+    on_cell: Callable[[Cell, Sequence[Sample]], None] = lambda cell, samples: None,
     stop: threading.Event | None = None,
+    finished: Mapping[Cell, Sequence[Sample]] | None = None,
 ) -> list[Sample]:
     """Measure every push of the cells, one cell per world at a time; samples in the order of the cells.
+
+    `on_cell` is called on the caller's thread with each cell as it is measured. The `finished` ones are not measured
+    again.
 
     Raises:
         StopRequestedError: `stop` was set.
@@ -104,23 +109,17 @@ def calibrate(
     for world in worlds:
         free.put(world)
 
-    def one(cell: Cell) -> list[Sample]:
+    def one(cell: Cell) -> tuple[Cell, list[Sample]]:
         world = free.get()
         try:
-            return _samples(world, box, cell, stop)
+            return cell, _samples(world, box, cell, stop)
         finally:
             free.put(world)
 
-    pool = ThreadPoolExecutor(len(worlds))
-    try:
-        futures = [pool.submit(one, cell) for cell in planned]
-        samples = []
-        for future in futures:
-            samples += future.result()
-            on_cell()
-        return samples
-    finally:
-        pool.shutdown(cancel_futures=True)
+    measured = dict(finished or {})
+    missing = [cell for cell in planned if cell not in measured]
+    measured |= in_parallel([partial(one, cell) for cell in missing], len(worlds), lambda made: on_cell(*made))
+    return [sample for cell in planned for sample in measured[cell]]
 
 
 def _samples(world: SteppingWorld, box: Box, cell: Cell, stop: threading.Event | None) -> list[Sample]:

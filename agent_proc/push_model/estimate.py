@@ -1,4 +1,9 @@
-"""Estimates what a push does to this box: the push model, scaled by the effects of the pushes up to now."""
+"""Estimates what a push does to this box: the push model, scaled by the effects of the pushes up to now.
+
+A heavy box, or one on an upward slope, yields later: foot and leg give way until the force is large enough, and only
+the rest of the depth moves the box. That lost depth is nearly the same at every depth, so it is estimated apart from
+the scales. It decides how deep the last, short pushes have to be.
+"""
 
 from typing import Final
 
@@ -16,6 +21,18 @@ PRIOR_RAD: Final = 0.05
 """Weight of the prior: it counts as much as pushes whose travel (or turn) has this root sum of squares."""
 FORGETTING: Final = 0.9
 """Factor on the weight of past pushes after each further one."""
+LOST_PRIOR: Final = 0.05
+"""Weight of the prior of the lost depth, which is 0."""
+LOST_FORGETTING: Final = 0.8
+"""Factor on the weight of past lost depths after each further push."""
+LOST_SD_M: Final = 0.0005
+LOST_SD_SHARE: Final = 0.04
+"""Standard deviation of a measured lost depth, and the part of it that grows with the depth: curves differ."""
+LEAST_MOVED_M: Final = 0.0005
+"""A push that moves the box by less says only that at least its depth was lost."""
+LEAST_LOST_M: Final = 0.002
+"""A smaller estimate counts as no lost depth: boxes of up to 0.9 kg on a level floor lose less."""
+LEAST_TRAVEL_SHARE: Final = 0.1
 MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
@@ -35,6 +52,8 @@ class PushEstimate:
         self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
         """Sums of measured times predicted, and of predicted squared."""
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
+        self._lost = np.array([0.0, LOST_PRIOR])
+        """Sums of weights times lost depths, and of weights; a weight is that of one push with `LOST_SD_M`."""
 
     @property
     def curve(self) -> tuple[float, float]:
@@ -50,6 +69,18 @@ class PushEstimate:
     def turn_scale(self) -> float:
         """Turn of the box divided by that of the model."""
         return self._turn_prior * float(np.clip(self._turn[0] / self._turn[1], LEAST_SCALE, MOST_SCALE))
+
+    @property
+    def lost_depth_m(self) -> float:
+        """How much deeper than in the model a push has to be to move this box as far; 0 if it yields at once."""
+        lost_m = float(self._lost[0] / self._lost[1])
+        return lost_m if lost_m >= LEAST_LOST_M else 0.0
+
+    @property
+    def usual_travel_m(self) -> float:
+        """How far a push of the usual depth moves this box, at least a tenth of how far it moves that of the model."""
+        travel_m = self.travel_scale * self.commanded_m(USUAL_DEPTH_M - self.lost_depth_m)
+        return max(travel_m, LEAST_TRAVEL_SHARE * self.commanded_m(USUAL_DEPTH_M))
 
     @property
     def turning_radius_m(self) -> float:
@@ -74,6 +105,10 @@ class PushEstimate:
         """Poses (x, y, yaw) after one push each, (n, 3); arguments as in `PushModel.push`."""
         return self._model.push(poses, mirror, depth_m, self.travel_scale, self.turn_scale)
 
+    def commanded_m(self, depth_m: float) -> float:
+        """How far a push of this depth moves the box of the model."""
+        return float(np.interp(depth_m, self._model.depth_m, self._model.forward_m))
+
     def after(self, pose: Pose2, push: Push) -> Pose2:
         """Pose after one push."""
         row = np.array([[pose.x_m, pose.y_m, pose.yaw_rad]])
@@ -81,10 +116,12 @@ class PushEstimate:
         return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
 
     def learn(self, before: Pose2, push: Push, after: Pose2) -> None:
-        """Update the scales with the effect of a push; a push with another curve than the model's is ignored.
+        """Update the estimates with the effect of a push.
 
-        `before` and `after` are poses of the pushed frame.
+        The scales ignore a push with another curve than the model's: it turns the box differently. `before` and `after`
+        are poses of the pushed frame.
         """
+        self._learn_lost_depth(push.depth_m, (before.inverse() @ after).x_m)
         if (push.w1, push.w2) != self.curve:
             return
         row = np.zeros((1, 3))
@@ -97,6 +134,14 @@ class PushEstimate:
         ):
             sums -= (1.0 - FORGETTING) * (sums - prior**2)
             sums += np.array([measured * predicted, predicted * predicted])
+
+    def _learn_lost_depth(self, depth_m: float, moved_m: float) -> None:
+        """A box that hardly moved may have needed still more depth: then the estimate does not shrink."""
+        lost_m = depth_m - float(self._model.depth_for(np.array([max(moved_m, 0.0)]))[0])
+        if moved_m < LEAST_MOVED_M:
+            lost_m = max(lost_m, self.lost_depth_m)
+        weight = (LOST_SD_M / (LOST_SD_M + LOST_SD_SHARE * depth_m)) ** 2
+        self._lost = LOST_FORGETTING * self._lost + weight * np.array([lost_m, 1.0])
 
 
 def _turn_per_travel(box: Box) -> float:

@@ -41,7 +41,7 @@ class Calibration:
             return
         w1, w2 = estimate.curve
         n_pushes, n_known = scenario.pushing.calibration_pushes, self._actor.n_appeared()
-        for index in range(min(n_pushes, scenario.mission.max_push_cycles)):
+        for index in range(min(n_pushes, scenario.mission.max_push_cycles or n_pushes)):
             if self._actor.n_appeared() > n_known:
                 return
             self._actor.tell("calibrating", index / n_pushes, f"push {index + 1} of {n_pushes}, {face} face")

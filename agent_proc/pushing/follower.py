@@ -50,7 +50,7 @@ TUBE_RAD: Final = radians(25.0)
 SEARCH_AHEAD_M: Final = 0.5
 """How far ahead of its last place on the path the box is looked for."""
 ENOUGH_M: Final = 0.015
-"""A stage that another one follows, and that ends in an arc, is over when no more than this is left of it."""
+"""A stage is over when no more than this is left of it, if it ends in an arc or another stage follows."""
 
 StageEnding = Literal["done", "left_path"]
 
@@ -68,12 +68,15 @@ class Decision:
 class Follower:
     """Follows one stage of the box's path."""
 
-    def __init__(self, path: Stage, policy: Policy, scenario: Scenario, estimate: PushEstimate) -> None:
-        """`estimate` learns from every push, whichever stage it belongs to."""
+    def __init__(
+        self, path: Stage, policy: Policy, scenario: Scenario, estimate: PushEstimate, *, is_last: bool = True
+    ) -> None:
+        """`estimate` learns from every push, whichever stage it belongs to. No other stage follows if `is_last`."""
         self._path = path
         self._policy = policy
         self._scenario = scenario
         self._estimate = estimate
+        self._is_last = is_last
         self._at_m = 0.0
         self._open = scenario.pushing.composition == "open_loop"
         self._believed: Pose2 | None = None
@@ -95,10 +98,11 @@ class Follower:
         if not self._open and (abs(deviation.left_m) > TUBE_M or abs(deviation.heading_rad) > TUBE_RAD):
             return Decision(push=None, ending="left_path", deviation=deviation)
         target = self._target(pose)
-        if target is not None:
-            push = self._policy.decide(self._view(world, box, target))
-        elif self._at_m > self._path.length_m - ENOUGH_M:
+        is_near = self._at_m > self._path.length_m - ENOUGH_M
+        if is_near and (target is None or not self._is_last):
             push = None
+        elif target is not None:
+            push = self._policy.decide(self._view(world, box, target))
         else:
             push = self._on_arc(pose)
         if push is None:
@@ -125,6 +129,7 @@ class Follower:
             box=pushed_box(self._scenario.box, self._path.face),
             box_state=box,
             goal=replace(self._scenario.goal, pose=pose),
+            lost_depth_m=self._estimate.lost_depth_m,
         )
 
     def _on_last_line(self, pose: Pose2) -> bool:

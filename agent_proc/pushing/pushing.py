@@ -11,20 +11,21 @@ from agent_proc.endings import MissionEndedError
 from agent_proc.frames.poses import BoxError
 from agent_proc.policies.policy import Policy
 from agent_proc.pushing.box_route import BoxRoute
+from agent_proc.pushing.budget import PushBudget
 from agent_proc.pushing.calibrating import Calibration
 from agent_proc.pushing.follower import Follower, StageEnding
 from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.stage import Stage
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import STILL_CYCLES, Walker
-from legpush.runs.report import Reason
 from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Goal
 
-LEAST_PUSH_M: Final = 0.005
-"""The box is stuck if `STILL_CYCLES` pushes in a row move it less than this."""
-LEAST_TURN_RAD: Final = radians(0.5)
-"""The same for its heading."""
+STUCK_SHARE: Final = 0.1
+"""The box is stuck if `STILL_CYCLES` pushes in a row move it less than this share of what they move the default box."""
+LEAST_GAIN_M: Final = 0.005
+LEAST_GAIN_RAD: Final = radians(0.5)
+"""A path has brought the box nearer to its goal if one of its errors has shrunk by more than this."""
 MAX_PATHS: Final = 20
 """Most paths of the box that are begun."""
 AIM_M: Final = 0.02
@@ -51,6 +52,7 @@ class Pushing:
         self._pushes = pushes
         self._calibration = calibration
         self._policy = policy
+        self._budget = PushBudget(actor.scenario.mission.max_push_cycles, pushes.estimates)
 
     def run(self) -> None:
         """Push along the reference, if there is one, then along planned paths until the box is at its goal.
@@ -93,8 +95,14 @@ class Pushing:
             self._actor.require_goal("tolerance_missed", f"the open loop ended at box error {self._actor.box_error()}")
 
     def _push_along(self, stages: list[Stage], *, to_end: bool = False) -> bool:
-        """Stage after stage, with a walk around the box in between; whether the box came to the end of the path."""
+        """Stage after stage, with a walk around the box in between; whether the box came to the end of the path.
+
+        A path that does not move the box, because it is near enough to its goal, leaves nothing to push.
+        """
+        self._budget.take_path(stages, self._pushes.n_cycles)
         for index, stage in enumerate(stages):
+            if stage.length_m == 0.0:
+                continue
             if not self._actor.at_station(stage.face) and not self._walker.change_face(stage.face):
                 return False
             if self._follow(stages[index:], to_end=to_end) == "left_path":
@@ -109,8 +117,10 @@ class Pushing:
         """
         stage, scenario = stages[0], self._actor.scenario
         closed = scenario.pushing.composition == "closed_loop"
-        follower = Follower(stage, self._policy, scenario, self._pushes.estimates[stage.face])
+        estimate, is_last = self._pushes.estimates[stage.face], len(stages) == 1
+        follower = Follower(stage, self._policy, scenario, estimate, is_last=is_last)
         boxes = deque([self._actor.box()], STILL_CYCLES + 1)
+        commanded_m: deque[float] = deque(maxlen=STILL_CYCLES)
         while True:
             error, n_cycles = self._actor.box_error(), self._pushes.n_cycles
             decision = follower.decide(self._actor.state)
@@ -124,20 +134,23 @@ class Pushing:
             elif closed and not self._route.is_free(stages, at_m):
                 self._route.give_up()
                 return "left_path"
-            if n_cycles >= scenario.mission.max_push_cycles:
-                return self._stop("max_push_cycles", f"box error {error} after {n_cycles} push cycles", to_end)
+            if n_cycles >= self._budget.n_cycles:
+                return self._stop(self._budget.used_up(stages, at_m, f"box error {error}"), to_end)
             self._pushes.push(decision.push, learn=closed)
             boxes.append(self._actor.box())
-            if len(boxes) > STILL_CYCLES and path_length_m((boxes[0], boxes[-1])) < LEAST_PUSH_M:
-                return self._stop(
-                    "stuck", f"the box did not move in {STILL_CYCLES} push cycles, box error {error}", to_end
+            commanded_m.append(estimate.commanded_m(decision.push.depth_m))
+            moved_m = path_length_m((boxes[0], boxes[-1]))
+            if len(boxes) > STILL_CYCLES and moved_m < STUCK_SHARE * sum(commanded_m):
+                detail = (
+                    f"{STILL_CYCLES} push cycles moved the box {1000 * moved_m:.1f} mm instead of "
+                    f"{1000 * sum(commanded_m):.0f} mm, box error {error}"
                 )
+                return self._stop(MissionEndedError("stuck", detail), to_end)
 
-    def _stop(self, reason: Reason, detail: str, to_end: bool) -> StageEnding:
+    def _stop(self, ending: MissionEndedError, to_end: bool) -> StageEnding:
         """Stop before the end of a stage. The mission ends unless the box is at its goal and `to_end` is false."""
-        if to_end:
-            raise MissionEndedError(reason, detail)
-        self._actor.require_goal(reason, detail)
+        if to_end or not self._actor.box_error().within(self._actor.scenario.goal):
+            raise ending
         return "done"
 
     def _aim(self) -> Goal:
@@ -152,4 +165,4 @@ class Pushing:
 
 def _is_better(error: BoxError, before: BoxError) -> bool:
     """Whether pushing has brought the box nearer to its goal pose by more than chance would."""
-    return error.position_m < before.position_m - LEAST_PUSH_M or error.angle_rad < before.angle_rad - LEAST_TURN_RAD
+    return error.position_m < before.position_m - LEAST_GAIN_M or error.angle_rad < before.angle_rad - LEAST_GAIN_RAD

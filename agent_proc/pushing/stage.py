@@ -40,7 +40,10 @@ class Stage:
     """
 
     def __init__(self, face: Face, poses: tuple[Pose2, ...], axle_m: float, end: Pose2 | None = None) -> None:
-        """`poses`, at least two, are those of the box in the plan; `end` is where it should end, if not at the last."""
+        """`poses` are those of the box in the plan; `end` is where it should end, if not at the last.
+
+        Where they are all in one place, the stage has no length, and no pose can be compared with it.
+        """
         self.face = face
         self._axle_m = axle_m
         behind = Pose2(x_m=-axle_m, y_m=0.0, yaw_rad=0.0)

@@ -30,6 +30,7 @@ def make_report(
         success=result.success,
         reason=result.reason,
         detail=result.detail,
+        remedy=result.remedy,
         box_position_error_m=error.position_m,
         box_angle_error_deg=degrees(error.angle_rad),
         walk_tracking_rms_m=tracking_rms_m([step for step in record.steps if isinstance(step.motion, Walk)]),

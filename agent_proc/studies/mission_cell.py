@@ -154,6 +154,8 @@ def run(cell: ResolvedMission) -> Mapping[str, Any]:
     world = LocalWorld(new_simulator(), planner(), on_record=records.append)
     began_s = perf_counter()
     result = run_mission(world, scenario, cell.seed, policy_with(cell.policy, cell.policy_sha256), push_map)
+    if result.error is not None:
+        raise result.error
     record = read_record(records)
     report = make_report(record, result, perf_counter() - began_s, installed_versions())
     return {

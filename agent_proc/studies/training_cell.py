@@ -6,7 +6,6 @@ import threading
 import zipfile
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Final, Literal
 
 import msgspec
@@ -22,6 +21,7 @@ from agent_proc.task.config import Domain, Interval, TaskConfig
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
+from legpush.runs.temporary import temporary_folder
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
 from legpush.versions import installed_versions
@@ -123,8 +123,8 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         versions={name: version for name, version in installed_versions().items() if version is not None},
     )
     worlds = [LocalWorld(new_simulator()) for _ in range(cell.n_simulators)]
-    with TemporaryDirectory(prefix="legpush-training-") as scratch:
-        folder, stop = Path(scratch), threading.Event()
+    with temporary_folder("training-") as folder:
+        stop = threading.Event()
         env = PushVecEnv(plan.task, worlds, stop=stop)
         try:
             result = Training(plan, folder, env, worlds, stop=stop).run()

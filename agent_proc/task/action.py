@@ -30,41 +30,56 @@ def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
     Raises:
         ConfigError: It is no action of the task.
     """
-    if not _is_action(action, task):
-        kind = f"integers below {CHOICES}" if task.action_form == "discrete" else "numbers in [-1, 1]"
-        raise ConfigError(f"Expected an action of {n_actions(task)} {kind}, got {action!r}")
+    chosen = _checked(action, task)
     if task.action_form == "discrete":
-        w1, w2, right = (action[0] + 1) / 10, (action[1] + 1) / 10, action[2] == 1
+        w1, w2, right = (chosen[0] + 1) / 10, (chosen[1] + 1) / 10, chosen[2] == 1
     else:
-        unit = (np.asarray(action, dtype=np.float64) + 1.0) / 2.0
+        unit = (chosen.astype(np.float64) + 1.0) / 2.0
         w1, w2, right = unit[0], unit[1], unit[2] >= 0.5
     if task.mirrored and view.mirror_sign < 0.0:
         right = not right
     leg: FrontLeg = "FR" if right else "FL"
     depth_m = task.fixed_depth_m
     if task.entry == "variable":
-        depth_m = task.least_depth_m + float(unit[3]) * (deepest_push_m(task, view) - task.least_depth_m)
+        shallowest_m = shallowest_push_m(task, view)
+        depth_m = shallowest_m + float(unit[3]) * (deepest_push_m(task, view) - shallowest_m)
     return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m)
 
 
-def _is_action(action: NDArray[Any], task: TaskConfig) -> bool:
-    if action.shape != (n_actions(task),):
-        return False
+def _checked(action: NDArray[Any], task: TaskConfig) -> NDArray[Any]:
+    """The action in the type of its space: integers of the grid, or float32 clipped to [-1, 1].
+
+    Raises:
+        ConfigError: It has another shape, is not made of numbers, is not finite, or is not on the grid.
+    """
+    n, got = n_actions(task), np.asarray(action)
+    what = f"{got!r}, dtype {got.dtype}, shape {got.shape}"
     if task.action_form == "discrete":
-        return action.dtype.kind in "iu" and bool(((action >= 0) & (action < CHOICES)).all())
-    return np.can_cast(action.dtype, np.float32) and bool((np.abs(action) <= 1.0).all())
+        if got.shape != (n,) or got.dtype.kind not in "iu" or not ((got >= 0) & (got < CHOICES)).all():
+            raise ConfigError(f"Expected an action of {n} integers below {CHOICES}, got {what}")
+        return got
+    if got.shape != (n,) or got.dtype.kind not in "fiu" or not np.isfinite(got).all():
+        raise ConfigError(f"Expected an action of {n} finite numbers, which are clipped to [-1, 1], got {what}")
+    clipped: NDArray[np.float32] = np.clip(got, -1.0, 1.0).astype(np.float32)
+    return clipped
+
+
+def shallowest_push_m(task: TaskConfig, view: PushView) -> float:
+    """Depth of the lowest action with variable entry: the least depth, and what this box loses of it."""
+    return min(task.least_depth_m + view.lost_depth_m, task.max_depth_m)
 
 
 def deepest_push_m(task: TaskConfig, view: PushView) -> float:
-    """Depth of the highest action; with `limit_depth` at most the depth that brings the box to its goal."""
+    """Depth of the highest action; with `limit_depth` at most the depth that brings this box to its goal."""
     if not task.limit_depth:
         return task.max_depth_m
     remaining_m = max(0.0, -view.box_g.x_m)
     limit_m = float(MODEL.depth_for(np.array([remaining_m]))[0])
-    return min(max(limit_m, task.least_depth_m), task.max_depth_m)
+    return min(max(limit_m, task.least_depth_m) + view.lost_depth_m, task.max_depth_m)
 
 
 def no_push_helps(task: TaskConfig, view: PushView) -> bool:
     """Whether the shallowest push would carry the box farther beyond its goal than it is short of it now."""
-    travel_m = float(np.interp(task.shallowest_m, MODEL.depth_m, MODEL.forward_m))
+    shallowest_m = task.fixed_depth_m if task.entry == "fixed" else shallowest_push_m(task, view)
+    travel_m = float(np.interp(shallowest_m - view.lost_depth_m, MODEL.depth_m, MODEL.forward_m))
     return -view.box_g.x_m <= travel_m / 2

@@ -90,8 +90,3 @@ class TaskConfig:
     def mirrored(self) -> bool:
         """Whether observation and action are mirrored if the box is right of the line."""
         return self.observation == "relative"
-
-    @property
-    def shallowest_m(self) -> float:
-        """Depth of the shallowest push."""
-        return self.fixed_depth_m if self.entry == "fixed" else self.least_depth_m

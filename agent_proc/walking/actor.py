@@ -12,7 +12,7 @@ from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Motion, WorldState
-from legpush.runs.report import Reason
+from legpush.runs.reasons import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.names import Face
 from legpush.scene.scenario import Rectangle, Scenario

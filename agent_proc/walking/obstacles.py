@@ -10,7 +10,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from legpush.arrays import Floats
-from legpush.errors import PeerError
+from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, WorldState
 from legpush.scene.occupancy import clearance_m, room_by_now
@@ -26,13 +26,13 @@ def known_scenario(scenario: Scenario, state: WorldState) -> Scenario:
     """The scenario without the obstacles that have not appeared.
 
     Raises:
-        PeerError: An obstacle is reported that cannot appear.
+        BadAnswerError: An obstacle is reported that cannot appear.
     """
     obstacles = scenario.room.obstacles
     for each in state.appeared:
         if each.obstacle >= len(obstacles) or obstacles[each.obstacle].appears_at_s == 0.0:
             later = [str(index) for index, obstacle in enumerate(obstacles) if obstacle.appears_at_s > 0.0]
-            raise PeerError(
+            raise BadAnswerError(
                 f"Expected in `appeared` at tick {state.tick} an obstacle that appears later "
                 f"({', '.join(later) or 'there is none'}), got {each.obstacle}"
             )

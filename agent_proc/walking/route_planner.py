@@ -1,15 +1,16 @@
 """Asks the planner for paths, refuses plans that cannot be followed, and keeps the better paths of the last plan."""
 
+from collections.abc import Sequence
 from itertools import groupby
 
 from agent_proc.endings import MissionEndedError
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.better_paths import BetterPaths
 from agent_proc.walking.obstacles import in_words
-from legpush.errors import PeerError
-from legpush.geometry import Pose2, distance_m
+from legpush.errors import BadAnswerError
+from legpush.geometry import Pose2, distance_m, wrap_angle
 from legpush.lockstep.world import World
-from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
 from legpush.scene.paths import path_length_m
 
 
@@ -32,7 +33,7 @@ class RoutePlanner:
         """The planner's answer, whatever its status; `what` names the path for people.
 
         Raises:
-            PeerError: The plan is called exact, but it cannot be followed.
+            BadAnswerError: The plan is called exact, but it cannot be followed.
         """
         self._actor.tell("planning", None, what)
         plan = self._world.plan(query)
@@ -49,7 +50,7 @@ class RoutePlanner:
         can be repeated. `waypoints` end with the `last_stretch`, which no plan has, and so does the path returned.
 
         Raises:
-            PeerError: The revision is called exact, but it cannot be followed.
+            BadAnswerError: The revision is called exact, but it cannot be followed.
         """
         if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
             return ()
@@ -94,13 +95,25 @@ def plan_fault(query: PlanQuery, plan: Plan) -> str:
         return f"it has {len(plan.waypoints)} waypoints and {len(plan.sides)} sides"
     if max(plan.sides) >= len(query.sides):
         return f"it names side {max(plan.sides)} of {len(query.sides)}"
+    if not _moves(plan.waypoints):
+        return "" if is_at_goal(query) else "the box does not move, although it is not at its goal"
     for _, stage in groupby(zip(plan.sides, plan.waypoints, strict=True), key=lambda item: item[0]):
         poses = [pose for _, pose in stage]
-        if all(distance_m(pose, poses[0]) == 0.0 for pose in poses):
+        if not _moves(poses):
             return f"the box does not move in the stage at ({poses[0].x_m:g}, {poses[0].y_m:g})"
     return ""
 
 
+def is_at_goal(query: BoxPathQuery) -> bool:
+    """Whether the box of a query is within the tolerances of its goal, so that a path need not move it."""
+    off_rad = abs(wrap_angle(query.goal.yaw_rad - query.start.yaw_rad))
+    return distance_m(query.start, query.goal) <= query.position_tolerance_m and off_rad <= query.angle_tolerance_rad
+
+
+def _moves(poses: Sequence[Pose2]) -> bool:
+    return any(distance_m(pose, poses[0]) > 0.0 for pose in poses)
+
+
 def _require_followable(query: PlanQuery, plan: Plan, what: str) -> None:
     if plan.status == "exact" and (fault := plan_fault(query, plan)):
-        raise PeerError(f"{what}: expected a plan that can be followed, but {fault}")
+        raise BadAnswerError(f"{what}: expected a plan that can be followed, but {fault}")

@@ -7,7 +7,7 @@ from agent_proc.endings import MissionEndedError
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.obstacles import is_in_walk
 from agent_proc.walking.route_planner import RoutePlanner
-from legpush.errors import PeerError
+from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, PathProgress, Walk
@@ -46,7 +46,7 @@ class Walker:
 
         Raises:
             MissionEndedError: The robot is stuck, or what a motion raises.
-            PeerError: The world reports no progress on the path.
+            BadAnswerError: The world reports no progress on the path.
         """
         self._actor.step(Follow(waypoints=waypoints))
         n_known = self._actor.n_appeared()
@@ -136,7 +136,7 @@ class Walker:
     def _progress(self) -> PathProgress:
         state = self._actor.state
         if state.path is None:
-            raise PeerError(f"Expected `path` in the state of the world at tick {state.tick}, got none")
+            raise BadAnswerError(f"Expected `path` in the state of the world at tick {state.tick}, got none")
         return state.path
 
 

@@ -11,8 +11,8 @@ from legpush.scene.clearance import clearance
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Anytime, Smoothing
+from legpush.scene.steering import NOT_STEERED
 from planner_proc.conformance import cases
-from planner_proc.search.registry import NOT_STEERED
 
 PLANNERS: Final[tuple[PlannerName, ...]] = (
     "rrt",

@@ -16,6 +16,8 @@ CLEARANCE_M: Final = 0.44
 RESOLUTION_M: Final = 0.05
 AHEAD: Final = Pose2(x_m=4.0, y_m=3.0, yaw_rad=0.0)
 """Goal of the box, straight ahead of its start."""
+HERE: Final = Pose2(x_m=3.0, y_m=3.0, yaw_rad=0.0)
+"""Start of the box, and its goal where nothing is left to push."""
 ASIDE: Final = Pose2(x_m=5.2, y_m=3.4, yaw_rad=0.3)
 """Goal of the box, to the side and turned."""
 
@@ -71,7 +73,7 @@ def query(grid: OccupancyGrid, start: tuple[float, ...], goal: tuple[float, ...]
 
 
 def box_query(goal: Pose2) -> BoxPathQuery:
-    """A query for a path of the box from (3, 3), heading along x, on an open floor; it can be pushed at one side."""
+    """A query for a path of the box from `HERE` on an open floor; it can be pushed at one side."""
     here = _pose(0.0, 0.0)
     side = PushSide(
         frame=here,
@@ -84,7 +86,7 @@ def box_query(goal: Pose2) -> BoxPathQuery:
     )
     return BoxPathQuery(
         grid=room(8.0, 6.0),
-        start=_pose(3.0, 3.0),
+        start=HERE,
         goal=goal,
         sides=(side,),
         present_side=None,

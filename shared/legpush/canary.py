@@ -1,4 +1,4 @@
-"""A short computation whose bits show whether this process computes what others do: `python -m legpush.canary`."""
+"""A short computation whose bits show whether this process computes what others do: `legpush canary`."""
 
 import sys
 from importlib.resources import files
@@ -10,7 +10,6 @@ from msgspec import Struct
 
 from legpush.in_process import run, world
 from legpush.numerics.current import current
-from legpush.numerics.entry import enter_profile
 from legpush.service import run_program
 
 PUBLISHED_FILE: Final = "canaries.json"
@@ -60,6 +59,11 @@ def published(numerics: str) -> Canary | None:
 
 
 def main() -> int:
+    """Run the program of `legpush canary`; returns the exit code."""
+    return run_program("canary", tell)
+
+
+def tell() -> int:
     """Print numerics and canary; return 1 if another canary was published for these numerics."""
     numerics, canary = current(), compute()
     expected = published(numerics.name)
@@ -77,8 +81,3 @@ def main() -> int:
     parts = [name for name in canary.__struct_fields__ if getattr(canary, name) != getattr(expected, name)]
     sys.stdout.write(f"this machine computes other bits than were published, in: {', '.join(parts)}\n")
     return 1
-
-
-if __name__ == "__main__":
-    enter_profile()
-    sys.exit(run_program("canary", main))

@@ -3,6 +3,7 @@
 import errno
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, ClassVar, Final, Literal
 
 FAILED: Final = 3
@@ -13,6 +14,8 @@ DISK_FULL: Final = 5
 """Exit code of a program that could not go on because the disk is full; with more space it can go on."""
 FULL: Final = (errno.ENOSPC, errno.EDQUOT)
 """Numbers of the system's errors that mean `DISK_FULL`."""
+EXHAUSTED: Final = (errno.EMFILE, errno.ENFILE, errno.EIO)
+"""Numbers of the system's errors that are no fault of the user's input: too many open files, or a broken device."""
 INTERRUPTED: Final = 130
 """Exit code of a program that was interrupted before its work was done."""
 
@@ -22,6 +25,13 @@ class LegpushError(Exception):
 
     exit_code: ClassVar[int] = 3
     """Exit code of the process: 2 for bad input, 3 if a process failed, 5 on a full disk, 130 if interrupted."""
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def lines(self) -> tuple[str, ...]:
+        """The text, and further lines if it has several parts."""
+        return tuple(map(str, self.args))
 
 
 class ConfigError(LegpushError):
@@ -77,6 +87,12 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class BadAnswerError(PeerError):
+    """An answer of planner or simulator that cannot be used; the same question gets it again; names the answer."""
+
+    exit_code = 2
+
+
 class DivergedError(PeerError):
     """A simulator that led equal motions to another state than before; names the step and both states."""
 
@@ -120,15 +136,17 @@ class StopRequestedError(LegpushError):
 def exit_code_of(work: Callable[[], int]) -> int:
     """Do the work and return its exit code, or that of its error, which becomes one line on standard error.
 
-    A full disk has an exit code of its own, whatever could not be written. Other errors than a `LegpushError` and a
-    full disk are raised.
+    A full disk has an exit code of its own, whatever could not be written. An error of the system that names a file is
+    bad input, or a fault where the machine is out of something. Other errors are raised.
     """
     try:
         return work()
     except (LegpushError, OSError) as error:
-        if not isinstance(error, LegpushError) and not is_disk_full(error):
+        if isinstance(error, OSError) and error.filename is None and not is_disk_full(error):
             raise
-        sys.stderr.write(f"error: {one_line(str(error))}\n")
+        lines = error.lines() if isinstance(error, LegpushError) else (_of_system(error),)
+        with suppress(OSError):  # on a full disk the log is full, too: the exit code says what happened
+            sys.stderr.write("error: " + "\n       ".join(map(one_line, lines)) + "\n")
         return code_of(error)
 
 
@@ -136,7 +154,14 @@ def code_of(error: BaseException) -> int:
     """Return the exit code of a program that ends with this error."""
     if is_disk_full(error):
         return DISK_FULL
+    if isinstance(error, OSError):
+        return FAILED if error.errno in EXHAUSTED else ConfigError.exit_code
     return error.exit_code if isinstance(error, LegpushError) else 1
+
+
+def _of_system(error: OSError) -> str:
+    """Return the text of an error of the system, with its file first."""
+    return str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
 
 
 def is_disk_full(error: BaseException) -> bool:

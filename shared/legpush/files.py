@@ -5,6 +5,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import Final
@@ -104,6 +105,16 @@ def require_space(folder: Path) -> None:
             os.fsync(file.fileno())
     except OSError as error:
         raise DiskError(f"{folder}: expected space for {SPACE} bytes ({error.strerror})") from error
+
+
+def next_file(file: Path) -> Path:
+    """Return a file that continues this one: `m-2.mcap` after `m.mcap`, or the first number that is free."""
+    stem, _, number = file.stem.rpartition("-")
+    first = file.with_name(f"{stem}{file.suffix}")
+    if not (number.isdecimal() and first.exists()):
+        first = file
+    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
+    return next(path for path in map(first.with_name, names) if path != file and not path.exists())
 
 
 def sha256_of(paths: Sequence[Path]) -> str:

@@ -10,6 +10,7 @@ import signal
 import threading
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from types import FrameType
 from typing import Literal, TypeVar
@@ -112,7 +113,8 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
         try:
             return exit_code_of(lambda: connect_and_work(output))
         except Exception:  # noqa: BLE001 - whatever it is, the launcher has to learn of it
-            traceback.print_exc()
+            with suppress(OSError):  # the log may be on a full disk
+                traceback.print_exc()
             return FAILED
 
     return with_guarded_output(end_well)

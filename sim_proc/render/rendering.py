@@ -3,12 +3,9 @@
 import errno
 import multiprocessing
 import os
-import signal
 import subprocess
-import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from multiprocessing.synchronize import Event
@@ -18,8 +15,10 @@ from typing import Final
 import imageio_ffmpeg
 import numpy as np
 
+from legpush.entry.interrupts import deaf_children
 from legpush.errors import DiskFullError, LegpushError
 from legpush.options.formats import View
+from legpush.runs.temporary import temporary_folder
 from legpush.scene.robot import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
@@ -64,8 +63,8 @@ def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]
     Raises:
         LegpushError: ffmpeg failed.
     """
-    with tempfile.TemporaryDirectory(prefix="legpush-video-") as scratch:
-        listing = _render_segments(film, take, Path(scratch), say)
+    with temporary_folder("video-") as scratch:
+        listing = _render_segments(film, take, scratch, say)
         if take.gif:
             _join_as_gif(listing, target.absolute())
         else:
@@ -83,9 +82,9 @@ def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, 
     stop = context.Event()
     workers = min(len(os.sched_getaffinity(0)), n_segments)
     with ProcessPoolExecutor(workers, context, initializer=_open_camera, initargs=(film, take, stop)) as pool:
-        with _deaf_children():
-            segments = [pool.submit(_render_segment, job) for job in jobs]
         try:
+            with deaf_children():
+                segments = [pool.submit(_render_segment, job) for job in jobs]
             for n_done, segment in enumerate(as_completed(segments), start=1):
                 segment.result()
                 say(n_done, n_segments)
@@ -96,16 +95,6 @@ def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, 
     listing = scratch / "segments.txt"
     listing.write_text("".join(f"file '{path.name}'\n" for path, _ in jobs))
     return listing
-
-
-@contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Let processes that are started meanwhile ignore Ctrl-C in the terminal. An event stops them instead."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 _worker: dict[str, object] = {}

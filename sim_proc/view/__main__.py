@@ -1,48 +1,8 @@
 """`python -m sim_proc.view`: the program behind `legpush view`."""
 
 import sys
-import threading
-import webbrowser
 
-import tyro
-
-from legpush.errors import exit_code_of, one_line
-from legpush.options.view import EVERYWHERE, ViewOptions
-from legpush.output.guarded_streams import with_guarded_output
-from legpush.service import stop_on_signals
-from sim_proc.view.page import Page
-from sim_proc.view.sources import LiveSource, RecordedSource
-
-
-def main() -> int:
-    """Serve the page until Ctrl-C."""
-    return with_guarded_output(lambda _: exit_code_of(_parse_and_serve))
-
-
-def _parse_and_serve() -> int:
-    options = tyro.cli(ViewOptions, prog="legpush view")
-    return serve(options, stop_on_signals())
-
-
-def serve(options: ViewOptions, stop: threading.Event) -> int:
-    """Serve the page until `stop` is set.
-
-    Raises:
-        LegpushError: The recording, the run or the address cannot be used.
-    """
-    source: RecordedSource | LiveSource
-    source = RecordedSource(options.files) if options.files else LiveSource(options.run, options.connect)
-    with Page(source, options.host, options.port) as page, source:
-        sys.stdout.write(f"{one_line(source.title)}: {page.url}  (Ctrl-C ends it)\n")
-        sys.stdout.write(f"    without a GPU: {page.url}&fixedDpr=0.5\n")
-        if options.host == EVERYWHERE:
-            sys.stdout.write("    from another machine: the same, with an address of this machine for 127.0.0.1\n")
-        sys.stdout.flush()
-        if options.open:
-            webbrowser.open(page.url)
-        page.run(stop)
-    return 0
-
+from legpush.entry.program import run_module
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_module("sim_proc.view.program"))

@@ -121,6 +121,8 @@ class KinematicSimulator:
     """From the nominal pose of the box: x, y in m and yaw in rad."""
     walk_stride_m: float = STRIDE_M
     push_scale: float = 1.0
+    lost_depth_m: float = 0.0
+    """Part of the depth of each push that does not move the box."""
     turn_scale: float = 1.0
     """Of the turn alone."""
     sideways_m: float = 0.0
@@ -197,7 +199,7 @@ class KinematicSimulator:
     def _pushed(self, push: Push) -> Pose2:
         before = pushed_pose(self._box, push.face)
         box = np.array([[before.x_m, before.y_m, before.yaw_rad]])
-        mirror, depth = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
+        mirror, depth = np.array([MIRROR[push.leg]]), np.array([max(push.depth_m - self.lost_depth_m, 0.0)])
         scale = self.push_scale
         factor, slip = (1.0, 0.0) if self.noise is None else self.noise.normal([1.0, 0.0], [0.1, radians(0.2)])
         model = nearest_model(pushed_box(self._scenario.box, push.face))

@@ -17,7 +17,7 @@ from legpush.errors import PolicyError
 from legpush.history.journal import JOURNAL_VERSION, Opened, read_entries
 from legpush.history.run_history import RunHistory
 from legpush.history.steps import PlanRecord, StepRecord, read_episode
-from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.common import READABLE_VERSIONS
 from legpush.messages.stepping import Push, Reset
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.episodes import read_episodes
@@ -49,6 +49,7 @@ def recording(folder: Path) -> Recording:
 
 
 def test_a_recording_is_read_with_everything_that_is_told_of_it(recording: Recording) -> None:
+    assert 6 in READABLE_VERSIONS
     assert recording.is_complete
     told = "\n".join(lines(recording))
     for words in (
@@ -114,7 +115,7 @@ def test_a_journal_is_read(folder: Path) -> None:
     assert isinstance(first, Opened)
     assert (first.journal_version, first.protocol, first.run, first.seed) == (
         JOURNAL_VERSION,
-        PROTOCOL_VERSION,
+        6,
         "two_pushes",
         1,
     )

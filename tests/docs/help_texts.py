@@ -7,7 +7,7 @@ from functools import cache, partial
 from typing import Any, Final, get_args, get_type_hints
 
 from agent_proc.mission.process import AgentConfig
-from legpush import cli
+from legpush.cli import command as cli
 from legpush.messages.common import Role
 from legpush.options.scenarios import Scenarios
 from legpush.options.study import Studies

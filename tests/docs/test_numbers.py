@@ -42,6 +42,12 @@ def test_the_list_of_studies_is_up_to_date() -> None:
     assert generate.filled(text, generate.experiments_parts()) == text, "run `python -m docs.generate`"
 
 
+def test_the_reasons_of_endings_are_those_of_the_table() -> None:
+    text = generate.RUN.read_text()
+    assert "<!-- generated: reasons -->" in text
+    assert generate.filled(text, generate.run_parts()) == text, "run `python -m docs.generate`"
+
+
 def test_every_template_is_a_part_of_a_page() -> None:
     pages = generate.MEASURED.read_text() + generate.README.read_text()
 

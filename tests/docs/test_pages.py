@@ -11,7 +11,7 @@ import pytest
 
 import legpush
 from docs import generate
-from legpush import cli
+from legpush.cli import command as cli
 from tests.docs.help_texts import commands, help_texts
 
 ROOT = Path(__file__).parents[2]

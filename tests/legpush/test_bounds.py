@@ -24,7 +24,7 @@ from legpush.scenarios.file import load_scenario
 from legpush.scenarios.grid import CellSource, MapSource
 from legpush.scenarios.map_server import MapServerFile
 from legpush.scene.reference import Arcs, Left, Right, Sine, Straight
-from legpush.scene.scenario import Anytime, Scenario, Smoothing
+from legpush.scene.scenario import Anytime, MissionSettings, Scenario, Smoothing
 from tests.legpush import examples
 from tests.legpush.scenarios.small_scenario import plain_scenario, write
 
@@ -134,6 +134,7 @@ NUMBERS = tuple(part for part in FOUND if isinstance(part.kind, Number))
 
 FULL_SCENARIO = replace(
     examples.SCENARIO,
+    mission=MissionSettings(max_push_cycles=200),
     planning=replace(examples.SCENARIO.planning, anytime=Anytime(), smoothing=Smoothing(max_deviation_m=1.0)),
     reference=Arcs(radius_m=1.0, segments=(Straight(length_m=1.0), Left(angle_deg=9.0), Right(angle_deg=9.0))),
 )

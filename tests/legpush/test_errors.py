@@ -2,6 +2,7 @@
 
 import errno
 import os
+from contextlib import suppress
 
 import pytest
 
@@ -66,3 +67,37 @@ def test_control_characters_are_shown_and_not_obeyed() -> None:
     assert (
         one_line("ä \x1b]8;;http://x\x07[link] \x9b31m\u202e\r") == "ä \\x1b]8;;http://x\\x07[link] \\x9b31m\\u202e\\r"
     )
+
+
+def test_a_full_disk_under_standard_error_does_not_hide_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> int:
+        raise DiskFullError("Expected to write the journal")
+
+    with open("/dev/full", "w", buffering=1) as full:
+        monkeypatch.setattr("sys.stderr", full)
+        assert exit_code_of(fail) == DISK_FULL
+        monkeypatch.undo()
+        with suppress(OSError):
+            full.close()
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(errno.EROFS, 2), (errno.EACCES, 2), (errno.ENOTDIR, 2), (errno.EMFILE, 3), (errno.EIO, 3)]
+)
+def test_an_error_of_the_system_that_names_a_file_is_one_line(
+    number: int, code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail() -> int:
+        raise OSError(number, os.strerror(number), "runs/a\nb")
+
+    assert exit_code_of(fail) == code
+    assert capsys.readouterr().err == f"error: runs/a\\nb: {os.strerror(number)}\n"
+
+
+def test_an_error_with_several_parts_has_a_line_for_each(capsys: pytest.CaptureFixture[str]) -> None:
+    def fail() -> int:
+        raise ConfigError("first", "a\nb")
+
+    assert exit_code_of(fail) == 2
+    assert capsys.readouterr().err == "error: first\n       a\\nb\n"
+    assert str(ConfigError("first", "second")) == "first\nsecond"

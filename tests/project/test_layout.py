@@ -18,7 +18,17 @@ MIRRORED = {
     "agent": "agent_proc",
 }
 """Folder in `tests` to the package that it mirrors."""
-UNMIRRORED = ("system", "compatibility", "project", "benchmarks", "experiments", "examples", "docs", "security")
+UNMIRRORED = (
+    "system",
+    "compatibility",
+    "project",
+    "benchmarks",
+    "experiments",
+    "examples",
+    "docs",
+    "security",
+    "faults",
+)
 """Folders in `tests` that mirror no package."""
 
 

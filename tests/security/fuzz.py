@@ -102,7 +102,11 @@ def claim(rng: random.Random, payload: bytes) -> bytes:
 
 def retype(rng: random.Random, payload: bytes) -> bytes:
     """Give one to three fields a value of another type, or take them away."""
-    plain = deepcopy(PLAIN[payload])
+    return retyped(rng, deepcopy(PLAIN[payload]))
+
+
+def retyped(rng: random.Random, plain: Any) -> bytes:
+    """The same of a message as maps and arrays, which is changed."""
     for _ in range(rng.randint(1, 3)):
         holder, key = _place(rng, plain)
         if isinstance(holder, dict) and rng.random() < 0.2:

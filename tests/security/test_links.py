@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from agent_proc.mission.process import writable_folder
-from legpush import cli
+from legpush.cli import command as cli
 from legpush.errors import ConfigError
 from legpush.history.journal import Journal
 from legpush.runs.folder import LOGS, own_folder, require_no_links, run_folder
 from legpush.scenarios.file import dump_scenario, load_scenario
-from sim_proc.render.__main__ import VideoConfig, film_run
+from sim_proc.render.program import VideoConfig, film_run
 from tests.legpush.fakes import opened
 
 PLACES = (

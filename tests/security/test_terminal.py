@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from legpush import cli
+from legpush.cli import command as cli
 from legpush.errors import DiskFullError
 from legpush.history.journal import Journal, Queried
 from legpush.launch.display import LiveDisplay, PlainDisplay

@@ -17,7 +17,6 @@ from legpush.launch.process_commands import Place, Programs
 from legpush.launch.run import launch_mission
 from legpush.messages.common import Role
 from legpush.options.run import RunOptions
-from legpush.runs.report import ReportError
 from legpush.scenarios.file import load_scenario
 
 PROCESS = r"""
@@ -152,12 +151,15 @@ def test_a_machine_without_opengl_still_succeeds_and_says_so(tmp_path: Path) -> 
 def test_a_film_that_fails_does_not_spoil_the_mission_but_is_told_of(tmp_path: Path) -> None:
     ended = run(tmp_path / "run", film="print('out of film'); raise SystemExit(1)")
     assert ended.exit_code == 0
-    assert "no video: it exited with 1\n    out of film\n" in ended.text
+    assert f"no video: the film exited with 1; the end of {ended.folder}/logs/video.log:" in ended.text
+    assert "\n    out of film\n" in ended.text
 
 
-def test_an_agent_that_leaves_no_report_did_not_succeed(tmp_path: Path) -> None:
-    with pytest.raises(ReportError, match=r"report\.json: expected the report of the mission"):
-        run(tmp_path / "run", agent_does="forgets")
+def test_an_agent_that_leaves_no_report_did_not_succeed(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(tmp_path / "run", agent_does="forgets").exit_code == 3
+    log = tmp_path / "run" / "logs" / "agent.log"
+    said = capfd.readouterr().err
+    assert said.startswith(f"error: the agent exited with 0 without a result of the mission; the end of {log}:\n    ")
     assert not any(map(is_running, pids_of(tmp_path / "run")))
 
 

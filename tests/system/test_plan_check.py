@@ -69,6 +69,14 @@ def test_each_fault_is_named(fault: str, only: str, words: str) -> None:
     assert words in failed
 
 
+def test_a_slow_answer_fails_its_own_check_alone() -> None:
+    only = ("plans: around a wall", "plans: open floor", "answers once")
+    done = check("--deadline", "3", "--only", *only, command=(sys.executable, FAULTY, "hangs on an open floor"))
+
+    marks = [line.split()[0] for line in done.stdout.splitlines() if line.startswith(("pass", "FAIL"))]
+    assert (marks, done.returncode) == (["pass", "FAIL", "pass", "pass"], 1), done.stdout + done.stderr
+
+
 def test_the_example_without_a_fault_passes_the_same_checks() -> None:
     only = (
         "around a wall",
@@ -82,7 +90,7 @@ def test_the_example_without_a_fault_passes_the_same_checks() -> None:
     done = check("--deadline", "60", "--only", *only, command=(sys.executable, FAULTY, "none"))
 
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.count("pass  ") == len(only) + 2
+    assert done.stdout.count("pass  ") == len(only) + 3
 
 
 @pytest.mark.parametrize(

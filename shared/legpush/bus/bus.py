@@ -124,7 +124,10 @@ class Bus:
                 self.liveliness.note_message(header.role, header.name, header.incarnation, doing)
                 put(message)
 
-        self._closing.callback(self._session.subscribe(channel.key, take_payload))
+        def refuse_damaged(key: str) -> None:
+            self.tally.add("damaged", f"{key}: expected the bytes that were sent, got others by the checksum")
+
+        self._closing.callback(self._session.subscribe(channel.key, take_payload, refuse_damaged))
 
     def announce(self) -> None:
         """Show the liveliness token: this process is ready. Call it after subscribing, once."""

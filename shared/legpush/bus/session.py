@@ -9,13 +9,14 @@ import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
+from zlib import crc32
 
 import zenoh
 
 from legpush.bus.channels import Quality
 from legpush.bus.endpoints import Endpoints, listing
 from legpush.bus.liveliness import LEASE_S
-from legpush.bus.transport import OnBytes, OnToken, Sender, Undeclare
+from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Undeclare, ignore
 from legpush.errors import EndpointError
 
 RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
@@ -57,17 +58,28 @@ class ZenohSession:
             express=lockstep,
             allowed_destination=zenoh.Locality.REMOTE,
         )
-        return Sender(publisher.put, publisher.undeclare)
+
+        def send(payload: bytes) -> None:
+            publisher.put(payload, attachment=checksum(key, payload))
+
+        return Sender(send, publisher.undeclare)
 
     def put(self, key: str, payload: bytes) -> None:
         """Publish bytes once."""
         self._session.put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
 
-    def subscribe(self, key: str, on_bytes: OnBytes) -> Undeclare:
-        """Call `on_bytes` with key and payload of everything that other processes publish under `key`."""
+    def subscribe(self, key: str, on_bytes: OnBytes, on_damaged: OnDamaged = ignore) -> Undeclare:
+        """Call `on_bytes` with key and payload of everything that other processes publish under `key`.
+
+        `on_damaged` is called instead for a message that does not fit its checksum; one without is passed on.
+        """
 
         def take_sample(sample: zenoh.Sample) -> None:
-            on_bytes(str(sample.key_expr), sample.payload.to_bytes())
+            at, payload, attached = str(sample.key_expr), sample.payload.to_bytes(), sample.attachment
+            if attached is None or attached.to_bytes() == checksum(at, payload):
+                on_bytes(at, payload)
+            else:
+                on_damaged(at)
 
         subscriber = self._session.declare_subscriber(key, _callback(take_sample), allowed_origin=zenoh.Locality.REMOTE)
         return partial(_undeclare, subscriber)
@@ -84,6 +96,15 @@ class ZenohSession:
 
         watcher = self._session.liveliness().declare_subscriber(key, _callback(take_sample), history=True)
         return partial(_undeclare, watcher)
+
+
+def checksum(key: str, payload: bytes) -> bytes:
+    """Return what is attached to a message: the CRC-32 of its key and payload, four bytes, big-endian.
+
+    TCP and unix sockets lose no byte, but not everything between two processes is a socket: a proxy, a tunnel or a
+    memory module with a fault would change a number in a message, and the message would still be valid.
+    """
+    return crc32(payload, crc32(key.encode())).to_bytes(4, "big")
 
 
 def _why(error: zenoh.ZError) -> str:

@@ -7,10 +7,16 @@ from legpush.bus.channels import Quality
 
 OnBytes = Callable[[str, bytes], None]
 """Key and payload; called on a thread of the session."""
+OnDamaged = Callable[[str], None]
+"""Key of a message whose bytes changed on the way; called on a thread of the session."""
 OnToken = Callable[[str, bool], None]
 """Key of a liveliness token, and whether it lives; called on a thread of the session."""
 Undeclare = Callable[[], None]
 """Takes a declaration back. Keep it as long as the declaration is needed: a session may drop one that nobody keeps."""
+
+
+def ignore(key: str) -> None:
+    """An `OnDamaged` that tells nobody."""
 
 
 class Sender(NamedTuple):
@@ -32,8 +38,11 @@ class Session(Protocol):
     def put(self, key: str, payload: bytes) -> None:
         """Publish bytes once."""
 
-    def subscribe(self, key: str, on_bytes: OnBytes) -> Undeclare:
-        """Call `on_bytes` for everything that other processes publish under `key`, which may hold wildcards."""
+    def subscribe(self, key: str, on_bytes: OnBytes, on_damaged: OnDamaged = ignore) -> Undeclare:
+        """Call `on_bytes` for everything that other processes publish under `key`, which may hold wildcards.
+
+        `on_damaged` is called instead for a message that does not fit its checksum.
+        """
 
     def show_token(self, key: str) -> Undeclare:
         """Show a liveliness token until it is taken back, or this process ends."""

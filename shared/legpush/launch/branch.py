@@ -3,21 +3,19 @@
 import shlex
 import sys
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
-from legpush.files import sha256_of
-from legpush.launch.mission_recorder import next_file
-from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
+from legpush.files import next_file, sha256_of
+from legpush.launch.process_commands import Programs, recorded_policy_flags
 from legpush.launch.run import launch_mission
-from legpush.messages.common import Role
 from legpush.options.recordings import BranchOptions
 from legpush.options.run import RunOptions
 from legpush.policy_names import TRUST_FILE, require_repeated
 from legpush.recording.branch import RecordedPast, parse_point
 from legpush.recording.facts import read_facts, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
+from legpush.runs.temporary import temporary_folder
 
 
 def branch(options: BranchOptions) -> int:
@@ -36,9 +34,6 @@ def branch(options: BranchOptions) -> int:
     repeated = past if past == facts.policy else None
     flags += recorded_policy_flags(facts, options.policy, repeated)
 
-    def process(role: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
-        return process_arguments(role, run, place) + (tuple(flags) if role == "agent" else ())
-
     about = {
         "parent_file": " ".join(path.name for path in recording.files),
         "parent_sha256": sha256_of(recording.files),
@@ -46,8 +41,8 @@ def branch(options: BranchOptions) -> int:
         "parent_step": str(at.step),
         "branch": shlex.join(sys.argv[1:]),
     }
-    with TemporaryDirectory(prefix="legpush-branch-") as folder:
-        mission = unpack_mission(recording, Path(folder))
+    with temporary_folder("branch-") as folder:
+        mission = unpack_mission(recording, folder)
         run = RunOptions(
             scenario=str(mission.scenario),
             seed=mission.facts.seed,
@@ -59,7 +54,7 @@ def branch(options: BranchOptions) -> int:
             record=options.record or default_file(options),
             video=options.video,
         )
-        programs = Programs(process=process, again=lambda folder: again(options, folder), kind="branch")
+        programs = Programs(agent_flags=tuple(flags), again=lambda folder: again(options, folder), kind="branch")
         return launch_mission(run, Console(), programs, about)
 
 

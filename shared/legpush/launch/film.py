@@ -7,6 +7,7 @@ from typing import Final
 
 from legpush.errors import INTERRUPTED, NO_OPENGL
 from legpush.launch.display import Display
+from legpush.launch.last_words import said
 from legpush.launch.supervisor import Verdict
 from legpush.options.formats import View
 from legpush.patience import SLICE_S, Stopwatch
@@ -45,6 +46,5 @@ def film(
     if process.exit_code == NO_OPENGL:
         note("".join(process.last_words(1)) or "no video: no OpenGL library can be used")
     elif process.exit_code != 0:
-        why = ": ".join((describe_exit(process.exit_code), *process.last_words(1)))
-        note(f"no video: it {why}; see {command.log}")
+        note(f"no video: the film {describe_exit(process.exit_code)}{said(process)}")
     return None

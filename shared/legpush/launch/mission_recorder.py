@@ -1,12 +1,12 @@
 """Starts the recorder of a mission. It ends with the mission, and its failure does not end the mission."""
 
 from collections.abc import Mapping
-from itertools import count
 from pathlib import Path
 from typing import Any
 
 from legpush.bus.endpoints import Endpoints
 from legpush.launch.display import Display
+from legpush.launch.last_words import error_of
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew
 from legpush.processes.recorder_process import INCOMPLETE, recorder_arguments, what_is_missing
@@ -32,11 +32,10 @@ class MissionRecorder:
 
     def note_end(self, process: Process) -> None:
         """Tell the user at once that the recorder ended although the mission goes on."""
-        words = process.last_words(1)
-        said = f": {words[0].removeprefix('error: ')}" if words and (process.exit_code or 0) > 0 else ""
+        why = f": {error_of(process)}" if (process.exit_code or 0) > 0 else ""
         self._failure = (
-            f"the recorder {describe_exit(process.exit_code or 0)}{said}; the mission goes on without it; "
-            f"`legpush recover {self._file}` saves what was recorded"
+            f"the recorder {describe_exit(process.exit_code or 0)}{why}; its log is {process.command.log}; the mission "
+            f"goes on without it; `legpush recover {self._file}` saves what was recorded"
         )
         self._display.notice(self._failure)
 
@@ -54,13 +53,3 @@ class MissionRecorder:
             recording: dict[str, Any] = {"file": str(self._file), "complete": code == 0 and self._failure is None}
             recording["notes"] = [self._failure] if self._failure is not None else notes
             write_report({**read_report(folder), "recording": recording}, folder)
-
-
-def next_file(file: Path) -> Path:
-    """Return a file that continues this one: `m-2.mcap` after `m.mcap`, or the first number that is free."""
-    stem, _, number = file.stem.rpartition("-")
-    first = file.with_name(f"{stem}{file.suffix}")
-    if not (number.isdecimal() and first.exists()):
-        first = file
-    names = (f"{first.stem}-{number}{first.suffix}" for number in count(2))
-    return next(path for path in map(first.with_name, names) if path != file and not path.exists())

@@ -35,19 +35,23 @@ def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[st
     if role == "planner" and options.planner_command is not None:
         return split_command(options.planner_command)
     # -P: files in the working directory are not part of the program.
-    arguments = [sys.executable, "-P", "-m", f"{role}_proc"]
-    if role == "agent":
-        arguments += ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
-        arguments += ["--out", str(place.folder), "--policy", options.policy]
-        if options.trust_policy_file:
-            arguments += [TRUST_FILE]
-        if options.push_map is not None:
-            arguments += ["--push-map", str(options.push_map.absolute())]
-        if not options.picture:
-            arguments += ["--no-picture"]
-        if options.record is not None and options.planner_command is not None:
-            arguments += ["--witness-planner"]
-    return tuple(arguments)
+    process = (sys.executable, "-P", "-m", f"{role}_proc")
+    return process + agent_flags(options, place) if role == "agent" else process
+
+
+def agent_flags(options: RunOptions, place: Place) -> tuple[str, ...]:
+    """Return the flags of the agent, without those that `bus_flags` adds."""
+    flags = ["--scenario", str(place.folder / SCENARIO_FILE), "--seed", str(options.seed)]
+    flags += ["--out", str(place.folder), "--policy", options.policy]
+    if options.trust_policy_file:
+        flags += [TRUST_FILE]
+    if options.push_map is not None:
+        flags += ["--push-map", str(options.push_map.absolute())]
+    if not options.picture:
+        flags += ["--no-picture"]
+    if options.record is not None and options.planner_command is not None:
+        flags += ["--witness-planner"]
+    return tuple(flags)
 
 
 def recorded_policy_flags(facts: MissionFacts, policy: str | None, repeated: str | None) -> tuple[str, ...]:
@@ -66,6 +70,8 @@ class Programs:
     """The programs that a mission starts."""
 
     process: Callable[[Role, RunOptions, Place], tuple[str, ...]] = process_arguments
+    agent_flags: tuple[str, ...] = ()
+    """Further flags of the agent."""
     film: Callable[[Path], tuple[str, ...]] = film_arguments
     again: Callable[[Path], str] | None = None
     """Makes the command that continues an interrupted run in its folder; without it, that is `legpush run`."""

@@ -8,6 +8,7 @@ from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
 from legpush.errors import exit_code_of, printable
 from legpush.messages.common import PROTOCOL_VERSION
+from legpush.options.checks import require_writable_file
 from legpush.options.recordings import RecordOptions
 from legpush.output.guarded_streams import Output, with_guarded_output
 from legpush.recording.mcap_file.writer import RecordingFile, Split
@@ -21,6 +22,7 @@ log = logging.getLogger(__name__)
 
 def run_recorder(options: RecordOptions) -> int:
     """Record, and return the exit code: 0 if the recording is complete, 1 if not."""
+    require_writable_file(options.file, "FILE")
     # With --listen, the processes are started by hand.
     chosen = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
     at = Endpoints(listen=options.listen, connect=chosen.endpoints.connect)
@@ -63,7 +65,3 @@ def main() -> int:
         return run_recorder(options)
 
     return with_guarded_output(lambda output: exit_code_of(lambda: parse_and_record(output)))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

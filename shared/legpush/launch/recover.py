@@ -9,6 +9,7 @@ from typing import Final
 from legpush.errors import ConfigError, one_line, printable
 from legpush.history.journal import Opened
 from legpush.history.mending import step_back
+from legpush.options.checks import require_new_file
 from legpush.options.recordings import RecoverOptions
 from legpush.policy_names import TRUST_FILE, runs_code
 from legpush.recording.recover import recover
@@ -29,6 +30,7 @@ def run_recover(options: RecoverOptions) -> int:
     if options.file.is_dir():
         return _recover_run(options.file)
     out = options.out or options.file.with_name(f"{options.file.stem}-recovered{options.file.suffix}")
+    require_new_file(out, "--out")
     recording = recover(options.file, out)
     notes = recording.completeness["notes"].splitlines()
     said = "".join(f"    {note}\n" for note in notes)

@@ -4,7 +4,6 @@ import logging
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Literal
 
@@ -26,12 +25,14 @@ from legpush.plans.client import PlanLink
 from legpush.policy_names import require_repeated
 from legpush.processes.child_numerics import child_numerics
 from legpush.processes.pool import SimPool
+from legpush.processes.start_program import program_command
 from legpush.recording.episodes import difference, same
 from legpush.recording.facts import recorded_numerics, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.recording.publish import from_start, publish
 from legpush.recording.verify import check
+from legpush.runs.temporary import temporary_folder
 from legpush.service import stop_on_signals
 
 
@@ -74,8 +75,8 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
         PolicyError: The recorded policy runs code and was not repeated.
         ConfigError: `--policy` is another policy than that of the recording.
     """
-    with TemporaryDirectory(prefix="legpush-replay-") as folder:
-        mission = unpack_mission(read_recording(options.files), Path(folder))
+    with temporary_folder("replay-") as folder:
+        mission = unpack_mission(read_recording(options.files), folder)
         require_repeated(mission.facts.policy, options.policy)
         if options.policy not in (None, mission.facts.policy):
             raise ConfigError(f"Expected the recorded policy {mission.facts.policy} for --policy, got {options.policy}")
@@ -84,8 +85,8 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
 
         def process(of: Role, run: RunOptions, place: Place) -> tuple[str, ...]:
             if of == role:
-                return (sys.executable, "-P", "-m", "legpush.recording.play", role, *files)
-            return process_arguments(of, run, place) + (flags if of == "agent" else ())
+                return tuple(program_command("legpush.recording.play", (role, *files)))
+            return process_arguments(of, run, place)
 
         run = RunOptions(
             scenario=str(mission.scenario),
@@ -96,7 +97,7 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
             out=options.out,
             video=False,
         )
-        return launch_mission(run, console, Programs(process=process, kind="replay"))
+        return launch_mission(run, console, Programs(process=process, agent_flags=flags, kind="replay"))
 
 
 def play_agent(files: tuple[Path, ...], console: Console) -> int:
@@ -104,7 +105,7 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
     recording = read_recording(files)
     plans, stop = read_plans(recording), stop_on_signals()
     with ExitStack() as stack:
-        logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-replay-")))
+        logs = stack.enter_context(temporary_folder("replay-"))
         planners = stack.enter_context(SimPool(1, logs, stop, kind="replay", role="planner"))
         bus = stack.enter_context(Bus(planners.run, "agent", "planning", planners.endpoints))
         link = PlanLink(bus, stop=stop)
@@ -137,7 +138,7 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
     stop = stop_on_signals()
     began = perf_counter()
     with ExitStack() as stack:
-        logs = Path(stack.enter_context(TemporaryDirectory(prefix="legpush-verify-")))
+        logs = stack.enter_context(temporary_folder("verify-"))
         pool = stack.enter_context(SimPool(1, logs, stop, kind="replay"))
         bus = stack.enter_context(Bus(pool.run, "agent", "main", pool.endpoints))
         display = stack.enter_context(make_display(console))

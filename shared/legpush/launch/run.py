@@ -17,11 +17,12 @@ from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import in_directory
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, printable
-from legpush.files import require_space, write_whole
+from legpush.files import next_file, require_space, write_whole
 from legpush.history.mending import mend
 from legpush.launch.display import make_display
 from legpush.launch.film import film
-from legpush.launch.mission_recorder import MissionRecorder, next_file
+from legpush.launch.mission_recorder import MissionRecorder
+from legpush.launch.preflight import check_mission
 from legpush.launch.process_commands import Place, Programs, bus_flags, flags_again
 from legpush.launch.summary import print_summary
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
@@ -42,7 +43,7 @@ from legpush.runs.folder import (
     journals,
     run_folder,
 )
-from legpush.runs.live_runs import LiveRun, shown, socket_directory
+from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
 from legpush.runs.report import add_note, read_report
 from legpush.scene.scenario import Scenario
 
@@ -65,6 +66,7 @@ def launch_mission(
         require_libraries()
         programs = Programs()
     folder = options.out or default_folder(scenario, options.seed, datetime.now().astimezone())
+    check_mission(options, scenario, folder, programs)
     again = programs.again(folder) if programs.again is not None else _again(options, folder)
     try:
         verdict = _run_and_tell(folder, scenario, options, programs, console, about or {}, again)
@@ -88,6 +90,8 @@ def _run_and_tell(
     again: str,
 ) -> Verdict:
     """Run the mission in its folder, and tell the user how it ended, except on a full disk."""
+    for line in clear_killed_runs():
+        console.print(Text(line), soft_wrap=True)
     with run_folder(folder, scenario):
         for journal in journals(folder):
             if done := mend(journal):
@@ -98,6 +102,8 @@ def _run_and_tell(
             require_space(folder)  # on a full disk a process cannot even say so in its log
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {printable(verdict.reason)}\n")
+            if verdict.exit_code == BAD_INPUT and (folder / REPORT_FILE).exists():
+                print_summary(console, folder, read_report(folder))
         elif verdict.exit_code == INTERRUPTED:
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
@@ -144,7 +150,9 @@ def _run_in(
         commands = [
             Command(
                 role=role,
-                argv=programs.process(role, options, place) + bus_flags(role, options, place),
+                argv=programs.process(role, options, place)
+                + (programs.agent_flags if role == "agent" else ())
+                + bus_flags(role, options, place),
                 log=place.folder / LOGS / f"{role}.log",
                 environment=environment,
                 flags_again=flags_again(role, options),
@@ -157,6 +165,7 @@ def _run_in(
             is_alive=lambda role: any(peer.role == role for peer in bus.liveliness.live()),
             hear=statuses.drain,
             limits=Limits(mission_s=options.deadline_s),
+            has_result=(place.folder / REPORT_FILE).exists,
             on_bystander=lambda process: recorder.note_end(process) if recorder is not None else None,
         )
         with shown(LiveRun.now(place.run, programs.kind, place.folder, for_recorders.connect), sockets):

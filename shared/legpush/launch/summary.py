@@ -26,6 +26,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "success": ("mission", lambda done: "success" if done else "no success"),
     "reason": ("reason", str),
     "detail": ("how it ended", str),
+    "remedy": ("what would change it", str),
     "box_position_error_m": ("box position error", lambda m: f"{100 * m:.1f} cm"),
     "box_angle_error_deg": ("box angle error", lambda deg: f"{deg:.1f}°"),
     "walk_tracking_rms_m": ("walking path error, RMS", lambda m: f"{100 * m:.1f} cm"),
@@ -82,6 +83,8 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
 
 def _is_shown(field: str, report: dict[str, Any]) -> bool:
     """Return False for a row about something that did not happen."""
+    if field == "remedy":
+        return bool(report["remedy"])
     if field in IF_APPEARED:
         return bool(report.get("appeared"))
     return field not in IF_ANY or bool(report[field])

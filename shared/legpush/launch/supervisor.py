@@ -1,6 +1,5 @@
 """Watches over the processes of a mission: waits until each is ready, restarts it if it dies, names it if it hangs."""
 
-import signal
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from time import monotonic
@@ -8,9 +7,10 @@ from typing import Final
 
 from legpush.errors import DISK_FULL, INTERRUPTED
 from legpush.launch.display import Display
+from legpush.launch.last_words import said
 from legpush.messages.telemetry import Status
 from legpush.patience import SLICE_S, Stopwatch
-from legpush.processes.child import TAIL_LINES, Command, Process, describe_exit
+from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew, Interrupt
 
 SUCCESS: Final = 0
@@ -59,7 +59,8 @@ class Supervisor:
     """Runs the processes of a mission until the leading one is done.
 
     `is_alive` says whether a role shows its liveliness token. `hear` returns the statuses since the last call.
-    `on_bystander` gets a process of the crew that ended and has no part in the mission.
+    `has_result` says whether the leader left the result of the mission. `on_bystander` gets a process of the crew that
+    ended and has no part in the mission.
     """
 
     def __init__(
@@ -71,6 +72,7 @@ class Supervisor:
         hear: Callable[[], Iterable[Status]],
         leader: str = "agent",
         limits: Limits | None = None,
+        has_result: Callable[[], bool] = lambda: True,
         on_bystander: Callable[[Process], None] = lambda process: None,
         clock: Callable[[], float] = monotonic,
     ) -> None:
@@ -80,6 +82,7 @@ class Supervisor:
         self._hear = hear
         self._leader = leader
         self._limits = limits or Limits()
+        self._has_result = has_result
         self._on_bystander = on_bystander
         self._clock = clock
         self._posts: dict[str, _Post] = {}
@@ -121,18 +124,19 @@ class Supervisor:
             self._on_bystander(process)
             return None
         if role == self._leader and exit_code in (SUCCESS, NO_SUCCESS):
+            if not self._has_result():
+                what = f"the {role} {describe_exit(exit_code)} without a result of the mission"
+                return Verdict(GAVE_UP, f"{what}{said(process)}")
             self._show()
             return Verdict(exit_code, self._last.detail if exit_code == NO_SUCCESS and self._last is not None else "")
         if exit_code in (BAD_INPUT, DISK_FULL):
-            said = process.last_words(1)
-            error = said[0].removeprefix("error: ") if said else describe_exit(exit_code)
-            return Verdict(exit_code, f"{role}: {error}")
+            return Verdict(exit_code, f"the {role} {describe_exit(exit_code)}{said(process)}")
         post, what = self._posts[role], f"the {role} {describe_exit(exit_code)}"
         if post.n_restarts == self._limits.max_restarts:
-            return Verdict(GAVE_UP, f"{what} after {post.n_restarts} restarts{_said(process)}")
+            return Verdict(GAVE_UP, f"{what} after {post.n_restarts} restarts{said(process)}")
         n_restarts = post.n_restarts + 1
         self._display.notice(
-            f"{what}; starting it again ({n_restarts} of {self._limits.max_restarts}){_said(process, 3)}"
+            f"{what}; starting it again ({n_restarts} of {self._limits.max_restarts}){said(process, 3)}"
         )
         self._posts[role] = self._fill(process.command.again(), n_restarts)
         return None
@@ -154,7 +158,7 @@ class Supervisor:
                 return Verdict(
                     GAVE_UP,
                     f"the {role} {what} {self._limits.ready_s:g} s, although it runs (process {post.process.pid})"
-                    f"{_said(post.process)}",
+                    f"{said(post.process)}",
                 )
         return self._check_time()
 
@@ -192,13 +196,3 @@ class Supervisor:
             self._display.progress(last.phase, last.fraction, last.detail, last.waiting_for)
         else:
             self._display.progress("starting", None, "", ", ".join(missing))
-
-
-def _said(process: Process, n_lines: int = TAIL_LINES) -> str:
-    """Return the end of a process's log, to follow a sentence about it; after SIGKILL there are no last words."""
-    if process.exit_code == -signal.SIGKILL:
-        return f"; its log is {process.command.log}"
-    words = process.last_words(n_lines)
-    if not words:
-        return f"; it wrote nothing to {process.command.log}"
-    return "\n".join((f"; the end of {process.command.log}:", *(f"    {line}" for line in words)))

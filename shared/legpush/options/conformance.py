@@ -10,7 +10,7 @@ import tyro
 from legpush.bounds import WaitS
 from legpush.errors import ConfigError
 from legpush.fields import require
-from legpush.options.checks import program_path
+from legpush.options.checks import program_path, require_writable_file
 
 USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- COMMAND..."
 
@@ -31,8 +31,8 @@ class PlanCheckOptions:
 
     def __post_init__(self) -> None:
         require(WaitS, self.deadline_s, "--deadline", "seconds")
-        if self.json is not None and not self.json.absolute().parent.is_dir():
-            raise ConfigError(f"Expected a file in an existing folder for --json, got {self.json}")
+        if self.json is not None:
+            require_writable_file(self.json, "--json")
 
 
 def split_at_dashes(argv: Sequence[str]) -> tuple[list[str], tuple[str, ...]]:

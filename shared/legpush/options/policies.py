@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.options.checks import require_writable_folder
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class ExportPolicy:
     def __post_init__(self) -> None:
         if self.out.exists() or not self.out.parent.is_dir():
             raise ConfigError(f"Expected a new folder in an existing one for --out, got {self.out}")
+        require_writable_folder(self.out, "--out")
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import tyro
 
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
+from legpush.options.checks import require_writable_file
 from legpush.scenarios.random_room import RandomRoom
 
 
@@ -51,6 +52,7 @@ class RandomScenario(RandomRoom):
         require(Seed, self.seed, "--seed")
         if self.file.exists() or not self.file.parent.is_dir():
             raise ConfigError(f"{self.file}: expected a new file in an existing folder")
+        require_writable_file(self.file, "FILE")
 
     def flags(self) -> list[str]:
         """Return these options as a command line."""

@@ -19,7 +19,7 @@ from legpush.processes.crew import Crew, Interrupt
 from legpush.processes.environment import RECORDED, child_environment
 from legpush.processes.recorder_process import INCOMPLETE, recorder_arguments, what_is_missing
 from legpush.runs.folder import run_name
-from legpush.runs.live_runs import LiveRun, shown, socket_directory
+from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
 
 log = logging.getLogger(__name__)
 
@@ -80,6 +80,8 @@ class SimPool:
             raise ConfigError(
                 f"Expected a folder that can be made for logs, got {self._logs} ({error.strerror})"
             ) from error
+        for line in clear_killed_runs():
+            log.warning("%s", line)
         directory = self._closing.enter_context(socket_directory())
         self.endpoints = Endpoints(listen=in_directory(directory, "agent").listen)
         self._at = {name: in_pool(directory, name) for name in self.names}

@@ -17,7 +17,7 @@ def recorder_arguments(
     file: Path, run: str, endpoints: Endpoints, about: Mapping[str, str] | None = None
 ) -> tuple[str, ...]:
     """The command line of a recorder; `about` becomes metadata of the recording."""
-    argv = [sys.executable, "-P", "-m", "legpush.launch.record", str(file.absolute()), "--run", run]
+    argv = [sys.executable, "-P", "-m", "legpush.entry", "legpush.launch.record", str(file.absolute()), "--run", run]
     argv += ["--listen", *endpoints.listen, "--connect", *endpoints.connect]
     for name, value in (about or {}).items():
         argv += ["--about", f"{name}={value}"]

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from typing import Literal, NoReturn
 
+from legpush.entry.interrupts import hold
 from legpush.numerics.profile import why_not_here, with_profile
 from legpush.processes.environment import child_environment
 
@@ -12,23 +13,31 @@ Program = Literal[
     "agent_proc.programs.train",
     "agent_proc.programs.evaluate",
     "agent_proc.programs.calibrate",
+    "agent_proc.programs.check_mission",
     "agent_proc.programs.draw_room",
     "agent_proc.programs.policy",
     "agent_proc.programs.show_map",
     "agent_proc.programs.study_table",
-    "planner_proc.conformance",
-    "sim_proc.export",
-    "sim_proc.view",
+    "planner_proc.conformance.program",
+    "sim_proc.export.program",
+    "sim_proc.view.program",
     "legpush.canary",
+    "legpush.recording.play",
 ]
-"""A module that Python runs as a program."""
+"""A module whose `main` runs as a program."""
 
 
 def start_program(program: Program, argv: Sequence[str]) -> NoReturn:
     """Become this program; `argv` are its options."""
-    # -P: what lies in the working directory is no part of the program.
-    command = [sys.executable, "-P", "-m", program, *argv]
+    command = program_command(program, argv)
+    hold()
     os.execve(command[0], command, child_environment(os.environ))  # noqa: S606 - no shell is wanted
+
+
+def program_command(program: Program, argv: Sequence[str]) -> list[str]:
+    """Return the command line of a program with these options."""
+    # -P: what lies in the working directory is no part of the program.
+    return [sys.executable, "-P", "-m", "legpush.entry", program, *argv]
 
 
 def start_python(arguments: Sequence[str]) -> NoReturn:

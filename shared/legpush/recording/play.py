@@ -118,8 +118,9 @@ class RecordedPlanner:
         return f"the recording has no such query; it differs from the last one of its kind in {path}: {expected}, {got}"
 
 
-def main(role: Literal["sim", "planner"]) -> int:
-    """Take the part of the process with this role."""
+def main() -> int:
+    """Take the part of the process whose role is the first argument; returns the exit code."""
+    role: Literal["sim", "planner"] = "sim" if sys.argv.pop(1) == "sim" else "planner"
 
     def serve(config: PlayConfig, bus: Bus, stop: threading.Event) -> None:
         recording = read_recording(config.files)
@@ -129,7 +130,3 @@ def main(role: Literal["sim", "planner"]) -> int:
             serve_plans(bus, RecordedPlanner(read_plans(recording)).make_plans, stop)
 
     return run_process(role, PlayConfig, serve)
-
-
-if __name__ == "__main__":
-    sys.exit(main("sim" if sys.argv.pop(1) == "sim" else "planner"))

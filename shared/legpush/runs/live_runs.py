@@ -8,9 +8,8 @@ import fcntl
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
 from time import time
 from typing import Annotated, Final, Self
 
@@ -18,21 +17,15 @@ import msgspec
 from msgspec import Meta, Struct
 
 from legpush.bounds import Count
-from legpush.bus.endpoints import MAX_SOCKET_PATH_BYTES, Endpoints
-from legpush.errors import EndpointError
+from legpush.bus.endpoints import Endpoints
+from legpush.errors import EndpointError, printable
 from legpush.fields import Name
 from legpush.files import new_file
 from legpush.messages.common import PROTOCOL_VERSION
+from legpush.runs.folder import COMMAND_FILE, LOGS
+from legpush.runs.temporary import clear_abandoned, private_folders, socket_place, temporary_folder
 
-PREFIX: Final = "legpush-"
-"""How directories of sockets are called in the temporary directory."""
 RUN_FILE: Final = "run.json"
-SHORT: Final = "/tmp"  # noqa: S108 - only the parent of a directory that is made for one run
-"""Where the sockets are if `TMPDIR` is too long for them."""
-SPARE_BYTES: Final = len("/legpush-12345678/planner.sock") + 2
-"""Room for a directory of sockets and the longest name of one, behind a temporary directory."""
-NO_ENDPOINT: Final = frozenset("?#")
-"""Characters that begin the parameters of an endpoint."""
 MAX_BYTES: Final = 65536
 """Largest file that is read; a larger one is not of a launcher."""
 PRINTABLE: Final = r"^[^\x00-\x1f\x7f]+$(?!\n)"
@@ -73,22 +66,27 @@ class LiveRun(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         )
 
 
-@contextmanager
-def socket_directory() -> Iterator[Path]:
+def socket_directory(kind: str = "") -> AbstractContextManager[Path]:
     """A directory of mode 0700 for the sockets of a run, where `find_live_runs` looks."""
-    with TemporaryDirectory(prefix=PREFIX, dir=_places()[-1]) as directory:
-        yield Path(directory)
+    return temporary_folder(kind, socket_place())
 
 
-def _places() -> tuple[str, ...]:
-    """Return the temporary directory, and `/tmp` besides if a socket in that directory had too long a path.
+def clear_killed_runs() -> list[str]:
+    """Remove the temporary folders of killed launchers; return a line for each run of them that can go on."""
+    lines: list[str] = []
 
-    The path of a unix socket is short, and an endpoint of Zenoh has no place for some characters.
-    """
-    temporary = gettempdir()
-    n_bytes = len(os.fsencode(temporary)) + SPARE_BYTES
-    fits = n_bytes <= MAX_SOCKET_PATH_BYTES and temporary.isprintable() and not NO_ENDPOINT.intersection(temporary)
-    return (temporary,) if fits else (temporary, SHORT)
+    def note(folder: Path) -> None:
+        run = _read(folder / RUN_FILE, locked=False)
+        if run is None or run.folder is None:
+            return
+        try:
+            command = (Path(run.folder) / LOGS / COMMAND_FILE).read_text(encoding="utf-8", errors="replace").strip()
+        except OSError:
+            return
+        lines.append(printable(f"the {run.kind} in {run.folder} was killed; to go on: {command}"))
+
+    clear_abandoned(note)
+    return lines
 
 
 @contextmanager
@@ -112,32 +110,19 @@ def find_live_runs() -> tuple[LiveRun, ...]:
 
     What others put there, what cannot be read, another protocol's and what a killed launcher left behind is skipped.
     """
-    directories: list[Path] = []
-    for place in dict.fromkeys(_places()):
-        with os.scandir(place) as entries:
-            directories += [Path(each.path) for each in entries if each.name.startswith(PREFIX) and _is_private(each)]
-    runs = (_read(directory / RUN_FILE) for directory in directories)
+    runs = (_read(directory / RUN_FILE) for directory in private_folders())
     return tuple(sorted((run for run in runs if run is not None), key=lambda run: (run.began_unix_s, run.run)))
 
 
-def _is_private(entry: os.DirEntry[str]) -> bool:
-    """Whether it is a directory, no link to one, that only this user can enter."""
-    try:
-        status = entry.stat(follow_symlinks=False)
-    except OSError:
-        return False
-    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) & 0o077 == 0
-
-
-def _read(path: Path) -> LiveRun | None:
-    """The run in a file, None where it is none that lives."""
+def _read(path: Path, *, locked: bool = True) -> LiveRun | None:
+    """The run in a file, None where it is none that lives; with `locked` False, none that does not live any more."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return None
     try:
         status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or not _is_locked(descriptor):
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or _is_locked(descriptor) is not locked:
             return None
         run = msgspec.json.decode(os.read(descriptor, MAX_BYTES), type=LiveRun)
         Endpoints(connect=run.connect)

@@ -2,26 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from msgspec import Struct, to_builtins
 
 from legpush.errors import LegpushError
 from legpush.files import write_whole
 from legpush.runs.folder import REPORT_FILE
-
-Reason = Literal[
-    "success",
-    "fell",
-    "box_tipped",
-    "no_path",
-    "stuck",
-    "missed_station",
-    "left_reference",
-    "max_push_cycles",
-    "tolerance_missed",
-]
-"""Why a mission ended."""
+from legpush.runs.reasons import Reason
 
 
 class Appeared(Struct, frozen=True, kw_only=True):
@@ -41,6 +29,8 @@ class Report(Struct, frozen=True, kw_only=True):
     """Why the mission ended."""
     detail: str
     """One sentence for people."""
+    remedy: str
+    """What would change the reason, with the keys of the scenario or the options; empty for a success."""
     box_position_error_m: float
     box_angle_error_deg: float
     walk_tracking_rms_m: float | None

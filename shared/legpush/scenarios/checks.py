@@ -36,6 +36,7 @@ from legpush.scene.robot import (
     FOOT_RECTANGLE_WIDTH_M,
 )
 from legpush.scene.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, PlanSettings, Rectangle, Room, Scenario
+from legpush.scene.steering import radius_fault
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5
@@ -135,7 +136,12 @@ def _check_place_to_end(scenario: Scenario, face: Face) -> None:
 
 
 def _check_planning(planning: PlanSettings) -> None:
-    """Check that better paths while walking are not asked for with curved ones: straight lines join a better path."""
+    """Check that a steering has its turning radius, and that better paths while walking are not asked for with curves.
+
+    Straight lines join a better path.
+    """
+    if fault := radius_fault(planning):
+        raise ScenarioError(f"at `planning.min_turning_radius_m`: {fault[:1].lower()}{fault[1:]}")
     curved = planning.steering != "straight" or planning.min_turning_radius_m > 0.0
     if planning.anytime is not None and curved:
         raise ScenarioError(

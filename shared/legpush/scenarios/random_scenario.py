@@ -15,7 +15,7 @@ from legpush.errors import ConfigError, ScenarioError
 from legpush.geometry import Pose2
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.random_room import RandomRoom
-from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Rectangle, Room, Scenario
 
 N_ROOMS: Final = 200
 """Most sets of obstacles to try."""
@@ -25,8 +25,6 @@ N_UNSOLVABLE: Final = 20
 """Give up after this many unsolvable rooms."""
 CELL_M: Final = 0.1
 """Cell size of the grid that the disc moves on."""
-MAX_PUSH_CYCLES: Final = 600
-"""Enough for a path of 20 m."""
 LEAST_WALK_M: Final = 1.5
 """Least distance from the start to the box."""
 
@@ -134,7 +132,6 @@ def _scenario(options: RandomRoom, seed: int, room: Room, start: PoseDeg, box: P
             position_tolerance_m=options.position_tolerance_m,
             angle_tolerance_deg=options.angle_tolerance_deg,
         ),
-        mission=MissionSettings(max_push_cycles=MAX_PUSH_CYCLES),
         randomization=Randomization(box_xy_m=options.box_xy_m, box_yaw_deg=options.box_yaw_deg),
     )
 

@@ -212,8 +212,9 @@ class MissionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     handover_distance_m: Length = 3.0
     """Distance from trunk to box at which walking hands over to pushing."""
-    max_push_cycles: PushCycles = 200
-    """The mission fails after this many push cycles."""
+    max_push_cycles: PushCycles | None = None
+    """The mission fails after this many push cycles. Without it, the number follows from the length of the box's path
+    and from how far one push moves this box; an episode of an evaluation has 200."""
 
 
 class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -7,6 +7,7 @@ from pathlib import Path
 import msgspec
 
 from legpush.errors import ConfigError
+from legpush.options.checks import require_writable_folder
 from legpush.study.folder import StudyFolder
 from legpush.study.rows import described, read_rows, write_table
 
@@ -21,6 +22,7 @@ def merge_studies(folders: Sequence[Path], out: Path) -> tuple[int, int]:
         RowsError: Rows cannot be read, or those of a cell differ.
         DiskError: The new folder cannot be written.
     """
+    require_writable_folder(out, "--out")
     studies = [StudyFolder(path) for path in folders]
     records = [study.record() for study in studies]
     first = records[0]

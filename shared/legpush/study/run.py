@@ -14,6 +14,7 @@ from rich.text import Text
 from legpush.canary import compute
 from legpush.errors import INTERRUPTED, ConfigError, DiskFullError
 from legpush.files import DiskError
+from legpush.options.checks import require_writable_folder
 from legpush.options.study import RunStudy
 from legpush.service import stop_on_signals
 from legpush.study.engines.choose import INLINE, LOCAL, make_engine, require_engine
@@ -35,6 +36,7 @@ def run_study(options: RunStudy, console: Console) -> int:
         LegpushError: The engine failed.
     """
     require_engine(options.on, options.slurm_options)
+    require_writable_folder(options.folder, "--out")
     study = load_study(options.file, own_cell=options.cell, allowed_policies=options.policy, many=options.yes)
     cells = [task.cell for task in study.tasks()]
     _require_different(study, cells)

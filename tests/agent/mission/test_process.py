@@ -4,17 +4,20 @@ import json
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from errno import ENOSPC
 from math import inf
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from agent_proc.mission.process import AgentConfig, work, writable_folder
 from agent_proc.reporting import picture
-from legpush.errors import ConfigError, JournalError, StopRequestedError
-from legpush.messages.planning import Plan
-from legpush.messages.stepping import Motion, Outcome
+from legpush.errors import ConfigError, JournalError, LegpushError, MotionError, StopRequestedError
+from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
+from legpush.messages.stepping import Motion, Outcome, Push
+from legpush.runs.reasons import REASONS, Reason
 from legpush.scenarios.file import dump_scenario
 from tests.agent.fake_world import KinematicSimulator, make_scenario, straight_plan
 from tests.legpush.fakes import bus, planner, sim
@@ -100,6 +103,66 @@ def test_a_mission_without_success_ends_with_1(sockets: Path, scenario_file: Pat
 
     assert code == 1
     assert report(tmp_path / "out")["reason"] == "no_path"
+
+
+def refuse_pushes(motion: Motion) -> None:
+    """Refuse what a simulator may refuse."""
+    if isinstance(motion, Push):
+        raise MotionError("too far away")
+
+
+def break_at_pushes(motion: Motion) -> None:
+    """Fail as a simulator may fail."""
+    if isinstance(motion, Push):
+        raise ZeroDivisionError("float division by zero")
+
+
+def keep_the_box(query: PlanQuery) -> Plan:
+    """Plans that do not move the box, which is not at its goal."""
+    plan = straight_plan(query)
+    return plan if isinstance(query, TrunkPathQuery) else replace(plan, waypoints=(query.start,) * 50)
+
+
+class Refusing(KinematicSimulator):
+    """Raises an exception in some motions."""
+
+    def __init__(self, refuse: Callable[[Motion], None]) -> None:
+        super().__init__()
+        self._refuse = refuse
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        self._refuse(motion)
+        return super().perform(motion, with_trace=with_trace)
+
+
+@pytest.mark.parametrize(
+    ("simulator", "plan", "reason", "words"),
+    [
+        (Refusing(refuse_pushes), straight_plan, "motion_refused", "too far away"),
+        (Refusing(break_at_pushes), straight_plan, "episode_broken", "float division by zero"),
+        (KinematicSimulator(), keep_the_box, "bad_answer", "the path of the box: .*the box does not move"),
+    ],
+)
+def test_an_error_that_a_second_try_meets_again_ends_the_mission_with_a_report_and_exit_code_2(
+    simulator: KinematicSimulator,
+    plan: Callable[[PlanQuery], Plan],
+    reason: Reason,
+    words: str,
+    sockets: Path,
+    scenario_file: Path,
+    tmp_path: Path,
+) -> None:
+    with (
+        sim(sockets, simulator),
+        planner(sockets, plan),
+        pytest.raises(LegpushError, match=words) as raised,
+    ):
+        run_agent(sockets, config(scenario_file, tmp_path / "out"))
+
+    assert raised.value.exit_code == 2, "the launcher does not start it again"
+    written = report(tmp_path / "out")
+    assert (written["success"], written["reason"], written["detail"]) == (False, reason, str(raised.value))
+    assert written["remedy"] == REASONS[reason].remedy
 
 
 class Interrupting(KinematicSimulator):

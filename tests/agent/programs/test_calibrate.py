@@ -8,11 +8,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from agent_proc.programs import calibrate
 from agent_proc.programs.calibrate import run
 from agent_proc.push_model.map import load_push_map
 from agent_proc.push_model.model import NOMINAL
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning import CalibrateOptions
+from tests.agent.programs.conftest import stopping
 
 
 @pytest.fixture
@@ -30,10 +32,12 @@ def test_it_writes_the_map_and_shows_it(options: CalibrateOptions) -> None:
     push_map = load_push_map(options.out, NOMINAL)
     assert (push_map.box.mass_kg, len(push_map.effects)) == (0.7, 8)
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert " ".join(said[0].split()) == "face leg w1 = w2 depth [cm] forward [cm] left [cm] turn [deg] n"
-    assert " ".join(said[1].split()) == "rear FL 0.5 2 1.35 ± 0.00 -0.33 ± 0.00 -1.43 ± 0.00 4"
+    assert said[0].endswith("pushing  4 of 4 series")
+    assert " ".join(said[1].split()) == "face leg w1 = w2 depth [cm] forward [cm] left [cm] turn [deg] n"
+    assert " ".join(said[2].split()) == "rear FL 0.5 2 1.35 ± 0.00 -0.33 ± 0.00 -1.43 ± 0.00 4"
     assert said[-3].startswith("rear face, one foot: turns on a radius of 0.")
     assert said[-1] == f"written to {options.out}"
+    assert [path.name for path in options.out.parent.iterdir()] == [options.out.name]
 
 
 @pytest.mark.usefixtures("stop")
@@ -46,9 +50,39 @@ def test_a_file_is_not_overwritten(options: CalibrateOptions, tmp_path: Path) ->
     assert options.out.read_text() == "mine"
 
 
-def test_an_interrupted_calibration_writes_nothing(options: CalibrateOptions, stop: threading.Event) -> None:
+def test_a_calibration_that_is_interrupted_at_once_keeps_nothing(
+    options: CalibrateOptions, stop: threading.Event
+) -> None:
     stop.set()
 
-    with pytest.raises(StopRequestedError, match="interrupted: nothing was written"):
+    with pytest.raises(StopRequestedError, match="interrupted: no series was finished"):
         run(options, Console(file=io.StringIO()))
-    assert not options.out.exists()
+    assert list(options.out.parent.iterdir()) == []
+
+
+@pytest.mark.parametrize("n_finished", [1, 3])
+def test_an_interrupted_calibration_goes_on_to_the_map_of_an_undisturbed_one(
+    n_finished: int,
+    options: CalibrateOptions,
+    stop: threading.Event,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    options = replace(options, simulators=1)
+    assert run(replace(options, out=tmp_path / "whole.json"), Console(file=io.StringIO())) == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(calibrate, "simulators", stopping(stop, n_finished))
+        words = (
+            rf"interrupted: {n_finished} of 4 series are kept in .*push_map\.json\.unfinished; the same command goes on"
+        )
+        with pytest.raises(StopRequestedError, match=words):
+            run(options, Console(file=io.StringIO()))
+    stop.clear()
+    with pytest.raises(ConfigError, match="got some with another box; remove the file to begin again"):
+        run(replace(options, box_mass_kg=0.5), Console(file=io.StringIO()))
+
+    console = Console(file=io.StringIO(), width=200)
+    assert run(options, console) == 0
+    assert console.file.getvalue().startswith(f"{n_finished} of 4 series are finished already\n")  # type: ignore[attr-defined]
+    assert options.out.read_bytes() == (tmp_path / "whole.json").read_bytes()
+    assert {path.name for path in tmp_path.iterdir()} == {"whole.json", "push_map.json"}

@@ -4,15 +4,18 @@ import csv
 import io
 import json
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from pyarrow import parquet
 from rich.console import Console
 
+from agent_proc.programs import evaluate
 from agent_proc.programs.evaluate import run
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning import EvaluateOptions
+from tests.agent.programs.conftest import stopping
 
 
 @pytest.fixture
@@ -39,9 +42,11 @@ def test_it_writes_rows_summary_and_plot(options: EvaluateOptions) -> None:
     assert {case["success_rate"]["kind"] for case in summary["cases"].values()} == {"Wilson 95 %"}
     assert (folder / "evaluation.png").read_bytes().startswith(b"\x89PNG")
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert said[0].startswith("box.mass_kg=0.1: position error ")
-    assert "(Wilson 95 %, n 2)" in said[0]
+    assert said[0].endswith("evaluating  4 of 4 episodes")
+    assert said[1].startswith("box.mass_kg=0.1: position error ")
+    assert "(Wilson 95 %, n 2)" in said[1]
     assert said[-1] == f"written to {folder}"
+    assert not (folder / "finished.jsonl").exists()
 
 
 @pytest.mark.usefixtures("stop")
@@ -62,15 +67,56 @@ def test_a_folder_with_something_in_it_is_refused(options: EvaluateOptions) -> N
     options.out.mkdir()
     (options.out / "notes.txt").touch()
 
-    with pytest.raises(ConfigError, match="a new or empty folder for --out"):
+    with pytest.raises(ConfigError, match=r"a new or empty folder for --out, or one with finished\.jsonl"):
         run(options, Console(file=io.StringIO()))
     assert [path.name for path in options.out.iterdir()] == ["notes.txt"]
 
 
-def test_an_interrupted_evaluation_writes_nothing(options: EvaluateOptions, stop: threading.Event) -> None:
+def test_an_evaluation_that_is_interrupted_at_once_keeps_nothing(
+    options: EvaluateOptions, stop: threading.Event
+) -> None:
     assert options.out is not None
     stop.set()
 
-    with pytest.raises(StopRequestedError, match="interrupted: nothing was written"):
+    with pytest.raises(StopRequestedError, match="interrupted: no episode was finished"):
         run(options, Console(file=io.StringIO()))
     assert not list(options.out.glob("*.*"))
+    stop.clear()
+    assert run(options, Console(file=io.StringIO())) == 0
+
+
+@pytest.mark.parametrize("n_finished", [1, 2, 3])
+def test_an_interrupted_evaluation_goes_on_to_the_result_of_an_undisturbed_one(
+    n_finished: int,
+    options: EvaluateOptions,
+    stop: threading.Event,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    options, folder = replace(options, simulators=1), options.out
+    assert folder is not None
+    whole = replace(options, out=tmp_path / "whole")
+    assert run(whole, Console(file=io.StringIO())) == 0
+
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluate, "simulators", stopping(stop, n_finished))
+        words = f"interrupted: {n_finished} of 4 episodes are kept; to go on: legpush evaluate "
+        with pytest.raises(StopRequestedError, match=words):
+            run(options, Console(file=io.StringIO()))
+    assert {path.name for path in folder.iterdir()} == {"finished.jsonl", "logs"}
+    stop.clear()
+    with (folder / "finished.jsonl").open("a") as file:
+        file.write('["cut off by a ki')
+    for other in (replace(options, policy="fixed"), replace(options, scenario="sine")):
+        with pytest.raises(
+            ConfigError, match=r"parts of the same work, got some with another (policy|scenario_sha256)"
+        ):
+            run(other, Console(file=io.StringIO()))
+
+    console = Console(file=io.StringIO(), width=200)
+    assert run(options, console) == 0
+    said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert said[0] == f"{n_finished} of 4 episodes are finished already"
+    for name in ("episodes.csv", "episodes.parquet", "summary.json"):
+        assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    assert not (folder / "finished.jsonl").exists()

@@ -28,7 +28,8 @@ def test_samples_come_in_the_order_of_the_cells_however_many_worlds_there_are() 
     planned = cells(("rear", "right"), ((0.5, 0.5),), (0.02, 0.05), (1, 2))
     n_done: list[int] = []
     one, three = (
-        calibrate([FakeWorld() for _ in range(n)], NOMINAL, planned, on_cell=lambda: n_done.append(1)) for n in (1, 3)
+        calibrate([FakeWorld() for _ in range(n)], NOMINAL, planned, on_cell=lambda cell, samples: n_done.append(1))
+        for n in (1, 3)
     )
 
     assert one == three

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from agent_proc.push_model.estimate import LEAST_SCALE, MOST_SCALE, PushEstimate
+from agent_proc.push_model.estimate import LEAST_LOST_M, LEAST_SCALE, MOST_SCALE, PushEstimate
 from agent_proc.push_model.model import NOMINAL, ON_ITS_SIDE, PushModel
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scene.robot import FRONT_LEGS, FrontLeg
+from legpush.scene.scenario import Box
 
 START = Pose2(x_m=1.0, y_m=2.0, yaw_rad=0.7)
 
@@ -93,3 +94,41 @@ def test_the_axle_does_not_slip_sideways_when_one_foot_turns_the_box() -> None:
     assert estimate.axle_m > 0.1
     assert after.y_m == pytest.approx(0.0, abs=1e-3)
     assert after.x_m > axle_b.x_m
+
+
+def pushed_by(estimate: PushEstimate, depth_m: float, lost_m: float) -> None:
+    """Let the estimate learn a push that moves the box as one of the model with a part of the depth."""
+    forward_m = estimate.commanded_m(max(depth_m - lost_m, 0.0))
+    estimate.learn(START, replace(push(w=0.4), depth_m=depth_m), START @ Pose2(x_m=forward_m, y_m=0.0, yaw_rad=0.0))
+
+
+@pytest.mark.parametrize("box", [NOMINAL, ON_ITS_SIDE.box])
+@pytest.mark.parametrize("lost_m", [0.0, 0.001, 0.0035, 0.0066, 0.0135, 0.027])
+def test_the_depth_that_a_heavy_box_loses_is_found_at_every_depth_and_with_every_curve(lost_m: float, box: Box) -> None:
+    estimate = PushEstimate(box)
+    for depth_m in (0.06, 0.06, 0.05, 0.05, 0.04, 0.03, 0.03):
+        pushed_by(estimate, depth_m, lost_m)
+
+    assert estimate.lost_depth_m == (0.0 if lost_m < LEAST_LOST_M else pytest.approx(lost_m, rel=0.3))
+    for _ in range(5):
+        pushed_by(estimate, 0.01 + lost_m, lost_m)
+    assert estimate.lost_depth_m == (0.0 if lost_m < LEAST_LOST_M else pytest.approx(lost_m, rel=0.1))
+
+
+def test_pushes_that_do_not_move_the_box_show_that_it_loses_more() -> None:
+    estimate = PushEstimate(NOMINAL)
+    pushed_by(estimate, 0.02, 0.03)
+    seen_m = [estimate.lost_depth_m]
+    for depth_m in (0.005, 0.022, 0.025):
+        pushed_by(estimate, depth_m, 0.03)
+        seen_m.append(estimate.lost_depth_m)
+
+    assert 0.0 < seen_m[0] <= seen_m[1] < seen_m[2] < seen_m[3] <= 0.03
+
+
+def test_a_box_that_slides_on_loses_nothing() -> None:
+    estimate = PushEstimate(NOMINAL)
+    for _ in range(10):
+        pushed_by(estimate, 0.05, -0.004)
+
+    assert estimate.lost_depth_m == 0.0

@@ -9,7 +9,7 @@ from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import PushView
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
-from agent_proc.pushing.follower import LINE_AHEAD_M, Follower
+from agent_proc.pushing.follower import ENOUGH_M, LINE_AHEAD_M, Follower
 from agent_proc.pushing.stage import Stage
 from legpush.geometry import Pose2
 from legpush.messages.poses import planar_pose
@@ -115,3 +115,23 @@ def test_in_an_open_loop_a_policy_is_asked_about_a_level_box_where_the_push_mode
     seen = asked.views[1].box_w
     assert (seen.x_m, seen.y_m, seen.yaw_rad) == pytest.approx((believed.x_m, believed.y_m, believed.yaw_rad))
     assert asked.views[1].box_state.position_m[2] == world.box.position_m[2]
+
+
+class Always:
+    """Pushes on for ever."""
+
+    def decide(self, _view: PushView) -> Push | None:
+        return Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.01)
+
+
+@pytest.mark.parametrize("is_last", [True, False])
+@pytest.mark.parametrize("left_m", [ENOUGH_M - 0.002, ENOUGH_M + 0.002])
+def test_a_line_that_another_stage_follows_is_over_a_little_before_its_end(left_m: float, is_last: bool) -> None:
+    scenario = scenario_at_station()
+    poses, _ = line("rear", 0.4)
+    follower = Follower(Stage("rear", poses, AXLE_M), Always(), scenario, PushEstimate(scenario.box), is_last=is_last)
+    box = Pose2(x_m=START.x_m + 0.4 - left_m, y_m=START.y_m + 0.02, yaw_rad=0.0)
+
+    decision = follower.decide(make_state(scenario.start.pose(), box))
+
+    assert (decision.ending == "done") == (left_m < ENOUGH_M and not is_last)

@@ -6,14 +6,16 @@ from msgspec.structs import replace
 from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import PushView
 from agent_proc.mission.mission import run_mission
+from agent_proc.policies.registry import make_policy
 from agent_proc.policies.scripted import ScriptedPolicy
-from agent_proc.pushing.pushing import AIM_M, MAX_BETTER, MAX_PATHS
+from agent_proc.pushing.pushing import AIM_M, MAX_BETTER, MAX_PATHS, STUCK_SHARE
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
 from agent_proc.walking.walker import STILL_CYCLES
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Push
 from legpush.scene.reference import Arcs, Left, Reference, Sine, Straight
+from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import Goal, MissionSettings, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
@@ -151,6 +153,45 @@ def test_a_box_that_does_not_move_ends_the_mission() -> None:
     result = run_mission(world, scenario_at_station(), 7, ScriptedPolicy())
 
     assert (result.reason, result.n_push_cycles) == ("stuck", STILL_CYCLES)
+
+
+@pytest.mark.parametrize(
+    ("push_scale", "reason"), [(STUCK_SHARE - 0.03, "stuck"), (STUCK_SHARE + 0.1, "max_push_cycles")]
+)
+@pytest.mark.parametrize("depth_m", [0.005, 0.05, 0.1])
+def test_a_box_is_stuck_that_moves_less_than_a_share_of_what_is_commanded(
+    depth_m: float, push_scale: float, reason: str
+) -> None:
+    """Short pushes move a box little, which does not make it stuck."""
+
+    class Pushes:
+        def __init__(self) -> None:
+            self._n = 0
+
+        def decide(self, _view: PushView) -> Push | None:
+            self._n += 1
+            return Push(w1=0.5, w2=0.5, leg=FRONT_LEGS[self._n % 2], depth_m=depth_m)
+
+    scenario = replace(scenario_at_station(), mission=MissionSettings(max_push_cycles=9))
+    result = run_mission(FakeWorld(push_scale=push_scale), scenario, 7, Pushes())
+
+    assert result.reason == reason
+    if reason == "stuck":
+        assert result.n_push_cycles == STILL_CYCLES
+        assert "5 push cycles moved the box" in result.detail
+
+
+@pytest.mark.parametrize("policy", ["variable", "scripted"])
+@pytest.mark.parametrize("lost_depth_m", [0.0035, 0.007, 0.0135])
+def test_a_heavy_box_is_brought_through_stages_that_others_follow(lost_depth_m: float, policy: str) -> None:
+    scenario = anywhere(7.0, 3.6, 0.0)
+    world = FakeWorld(planner=make_plan, lost_depth_m=lost_depth_m)
+
+    result = run_mission(world, scenario, 7, make_policy(policy))
+
+    assert result.reason == "success", result.detail
+    assert {push.face for push in world.motions(Push) if isinstance(push, Push)} == {"rear", "right"}
+    assert result.n_push_cycles < 90
 
 
 class Never:

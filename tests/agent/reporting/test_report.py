@@ -24,13 +24,14 @@ DONE = MissionResult(
     success=True,
     reason="success",
     detail="box error",
+    remedy="",
     handover_distance_m=2.9,
     n_push_cycles=1,
     n_better_paths=0,
     n_replans=0,
 )
 REPORT_KEYS = (
-    *("success", "reason", "detail", "box_position_error_m", "box_angle_error_deg", "walk_tracking_rms_m"),
+    *("success", "reason", "detail", "remedy", "box_position_error_m", "box_angle_error_deg", "walk_tracking_rms_m"),
     *(
         "box_path_rms_m",
         "handover_distance_m",

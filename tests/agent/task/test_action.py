@@ -1,9 +1,15 @@
 """What an action means: bounds, legs, depth, and the mirror."""
 
-from math import nan
+from dataclasses import replace
+from math import inf, nan
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis.extra.numpy import arrays
+from hypothesis.strategies import floats
+from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.model import PushModel
@@ -45,10 +51,35 @@ def test_the_published_grid_runs_from_a_tenth_to_eight_tenths() -> None:
     assert push(GRID, [2, 4, 1]) == Push(w1=0.3, w2=0.5, leg="FR", depth_m=GRID.fixed_depth_m)
 
 
-@pytest.mark.parametrize("action", [[0.0, 0.0, 0.0, nan], [0.0, 0.0, 0.0, 1.1], [0.0, 0.0, 0.0]])
-def test_an_action_outside_its_space_is_refused(action: list[float]) -> None:
-    with pytest.raises(ConfigError, match=r"Expected an action of 4 numbers in \[-1, 1\], got array"):
-        push(VARIABLE, action)
+@pytest.mark.parametrize(
+    ("action", "got"),
+    [
+        (np.array([0.0, 0.0, 0.0, nan]), "dtype float64, shape (4,)"),
+        (np.array([0.0, 0.0, 0.0, -inf], dtype=np.float32), "dtype float32, shape (4,)"),
+        (np.zeros(3, dtype=np.float32), "dtype float32, shape (3,)"),
+        (np.zeros((1, 4), dtype=np.float32), "dtype float32, shape (1, 4)"),
+        (np.array(["0"] * 4), "dtype <U1, shape (4,)"),
+        (np.zeros(4, dtype=complex), "dtype complex128, shape (4,)"),
+        (np.zeros(4, dtype=bool), "dtype bool, shape (4,)"),
+    ],
+)
+def test_an_action_outside_its_space_is_refused_with_its_dtype_and_shape(action: NDArray[Any], got: str) -> None:
+    with pytest.raises(ConfigError, match=r"Expected an action of 4 finite numbers") as refused:
+        to_push(action, VARIABLE, FAR)
+    assert got in str(refused.value)
+
+
+@pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64, np.int8, np.int64])
+def test_numbers_of_any_type_are_converted(dtype: type) -> None:
+    ones = np.array([1, -1, 1, -1])
+    assert to_push(ones.astype(dtype), VARIABLE, FAR) == push(VARIABLE, [1.0, -1.0, 1.0, -1.0])
+
+
+@given(arrays(np.float64, 4, elements=floats(-1e6, 1e6)))
+def test_numbers_out_of_range_are_clipped(action: NDArray[np.float64]) -> None:
+    before = action.copy()
+    assert to_push(action, VARIABLE, FAR) == push(VARIABLE, np.clip(action, -1.0, 1.0).tolist())
+    assert (action == before).all()
 
 
 @pytest.mark.parametrize("action", [[8, 0, 0], [0, 0, 2], [0, -1, 0], [0, 0]])
@@ -58,7 +89,7 @@ def test_a_choice_that_is_not_on_the_grid_is_refused(action: list[float]) -> Non
 
 
 def test_numbers_are_no_choices() -> None:
-    with pytest.raises(ConfigError, match="Expected an action of 3 integers"):
+    with pytest.raises(ConfigError, match=r"Expected an action of 3 integers .* dtype float32, shape \(3,\)"):
         to_push(np.zeros(3, dtype=np.float32), GRID, FAR)
 
 
@@ -96,3 +127,23 @@ def test_pushing_on_is_no_help_from_half_a_shallowest_push_before_the_goal() -> 
     assert not no_push_helps(VARIABLE, box_at(7.0 - 0.49 * travel_m))
     assert not no_push_helps(VARIABLE, box_at(7.0 - 0.0010))  # 1.7 mm by a push of 5 mm
     assert no_push_helps(VARIABLE, box_at(7.0 - 0.0008))
+
+
+@pytest.mark.parametrize("lost_m", [0.0, 0.004, 0.03])
+def test_a_box_that_loses_depth_is_pushed_deeper_by_as_much(lost_m: float) -> None:
+    view = replace(box_at(6.98), lost_depth_m=lost_m)
+    for unit in (-1.0, 0.3, 1.0):
+        usual = push(VARIABLE, [0.0, 0.0, 0.0, unit], box_at(6.98)).depth_m
+        assert push(VARIABLE, [0.0, 0.0, 0.0, unit], view).depth_m == pytest.approx(usual + lost_m)
+    assert deepest_push_m(VARIABLE, replace(box_at(5.0), lost_depth_m=lost_m)) == VARIABLE.max_depth_m
+    assert push(FIXED, [0.0, 0.0, 0.0], view).depth_m == FIXED.fixed_depth_m
+
+
+def test_the_least_useful_push_is_that_of_this_box() -> None:
+    """A fixed depth moves a box less that loses some of it; a variable one is chosen deeper."""
+    short = box_at(7.0 - 0.0012)
+    for lost_m, helps in ((0.0, True), (0.02, True)):
+        assert no_push_helps(VARIABLE, replace(short, lost_depth_m=lost_m)) != helps
+    near = box_at(7.0 - 0.012)
+    assert no_push_helps(FIXED, near)
+    assert not no_push_helps(FIXED, replace(near, lost_depth_m=0.03))

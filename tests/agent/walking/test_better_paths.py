@@ -11,7 +11,7 @@ from agent_proc.endings import MissionResult
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.walking.better_paths import BetterPaths
-from legpush.errors import PeerError
+from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Follow
@@ -119,8 +119,10 @@ def test_a_robot_that_is_nearer_to_something_than_planned_may_leave_it() -> None
 def test_a_better_plan_that_cannot_be_followed_is_the_planners_fault() -> None:
     world = FakeWorld(planner=detour)
     world.better = lambda query, _: Plan(status="exact", reason="", length_m=1.0)
-    with pytest.raises(PeerError, match="revision 1 of the way: expected a plan that can be followed"):
-        run(world)
+    result = run(world)
+    assert result.reason == "bad_answer"
+    assert "revision 1 of the way: expected a plan that can be followed" in result.detail
+    assert isinstance(result.error, BadAnswerError)
 
 
 def test_once_something_has_appeared_no_better_path_is_taken_from_the_map_without_it() -> None:

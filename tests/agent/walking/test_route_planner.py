@@ -1,5 +1,6 @@
 """Asking the planner, and the better paths of its last plan."""
 
+from math import radians
 from typing import Any
 
 import pytest
@@ -80,6 +81,10 @@ def test_an_exact_plan_that_cannot_be_followed_is_the_fault_of_a_peer_and_anothe
         ({"sides": (0,) * 49 + (4,)}, "it names side 4 of 4"),
         ({"sides": (*(0,) * 49, 1)}, "the box does not move in the stage at (7, 3)"),
         ({"sides": (*(0,) * 48, 1, 1)}, ""),
+        (
+            {"waypoints": (Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0),) * 50},
+            "the box does not move, although it is not at its goal",
+        ),
     ],
 )
 def test_a_path_of_the_box_needs_a_side_and_a_move_for_each_stage(change: dict[str, Any], fault: str) -> None:
@@ -88,6 +93,22 @@ def test_a_path_of_the_box_needs_a_side_and_a_move_for_each_stage(change: dict[s
     (query,) = world.box_queries()
 
     assert plan_fault(query, replace(straight_plan(query), **change)) == fault
+
+
+@pytest.mark.parametrize("n_waypoints", [1, 2])
+@pytest.mark.parametrize(
+    ("off_m", "off_deg", "is_fine"), [(0.0, 0.0, True), (0.008, 0.8, True), (0.01, 0.0, False), (0.0, 1.0, False)]
+)
+def test_a_path_of_the_box_need_not_move_it_within_the_tolerances_of_the_goal(
+    off_m: float, off_deg: float, is_fine: bool, n_waypoints: int
+) -> None:
+    """The tolerances of the end of a path are 9 mm and 0.9 degrees."""
+    world = FakeWorld()
+    parts_in(world, make_scenario()).route.come_to_push()
+    query = replace(world.box_queries()[0], goal=Pose2(x_m=6.0 - off_m, y_m=3.0, yaw_rad=radians(off_deg)))
+    plan = Plan(status="exact", reason="", waypoints=(query.start,) * n_waypoints, sides=(0,) * n_waypoints)
+
+    assert (plan_fault(query, plan) == "") == is_fine
 
 
 def test_a_path_of_the_trunk_needs_no_sides() -> None:

@@ -9,7 +9,7 @@ from legpush.bus.channels import Quality
 from legpush.bus.endpoints import Endpoints
 from legpush.bus.faults import Faults
 from legpush.bus.ports import Subscription
-from legpush.bus.transport import OnBytes, OnToken, Sender, Undeclare
+from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Undeclare, ignore
 from legpush.messages.common import Role
 from legpush.messages.telemetry import Copies
 from legpush.recording.recorder import taken_by
@@ -75,7 +75,7 @@ class MemorySession:
                 if session is not self and matches(pattern, key):
                     on_bytes(key, payload)
 
-    def subscribe(self, key: str, on_bytes: OnBytes) -> Undeclare:
+    def subscribe(self, key: str, on_bytes: OnBytes, on_damaged: OnDamaged = ignore) -> Undeclare:
         """Call `on_bytes` for everything that other sessions publish under `key`, which may hold `*`."""
         declaration = object()
         self._subscribers[declaration] = (key, on_bytes)

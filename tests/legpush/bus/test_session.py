@@ -7,12 +7,14 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+from zlib import crc32
 
 import pytest
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, in_directory
-from legpush.bus.session import ZenohSession
+from legpush.bus.session import ZenohSession, checksum
 from legpush.bus.transport import Session
 from legpush.errors import EndpointError
 from tests.legpush.bus.memory_session import RUN, MemoryNetwork
@@ -200,3 +202,55 @@ def test_a_bus_can_be_opened_again_after_an_error_within(tmp_path: Path) -> None
         raise RuntimeError("mission")
     with bus(tmp_path, "sim") as sim:
         assert sim.tally.as_dict() == {}
+
+
+DAMAGE = {
+    "none": (b"payload", b"payload", 1),
+    "a bit of the payload": (b"payload", b"payloae", 0),
+    "its end": (b"payload", b"payloa", 0),
+    "everything": (b"payload", b"", 0),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_message_that_does_not_fit_its_checksum_is_not_heard(tmp_path: Path, damage: str) -> None:
+    sent, arrived, n_heard = DAMAGE[damage]
+    address = in_directory(tmp_path, "sim").listen
+    one, other = ZenohSession(Endpoints(listen=address), "one"), ZenohSession(Endpoints(connect=address), "other")
+    link(one, other)
+    heard, damaged = list[bytes](), list[str]()
+    undeclare = other.subscribe("a/b", lambda key, payload: heard.append(payload), damaged.append)
+    network: Any = one._session
+
+    def arrives() -> bool:
+        one.put("a/b", b"without a checksum")
+        return bool(heard)
+
+    assert eventually(arrives)
+    heard.clear()
+    network.put("a/b", arrived, attachment=checksum("a/b", sent))
+    network.put("a/b", b"payload", attachment=checksum("a/c", b"payload"))  # under another key than it was sent
+    assert eventually(lambda: len(damaged) == 2 - n_heard)
+    assert [each for each in heard if each != b"without a checksum"] == [arrived] * n_heard
+    undeclare()
+    other.close()
+    one.close()
+
+
+def test_every_message_of_a_publisher_has_its_checksum(tmp_path: Path) -> None:
+    address = in_directory(tmp_path, "sim").listen
+    one, other = ZenohSession(Endpoints(listen=address), "one"), ZenohSession(Endpoints(connect=address), "other")
+    attached: list[bytes] = []
+    network: Any = other._session
+    subscriber = network.declare_subscriber("a/b", lambda sample: attached.append(sample.attachment.to_bytes()))
+    sender = one.publisher("a/b", "lockstep")
+
+    def arrives() -> bool:
+        sender.send(b"payload")
+        return bool(attached)
+
+    assert eventually(arrives)
+    assert attached[0] == checksum("a/b", b"payload") == bytes.fromhex(f"{crc32(b'a/bpayload'):08x}")
+    subscriber.undeclare()
+    other.close()
+    one.close()

@@ -85,6 +85,7 @@ class Stage:
         self.display = Notebook()
         self.clock: Callable[[], float] = monotonic
         self.said: list[Status] = []
+        self.has_result = True
         self._script = folder / "script.py"
         self._script.write_text(SCRIPT)
 
@@ -109,6 +110,7 @@ class Stage:
                 self.display,
                 is_alive=lambda role: (self.folder / role).exists(),
                 hear=self._hear,
+                has_result=lambda: self.has_result,
                 limits=limits,
                 clock=self.clock,
             )

@@ -50,8 +50,15 @@ def shoot(folder: Path, code: str, display: Notices, longest_s: float = 60.0) ->
         ("pass", []),
         ("print('first'); print('no OpenGL: install libegl1'); raise SystemExit(4)", ["no OpenGL: install libegl1"]),
         ("raise SystemExit(4)", ["no video: no OpenGL library can be used"]),
-        ("print('what'); print('why'); raise SystemExit(1)", ["no video: it exited with 1: why; see {log}"]),
-        ("import os; os.abort()", ["no video: it was killed by SIGABRT; see {log}"]),
+        (
+            "print('what'); print('why'); raise SystemExit(1)",
+            ["no video: the film exited with 1; the end of {log}:\n    what\n    why"],
+        ),
+        (
+            "print('much'); print('error: no'); raise SystemExit(2)",
+            ["no video: the film exited with 2: no; its log is {log}"],
+        ),
+        ("import os; os.abort()", ["no video: the film was killed by SIGABRT; it wrote nothing to {log}"]),
     ],
 )
 def test_a_film_or_the_lack_of_one_changes_nothing_but_is_told(code: str, notices: list[str], tmp_path: Path) -> None:

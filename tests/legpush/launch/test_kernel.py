@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from legpush import cli
+from legpush.cli import command as cli
 from legpush.launch.kernel import jupyter_folder
 from tests.processors import plain_environment, python
 

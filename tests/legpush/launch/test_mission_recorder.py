@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from legpush.bus.endpoints import Endpoints
+from legpush.files import next_file
 from legpush.launch import mission_recorder
-from legpush.launch.mission_recorder import MissionRecorder, next_file
+from legpush.launch.mission_recorder import MissionRecorder
 from legpush.processes.crew import Crew
 from tests.legpush.launch.notebook import Notebook
 
@@ -59,8 +60,8 @@ def test_a_recorder_that_fails_is_told_with_its_error_and_how_to_save_what_there
 ) -> None:
     notices, noted = recorded(FAILED)
     words = (
-        "the recorder exited with 2: m.mcap: the recording cannot go on; the mission goes on without it; "
-        f"`legpush recover {tmp_path}/m.mcap` saves what was recorded"
+        f"the recorder exited with 2: m.mcap: the recording cannot go on; its log is {tmp_path}/recorder.log; the "
+        f"mission goes on without it; `legpush recover {tmp_path}/m.mcap` saves what was recorded"
     )
     assert notices == [words]
     assert noted == {"complete": False, "notes": [words]}
@@ -78,7 +79,7 @@ def test_a_recorder_that_ends_during_the_mission_is_told_once(tmp_path: Path, mo
         recorder.note_end(process)  # type: ignore[arg-type]
     recorder.complete_report(tmp_path)
     (notice,) = display.notices
-    assert notice.startswith("the recorder was killed by SIGKILL; the mission goes on without it; ")
+    assert notice.startswith("the recorder was killed by SIGKILL; its log is ")
     assert not (tmp_path / "report.json").exists()
 
 

@@ -14,6 +14,7 @@ REPORT = {
     "success": True,
     "reason": "success",
     "detail": "the box is at its goal",
+    "remedy": "raise `mission.max_push_cycles`",
     "box_position_error_m": 0.0123,
     "box_angle_error_deg": 1.26,
     "walk_tracking_rms_m": None,

@@ -87,14 +87,27 @@ def test_a_peer_that_ends_before_the_mission_does_is_started_again_even_if_it_is
 def test_bad_input_is_not_tried_again_and_its_error_is_shown(stage: Stage, role: str) -> None:
     orders = {"planner": "ready", "agent": "ready"} | {role: "exit=2"}
     verdict = stage.run(orders)
-    assert verdict == Verdict(2, f"{role}: life 0 of the {role}")
+    log = stage.folder / f"{role}.log"
+    assert verdict == Verdict(2, f"the {role} exited with 2: life 0 of the {role}; its log is {log}")
     assert len(stage.pids(role)) == 1
     assert stage.orphans() == []
 
 
 def test_a_full_disk_is_not_tried_again_and_has_an_exit_code_of_its_own(stage: Stage) -> None:
     verdict = stage.run({"planner": "ready", "sim": "ready", "agent": "ready die=9:5"})
-    assert verdict == Verdict(5, "agent: life 0 of the agent")
+    log = stage.folder / "agent.log"
+    # It could not write an error into its log any more.
+    assert verdict == Verdict(5, f"the agent exited with 5: the disk is full, also for its log; its log is {log}")
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_an_agent_that_leaves_no_result_has_failed_and_its_last_words_are_told(stage: Stage, code: int) -> None:
+    stage.has_result = False
+    verdict = stage.run({"planner": "ready", "agent": f"ready exit={code}"})
+    log = stage.folder / "agent.log"
+    assert verdict == Verdict(
+        3, f"the agent exited with {code} without a result of the mission; the end of {log}:\n    life 0 of the agent"
+    )
 
 
 def test_a_process_that_does_not_become_ready_is_named_with_the_end_of_its_log(stage: Stage) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final, Union, get_args, get_origin, get_type_
 
 import pytest
 
-from legpush import cli
+from legpush.cli import command as cli
 from legpush.options.scenarios import Scenarios
 
 NEEDED: Final[dict[str, list[str]]] = {

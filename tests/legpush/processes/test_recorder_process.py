@@ -16,8 +16,8 @@ from legpush.processes.recorder_process import recorder_arguments, what_is_missi
 def test_its_command_line_is_one_that_the_recorder_takes() -> None:
     at = Endpoints(listen=("tcp/127.0.0.1:1",), connect=("tcp/127.0.0.1:2", "tcp/127.0.0.1:3"))
     argv = recorder_arguments(Path("a.mcap"), "r1", at, {"parent": "b.mcap", "branch": "a = b"})
-    assert argv[:4] == (sys.executable, "-P", "-m", "legpush.launch.record")
-    assert tyro.cli(RecordOptions, args=argv[4:]) == RecordOptions(
+    assert argv[:5] == (sys.executable, "-P", "-m", "legpush.entry", "legpush.launch.record")
+    assert tyro.cli(RecordOptions, args=argv[5:]) == RecordOptions(
         file=Path("a.mcap").absolute(),
         run="r1",
         listen=at.listen,

@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import sys
+from pathlib import Path
 from typing import get_args
 
 import pytest
@@ -20,8 +21,8 @@ NAME = "from legpush.numerics.current import current; print(current().profile)"
 def test_every_program_is_a_module_that_python_can_run(program: str) -> None:
     spec = importlib.util.find_spec(program)
     assert spec is not None
-    if spec.submodule_search_locations is not None:
-        assert importlib.util.find_spec(f"{program}.__main__") is not None
+    assert spec.origin is not None
+    assert "\ndef main() -> int:\n" in Path(spec.origin).read_text()
 
 
 def test_it_becomes_the_program_with_one_thread_per_library(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,9 +32,14 @@ def test_it_becomes_the_program_with_one_thread_per_library(monkeypatch: pytest.
         became.append((path, argv, environment))
 
     monkeypatch.setattr(os, "execve", execve)
-    start_program("sim_proc.export", ["a.mcap", "--to", "csv"])
-    ((path, argv, environment),) = became
-    assert (path, argv) == (sys.executable, [sys.executable, "-P", "-m", "sim_proc.export", "a.mcap", "--to", "csv"])
+    monkeypatch.setattr(module, "hold", lambda: became.append(("held", [], {})))
+    start_program("sim_proc.export.program", ["a.mcap", "--to", "csv"])
+    held, (path, argv, environment) = became
+    assert held[0] == "held"
+    assert (path, argv) == (
+        sys.executable,
+        [sys.executable, "-P", "-m", "legpush.entry", "sim_proc.export.program", "a.mcap", "--to", "csv"],
+    )
     assert ONE_THREAD.items() <= environment.items()
 
 

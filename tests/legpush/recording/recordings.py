@@ -92,6 +92,7 @@ def write(
     split: Split = WHOLE,
     n_per_batch: int = 5,
     facts: tuple[Fact, ...] = (),
+    says_farewell: bool = True,
 ) -> list[Path]:
     """A recording of these messages, flushed after every batch; its files."""
     file = RecordingFile(path, ABOUT, split)
@@ -99,7 +100,9 @@ def write(
     for number, begin in enumerate(range(0, max(len(actions), 1), n_per_batch)):
         end = begin + n_per_batch
         for origin, copies in ((AGENT, actions), (SIM, answers)):
-            recorder.write_batch(batch(origin, number, copies[begin:end], final=end >= len(copies), facts=facts))
+            recorder.write_batch(
+                batch(origin, number, copies[begin:end], final=says_farewell and end >= len(copies), facts=facts)
+            )
         file.flush()
     file.finish(statement(recorder.ledger.completeness()))
     return file.parts

@@ -11,7 +11,17 @@ import msgspec
 import pytest
 
 from legpush.bus.endpoints import in_directory, in_pool
-from legpush.runs.live_runs import MAX_BYTES, RUN_FILE, LiveRun, find_live_runs, shown, socket_directory
+from legpush.runs.folder import COMMAND_FILE, LOGS
+from legpush.runs.live_runs import (
+    MAX_BYTES,
+    RUN_FILE,
+    LiveRun,
+    clear_killed_runs,
+    find_live_runs,
+    shown,
+    socket_directory,
+)
+from legpush.runs.temporary import OWNER_FILE
 from tests.legpush.fakes import eventually
 from tests.legpush.runs.conftest import AT
 
@@ -27,7 +37,7 @@ def test_a_run_is_found_while_it_is_shown_and_not_afterwards(temporary: Path) ->
         assert find_live_runs() == ()
         with shown(run, directory):
             assert find_live_runs() == (run,)
-            assert [path.name for path in directory.iterdir()] == [RUN_FILE]
+            assert sorted(path.name for path in directory.iterdir()) == [OWNER_FILE, RUN_FILE]
         assert find_live_runs() == ()
     assert run.pid == os.getpid()
     assert str(run) == "r1 (train, in /runs/r1)"
@@ -83,9 +93,11 @@ def test_the_longest_temporary_directory_that_is_used_has_place_for_all_sockets(
 
 
 LAUNCHER = """
-import threading
+import sys, threading
+from pathlib import Path
 from legpush.runs.live_runs import LiveRun, shown, socket_directory
-with socket_directory() as directory, shown(LiveRun.now("r1", "run", None, ("tcp/127.0.0.1:1",)), directory):
+folder = Path(sys.argv[1]) if sys.argv[1:] else None
+with socket_directory() as directory, shown(LiveRun.now("r1", "run", folder, ("tcp/127.0.0.1:1",)), directory):
     threading.Event().wait()
 """
 
@@ -98,6 +110,26 @@ def test_what_a_killed_launcher_left_behind_is_no_run(temporary: Path) -> None:
     (left,) = temporary.glob(f"legpush-*/{RUN_FILE}")
     assert names() == []
     assert left.exists()
+
+
+def test_what_killed_launchers_left_behind_is_cleared_and_the_command_that_goes_on_is_told(
+    launch: Callable[..., Path], temporary: Path
+) -> None:
+    runs = [temporary / "runs" / name for name in ("whole", "without")]
+    for run in runs:
+        (run / LOGS).mkdir(parents=True)
+    (runs[0] / LOGS / COMMAND_FILE).write_text("legpush run --out \x1b[2J\n")
+    alive = launch("alive", runs[0])
+    for run in (*runs, temporary / "nowhere"):
+        with subprocess.Popen([sys.executable, "-c", LAUNCHER, str(run)]) as launcher:
+            assert eventually(lambda: len(names()) == 2)
+            launcher.kill()
+    assert len(list(temporary.glob("legpush-*"))) == 4
+
+    assert clear_killed_runs() == [f"the run in {runs[0]} was killed; to go on: legpush run --out \\x1b[2J"]
+    assert list(temporary.glob("legpush-*")) == [alive]
+    assert names() == ["alive"]
+    assert clear_killed_runs() == []
 
 
 @pytest.mark.parametrize("mode", [0o755, 0o710, 0o701])

@@ -20,7 +20,11 @@ def bench(*, wrong: str = "", dies: bool = False) -> tuple[Bench, list[str]]:
         return SimpleNamespace(plan=make_plan(query))
 
     client = SimpleNamespace(wait_for_planner=lambda _: wrong, ask=ask)
-    planner = SimpleNamespace(end=lambda: "it died" if dies else "", start=lambda: happened.append("started"))
+    planner = SimpleNamespace(
+        end=lambda: "it died" if dies else "",
+        kill=lambda: happened.append("killed"),
+        start=lambda: happened.append("started"),
+    )
     made: Any = Bench(planner=cast(Any, planner), client=cast(Any, client), other=cast(Any, client), deadline_s=1.0)
     return made, happened
 
@@ -50,7 +54,19 @@ def test_a_planner_that_ended_is_started_again_for_the_next_check() -> None:
     made, happened = bench(dies=True)
     list(run_checks(made, ("open floor", "narrow gate")))
 
-    assert happened == ["started"] * 2
+    assert happened == ["killed", "started"] * 2
+
+
+def test_a_planner_that_failed_a_check_is_started_again_for_the_next_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, happened = bench()
+    right = made.client.ask
+    monkeypatch.setattr(made.client, "ask", lambda *_: "no answer within 1 s")
+    findings = run_checks(made, ("open floor", "narrow gate"))
+    assert next(findings).passed
+    assert (next(findings).reason, happened) == ("no answer within 1 s", ["killed", "started"])
+    monkeypatch.setattr(made.client, "ask", right)
+    assert all(finding.passed for finding in findings)
+    assert happened == ["killed", "started"]
 
 
 def test_a_remark_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:

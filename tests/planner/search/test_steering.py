@@ -11,9 +11,9 @@ from legpush.geometry import wrap_angle
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.scenario import Anytime
+from legpush.scene.steering import NOT_STEERED
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.planning import make_plan
-from planner_proc.search.registry import NOT_STEERED
 from planner_proc.search.steering import Curved
 from tests.planner import maps
 

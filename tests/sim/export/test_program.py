@@ -71,8 +71,8 @@ def empty(_: bytes) -> bytes:
 
 def other_version(data: bytes) -> bytes:
     """The length of the words stays; the MCAP reader looks at no CRC of them."""
-    assert data.count(b"protocol\x01\x00\x00\x006") == 1
-    return data.replace(b"protocol\x01\x00\x00\x006", b"protocol\x01\x00\x00\x004")
+    assert data.count(b"protocol\x01\x00\x00\x007") == 1
+    return data.replace(b"protocol\x01\x00\x00\x007", b"protocol\x01\x00\x00\x004")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def other_version(data: bytes) -> bytes:
         (cut, "expected a whole recording, got one that is cut off or damaged at byte"),
         (foreign, "expected a recording, an MCAP file, got one that begins with"),
         (empty, "expected a recording, an MCAP file, got an empty file"),
-        (other_version, "expected a recording of protocol version 6, got one of 4"),
+        (other_version, "expected a recording of protocol version 6 or 7, got one of 4"),
     ],
 )
 @pytest.mark.parametrize("made", ["foxglove", "csv", "mp4"])

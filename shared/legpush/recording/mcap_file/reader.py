@@ -12,7 +12,7 @@ from mcap.records import Channel, Chunk, Header, Message, Metadata
 
 from legpush.errors import MessageError, RecordingError
 from legpush.messages import codec
-from legpush.messages.common import PROTOCOL_VERSION
+from legpush.messages.common import READABLE_VERSIONS
 from legpush.messages.telemetry import Copy, Origin
 from legpush.recording.digests import DIGEST_TOPIC, Digests, Mark
 from legpush.recording.mcap_file.contents import Recorded, Recording
@@ -164,9 +164,10 @@ class Scan:
 
     def _take_about(self, about: dict[str, str], recording: Recording) -> None:
         version = about.get("protocol")
-        if version != str(PROTOCOL_VERSION):
+        if version not in [str(each) for each in READABLE_VERSIONS]:
+            versions = " or ".join(map(str, READABLE_VERSIONS))
             raise RecordingError(
-                f"{self.path}: expected a recording of protocol version {PROTOCOL_VERSION}, got one of {version}"
+                f"{self.path}: expected a recording of protocol version {versions}, got one of {version}"
             )
         said = about.pop("part", "0")
         if not said.isdecimal():

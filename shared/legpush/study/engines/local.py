@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Final
 
+from legpush.entry.interrupts import deaf_children
 from legpush.errors import LegpushError
 from legpush.processes.environment import child_environment
 from legpush.processes.parent_watch import die_with
@@ -90,7 +91,8 @@ class _Worker:
     def __init__(self) -> None:
         self._pipe, theirs = SPAWN.Pipe()
         self._process = SPAWN.Process(target=serve, args=(theirs, os.getpid()), daemon=True)
-        self._process.start()
+        with deaf_children():
+            self._process.start()
         theirs.close()
 
     def answer(self, job: bytes) -> bytes:
@@ -125,7 +127,6 @@ class _Worker:
 
 def serve(pipe: Connection, parent: int) -> None:
     """Answer jobs until the other end of the pipe is closed: the main function of a worker process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     if not die_with(parent):
         sys.exit(1)
     while True:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from legpush import cli
+from legpush.cli import command as cli
 from legpush.options.run import RunOptions
 from legpush.scenarios.file import load_scenario, scenario_names
 

@@ -1,4 +1,4 @@
-"""The `legpush` command. Each subcommand imports its modules when it runs, so that `--help` is fast."""
+"""The command line of `legpush`. Each subcommand imports its modules when it runs, so that `--help` is fast."""
 
 import os
 import sys
@@ -10,6 +10,8 @@ from typing import Annotated, Final, NoReturn
 import tyro
 
 from legpush.errors import ConfigError, exit_code_of, one_line, printable
+from legpush.options.bench import Bench, ListFaults, SoakOptions
+from legpush.options.checks import require_writable_folder
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -37,8 +39,8 @@ PROGRAMS: Final[dict[type, Program]] = {
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
     Policies: "agent_proc.programs.policy",
-    ExportOptions: "sim_proc.export",
-    ViewOptions: "sim_proc.view",
+    ExportOptions: "sim_proc.export.program",
+    ViewOptions: "sim_proc.view.program",
     CanaryOptions: "legpush.canary",
 }
 """Programs that run in a process of their own, by the options of their command."""
@@ -64,6 +66,7 @@ Command = (
     | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
     | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
     | Annotated[Studies, tyro.conf.subcommand("study")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 
 
@@ -79,38 +82,14 @@ def _run_line(argv: Sequence[str], output: Output) -> int:
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
-    try:
-        return exit_code_of(
-            lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv, output)
-        )
-    except KeyboardInterrupt:
-        return 130
+    return exit_code_of(
+        lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv, output)
+    )
 
 
 def _parse_and_run(argv: Sequence[str], output: Output) -> int:
     """Parse the command line, and run its command."""
-    command: (
-        RunOptions
-        | TrainOptions
-        | EvaluateOptions
-        | CalibrateOptions
-        | PlanCheckOptions
-        | Scenarios
-        | MapOptions
-        | Policies
-        | RenderOptions
-        | RecordOptions
-        | InfoOptions
-        | RecoverOptions
-        | ReplayOptions
-        | BranchOptions
-        | ExportOptions
-        | ViewOptions
-        | PythonOptions
-        | KernelOptions
-        | CanaryOptions
-        | Studies
-    ) = tyro.cli(
+    command: object = tyro.cli(
         Command,
         prog="legpush",
         description=DESCRIPTION,
@@ -135,7 +114,7 @@ def _plan_check(argv: Sequence[str]) -> NoReturn:
     """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
     flags, _ = split_at_dashes(argv)
     tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-    start_program("planner_proc.conformance", argv)
+    start_program("planner_proc.conformance.program", argv)
 
 
 @singledispatch
@@ -195,6 +174,7 @@ def _render(command: RenderOptions) -> int:
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
+    require_writable_folder(command.run_folder, "RUN_FOLDER")
     argv = film_arguments(command.run_folder, command.camera)
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
@@ -244,6 +224,29 @@ def _kernel(command: KernelOptions) -> int:
 
 
 @execute.register
+def _bench(command: Bench) -> int:
+    return execute(command.action)
+
+
+@execute.register
+def _soak(command: SoakOptions) -> int:
+    from rich.console import Console
+
+    from legpush.soak.run import run_soak
+
+    return run_soak(command, Console())
+
+
+@execute.register
+def _list_faults(_: ListFaults) -> int:
+    from legpush.soak.table import read_table
+
+    for cell in read_table():
+        sys.stdout.write(f"{cell.name:<32}{cell.expected:<9}{cell.why}".rstrip() + "\n")
+    return 0
+
+
+@execute.register
 def _studies(command: Studies) -> int:
     try:
         return execute(command.action)
@@ -257,10 +260,10 @@ def _studies(command: Studies) -> int:
 def _run_study(command: RunStudy) -> int:
     from rich.console import Console
 
-    from legpush.numerics.entry import enter_profile
+    from legpush.entry.program import enter_profile_quietly
     from legpush.study.run import run_study
 
-    enter_profile()
+    enter_profile_quietly()
     return run_study(command, Console())
 
 
@@ -282,10 +285,10 @@ def _study_table(command: StudyTable) -> int:
 def _verify_study(command: VerifyStudy) -> int:
     from rich.console import Console
 
-    from legpush.numerics.entry import enter_profile
+    from legpush.entry.program import enter_profile_quietly
     from legpush.study.verify import verify_study
 
-    enter_profile()
+    enter_profile_quietly()
     return verify_study(command, Console())
 
 

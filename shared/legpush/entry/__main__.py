@@ -1,0 +1,8 @@
+"""`python -m legpush.entry PROGRAM OPTIONS...`: a program of legpush, such as `agent_proc.programs.train`."""
+
+import sys
+
+from legpush.entry.program import run_module
+
+if __name__ == "__main__":
+    sys.exit(run_module(sys.argv.pop(1), profile=True))

@@ -1,0 +1,59 @@
+"""Checks a mission before a process is started or its folder is made: what cannot begin is refused at once."""
+
+import os
+import subprocess
+from pathlib import Path
+from typing import Final
+
+from legpush.errors import DISK_FULL, ConfigError, LegpushError
+from legpush.launch.last_words import ERROR
+from legpush.launch.process_commands import Place, Programs, agent_flags
+from legpush.options.checks import require_writable_folder
+from legpush.options.run import RunOptions
+from legpush.policy_names import policy_kind
+from legpush.processes.child import TAIL_LINES, describe_exit
+from legpush.processes.environment import child_environment
+from legpush.processes.start_program import Program, program_command
+from legpush.runs.folder import SCENARIO_FILE
+from legpush.runs.temporary import temporary_folder
+from legpush.scenarios.file import write_scenario
+from legpush.scene.scenario import Scenario
+from legpush.scene.steering import steering_fault
+
+CHECK: Final[Program] = "agent_proc.programs.check_mission"
+"""Makes what a mission needs, as the agent does, and ends."""
+
+
+def check_mission(options: RunOptions, scenario: Scenario, folder: Path, programs: Programs) -> None:
+    """Check that the mission can begin.
+
+    Raises:
+        ConfigError: The folder cannot be written to, the planner cannot steer so, or the policy, the push map or the
+            recording to continue cannot be used.
+        LegpushError: The check itself failed.
+    """
+    require_writable_folder(folder, "--out")
+    if options.planner_command is None and (fault := steering_fault(scenario.planning)):
+        raise ConfigError(f"{fault} (`planning` of the scenario, --planner, --steering, --turning-radius-m)")
+    if policy_kind(options.policy) == "own" and options.push_map is None and not programs.agent_flags:
+        return
+    with temporary_folder("check-") as scratch:
+        write_scenario(scenario, scratch / SCENARIO_FILE)
+        flags = agent_flags(options, Place(folder=scratch, sockets=scratch)) + programs.agent_flags
+        done = subprocess.run(
+            program_command(CHECK, flags),
+            env=child_environment(os.environ),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            check=False,
+        )
+    if done.returncode == 0:
+        return
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    errors = [line.removeprefix(ERROR) for line in lines if line.startswith(ERROR)]
+    if errors and done.returncode in (ConfigError.exit_code, DISK_FULL):
+        raise ConfigError(errors[-1])
+    what = f"the check of the policy {options.policy} {describe_exit(done.returncode)}"
+    raise LegpushError(f"{what}; its last lines:" if lines else what, *(f"    {line}" for line in lines[-TAIL_LINES:]))

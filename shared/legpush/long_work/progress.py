@@ -1,0 +1,45 @@
+"""Shows how far a program is: a bar on a terminal, and elsewhere a line now and then."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import monotonic
+from typing import Final
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
+
+PERIOD_S: Final = 5.0
+"""Least time between two lines where no bar can be drawn."""
+
+
+@contextmanager
+def counted(
+    console: Console, what: str, total: int, unit: str, *, done: int = 0, clock: Callable[[], float] = monotonic
+) -> Iterator[Callable[[], None]]:
+    """Yield a function to call whenever one more of `total` is done.
+
+    `what` is done with each of them, such as `evaluating` with `unit` `episodes`; `done` were done before.
+    """
+    if console.is_terminal:
+        with _bar(console) as bar:
+            task = bar.add_task(what, total=total, completed=done)
+            yield lambda: bar.advance(task)
+        return
+    began_s = shown_s = clock()
+
+    def advance() -> None:
+        nonlocal done, shown_s
+        done += 1
+        now_s = clock()
+        if now_s - shown_s >= PERIOD_S or done == total:
+            shown_s = now_s
+            console.print(Text(f"{now_s - began_s:7.1f} s  {what}  {done} of {total} {unit}"), soft_wrap=True)
+
+    yield advance
+
+
+def _bar(console: Console) -> Progress:
+    """A bar with the number of finished parts and the remaining time."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, TimeRemainingColumn(), console=console)

@@ -1,0 +1,106 @@
+"""The reasons why missions end: what each means, and what would change it."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+Reason = Literal[
+    "success",
+    "fell",
+    "box_tipped",
+    "no_path",
+    "stuck",
+    "missed_station",
+    "left_reference",
+    "max_push_cycles",
+    "tolerance_missed",
+    "bad_answer",
+    "motion_refused",
+    "episode_broken",
+    "policy_failed",
+]
+"""Why a mission ended."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Note:
+    """What people should know about a reason."""
+
+    meaning: str
+    keys: tuple[str, ...]
+    """Fields of the scenario and options of `legpush run` that would change it."""
+    remedy: str
+    """What to change; it names each key in backquotes. Empty for a success."""
+
+
+REASONS: Final[dict[Reason, Note]] = {
+    "success": Note(
+        meaning="The box is within the tolerances of its goal, and the robot stands.",
+        keys=(),
+        remedy="",
+    ),
+    "fell": Note(
+        meaning="The robot fell.",
+        keys=("room.slope_deg", "box.mass_kg", "--planner-command"),
+        remedy="lower `room.slope_deg` or `box.mass_kg`, or replace the planner (`--planner-command`) whose path made "
+        "the robot fall",
+    ),
+    "box_tipped": Note(
+        meaning="The box leans by more than 15°.",
+        keys=("box.size_m", "box.friction", "pushing.faces"),
+        remedy="lower the height in `box.size_m`, lower `box.friction`, or leave the narrow faces out of "
+        "`pushing.faces`",
+    ),
+    "no_path": Note(
+        meaning="The planner found no path of the robot or of the box.",
+        keys=("planning.margin_m", "planning.max_iterations", "pushing.margin_m", "pushing.max_iterations"),
+        remedy="lower `planning.margin_m` or `pushing.margin_m`, raise `planning.max_iterations` or "
+        "`pushing.max_iterations`",
+    ),
+    "stuck": Note(
+        meaning="The robot or the box moved too little, several cycles in a row.",
+        keys=("box.mass_kg", "box.friction"),
+        remedy="lower `box.mass_kg` or `box.friction`",
+    ),
+    "missed_station": Note(
+        meaning="The robot walked to the box, but ended too far from the place to push from.",
+        keys=("planning.margin_m", "mission.handover_distance_m"),
+        remedy="raise `planning.margin_m`, or measure the box from nearer by with `mission.handover_distance_m`",
+    ),
+    "left_reference": Note(
+        meaning="The box deviates from the reference by more than 10 cm or 25°.",
+        keys=("reference", "pushing.calibration_pushes"),
+        remedy="widen the curves of `reference`, or measure the box first with `pushing.calibration_pushes`",
+    ),
+    "max_push_cycles": Note(
+        meaning="The push cycles of the mission are used up.",
+        keys=("mission.max_push_cycles",),
+        remedy="raise `mission.max_push_cycles`, or leave it out: it then follows from the path of the box",
+    ),
+    "tolerance_missed": Note(
+        meaning="Pushing ended, but the box is outside the tolerances of its goal.",
+        keys=("goal.position_tolerance_m", "goal.angle_tolerance_deg", "pushing.composition"),
+        remedy="raise `goal.position_tolerance_m` or `goal.angle_tolerance_deg`; an open loop "
+        "(`pushing.composition`) corrects no errors",
+    ),
+    "bad_answer": Note(
+        meaning="Planner or simulator gave an answer that the protocol forbids.",
+        keys=("--planner-command",),
+        remedy="mend or replace that process: `legpush plan-check` tests the planner of `--planner-command`",
+    ),
+    "motion_refused": Note(
+        meaning="The simulator refused a motion in the state that it was in.",
+        keys=("--planner-command", "box.size_m"),
+        remedy="the motion came from a path of the planner (`--planner-command`), or `box.size_m` puts the box out of "
+        "reach",
+    ),
+    "episode_broken": Note(
+        meaning="The simulator failed in a motion, such as at numbers that physics cannot carry.",
+        keys=("box.mass_kg", "box.size_m", "box.friction"),
+        remedy="choose usual numbers for `box.mass_kg`, `box.size_m` and `box.friction`",
+    ),
+    "policy_failed": Note(
+        meaning="The policy raised an exception, or decided something that is no push.",
+        keys=("--policy",),
+        remedy="mend the policy or choose another one with `--policy`",
+    ),
+}

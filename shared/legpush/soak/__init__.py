@@ -1,0 +1,1 @@
+"""Faults on purpose: whole missions and trainings are disturbed, and must end as if nothing had happened."""

@@ -1,0 +1,204 @@
+"""A training whose simulators and learner are killed again and again: it ends with the policy of one left in peace."""
+
+import hashlib
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from importlib.resources import as_file, files
+from pathlib import Path
+from time import monotonic
+from typing import Final
+
+import msgspec
+import numpy as np
+import psutil
+from msgspec import Struct
+
+from legpush.errors import PeerError, StopRequestedError
+from legpush.files import write_whole
+from legpush.soak.mission import LEGPUSH
+from legpush.soak.resources import Growth, Sample, growths, sample
+
+N_SIMULATORS: Final = 2
+ROLLOUT_STEPS: Final = 128
+PROBE_STEPS: Final = 512
+KILL_EVERY_S: Final = 30.0
+N_LEARNER_KILLS: Final = 10
+SAMPLE_EVERY_S: Final = 5.0
+LOOK_S: Final = 0.2
+STATE_FILE: Final = "state.json"
+COMPARED: Final = ("last/policy.safetensors", "last/card.json", "best/policy.safetensors", "best/card.json")
+"""Files of a training that hold every weight, and every episode with its step, return and length."""
+
+
+class TrainingState(Struct, kw_only=True):
+    """How far the trainings are; kept in a file, so that an interrupted soak goes on."""
+
+    n_steps: int = 0
+    """Of both trainings; 0 before it is known how many fit into the time."""
+    trained_s: float = 0.0
+    """How long the disturbed training has gone on."""
+    killed_simulators: int = 0
+    killed_learners: int = 0
+    samples: dict[str, list[Sample]] = {}
+    """Of each process role, since the learner was last started."""
+    growth: list[dict[str, Growth | None]] = []
+    """Of each stretch between two starts of the learner."""
+
+
+class TrainingResult(Struct, frozen=True, kw_only=True):
+    """What came of the disturbed training."""
+
+    hours: float
+    n_steps: int
+    killed_simulators: int
+    killed_learners: int
+    same_files: tuple[str, ...]
+    different_files: tuple[str, ...]
+    growth: tuple[dict[str, Growth | None], ...]
+
+    @property
+    def is_same(self) -> bool:
+        """Whether the training ended as the undisturbed one."""
+        return not self.different_files
+
+
+class TrainingSoak:
+    """Two trainings in a folder: an undisturbed one, and one with kills."""
+
+    def __init__(
+        self, folder: Path, hours: float, seed: int, stop: threading.Event, tell: Callable[[str], None]
+    ) -> None:
+        self._folder = folder
+        self._hours = hours
+        self._seed = seed
+        self._stop = stop
+        self._tell = tell
+        self._draw = np.random.default_rng(seed)
+        path = folder / STATE_FILE
+        self._state = msgspec.json.decode(path.read_bytes(), type=TrainingState) if path.exists() else TrainingState()
+
+    def run(self) -> TrainingResult:
+        """Train to the end.
+
+        Raises:
+            PeerError: A training ended by itself before its end.
+            StopRequestedError: `stop` was set; the same soak goes on.
+        """
+        self._folder.mkdir(parents=True, exist_ok=True)
+        state = self._state
+        if state.n_steps == 0:
+            began_s = monotonic()
+            self._train("probe", PROBE_STEPS)
+            rate = PROBE_STEPS / (monotonic() - began_s)
+            n_rollouts = max(4, round(3600.0 * self._hours * rate / ROLLOUT_STEPS))
+            state.n_steps = ROLLOUT_STEPS * n_rollouts
+            self._save()
+        self._tell(f"training, undisturbed: {state.n_steps} steps")
+        self._train("undisturbed", state.n_steps)
+        self._tell(f"training, disturbed: {state.n_steps} steps")
+        self._train("disturbed", state.n_steps, self._disturb)
+        same: list[str] = []
+        different: list[str] = []
+        for name in COMPARED:
+            digests = {_digest(self._folder / training / name) for training in ("undisturbed", "disturbed")}
+            (same if len(digests) == 1 else different).append(name)
+        return TrainingResult(
+            hours=round(state.trained_s / 3600.0, 3),
+            n_steps=state.n_steps,
+            killed_simulators=state.killed_simulators,
+            killed_learners=state.killed_learners,
+            same_files=tuple(same),
+            different_files=tuple(different),
+            growth=tuple(state.growth),
+        )
+
+    def _train(
+        self, name: str, n_steps: int, disturb: "Callable[[subprocess.Popen[bytes]], bool] | None" = None
+    ) -> None:
+        """Run a training to its end, started again for as long as `disturb` kills it."""
+        folder = self._folder / name
+        while not (folder / "last").exists():
+            with (self._folder / f"{name}.log").open("ab") as log:
+                learner = subprocess.Popen(self._command(folder, n_steps), stdout=log, stderr=subprocess.STDOUT)
+            with ExitStack() as stack:
+                stack.callback(_end, learner)
+                killed = False
+                while learner.poll() is None:
+                    if self._stop.wait(LOOK_S):
+                        raise StopRequestedError(f"Asked to stop during the training {name}")
+                    killed = killed or (disturb is not None and disturb(learner))
+            if learner.returncode != 0 and not killed:
+                raise PeerError(f"The training {name} ended with {learner.returncode}; see {self._folder}/{name}.log")
+
+    def _command(self, folder: Path, n_steps: int) -> tuple[str, ...]:
+        """Begin a training, or go on with it."""
+        if (folder / "checkpoint").exists():
+            return (*LEGPUSH, "train", "--resume", str(folder))
+        if folder.exists():  # it was killed before its first checkpoint
+            folder.rename(folder.with_name(f"{folder.name}-{int(folder.stat().st_mtime)}"))
+        with as_file(files("legpush.soak") / "training.toml") as profile:
+            flags = ("--profile", str(profile), "--steps", str(n_steps), "--seed", str(self._seed))
+        return (*LEGPUSH, "train", *flags, "--simulators", str(N_SIMULATORS), "--out", str(folder))
+
+    def _disturb(self, learner: "subprocess.Popen[bytes]") -> bool:
+        """Kill a simulator every 30 s, and the learner ten times; returns whether it killed the learner."""
+        state = self._state
+        before_s, state.trained_s = state.trained_s, state.trained_s + LOOK_S
+        if _passed(before_s, state.trained_s, SAMPLE_EVERY_S):
+            self._sample(learner)
+        if _passed(before_s, state.trained_s, KILL_EVERY_S) and (victims := _simulators(learner)):
+            with suppress(psutil.NoSuchProcess):
+                victims[int(self._draw.integers(len(victims)))].kill()
+                state.killed_simulators += 1
+                self._save()
+        due_s = 3600.0 * self._hours / (N_LEARNER_KILLS + 1)
+        has_checkpoint = (self._folder / "disturbed" / "checkpoint").exists()
+        if has_checkpoint and state.killed_learners < min(N_LEARNER_KILLS, int(state.trained_s / due_s)):
+            learner.send_signal(signal.SIGKILL)
+            state.killed_learners += 1
+            state.growth.append(growths(state.samples))
+            state.samples = {}
+            self._save()
+            return True
+        return False
+
+    def _sample(self, learner: "subprocess.Popen[bytes]") -> None:
+        """Note what the learner and its simulators hold; a simulator that was just started is left out."""
+        with suppress(psutil.Error):
+            process = psutil.Process(learner.pid)
+            self._state.samples.setdefault("learner", []).append(sample(process))
+
+    def _save(self) -> None:
+        write_whole(self._folder / STATE_FILE, msgspec.json.encode(self._state))
+
+
+def _passed(before_s: float, now_s: float, every_s: float) -> bool:
+    """Whether a multiple of `every_s` lies between the two times."""
+    return int(now_s / every_s) > int(before_s / every_s)
+
+
+def _simulators(learner: "subprocess.Popen[bytes]") -> list[psutil.Process]:
+    try:
+        children = psutil.Process(learner.pid).children(recursive=True)
+        return [child for child in children if "sim_proc" in child.cmdline()]
+    except psutil.Error:
+        return []
+
+
+def _end(learner: "subprocess.Popen[bytes]") -> None:
+    """End a learner as Ctrl-C does, so that it leaves a checkpoint."""
+    if learner.poll() is None:
+        learner.send_signal(signal.SIGINT)
+        try:
+            learner.wait(60.0)
+        except subprocess.TimeoutExpired:
+            learner.kill()
+            learner.wait()
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else os.fspath(path)

@@ -1,0 +1,122 @@
+"""What a signal does to a program while it loads, works, and ends."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.legpush.entry.programs import Ended, run
+
+SIGNALS = ("signal.SIGINT", "signal.SIGTERM")
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_program_that_loads_ends_at_once(number: str, tmp_path: Path) -> None:
+    assert run(tmp_path, f"interrupt({number})\nprint('loaded')\nmain = int") == Ended(130, "", "")
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_work_that_is_interrupted_is_tidied_up(number: str, tmp_path: Path) -> None:
+    work = f"""
+def main():
+    try:
+        interrupt({number})
+        time.sleep(60)
+    finally:
+        print("tidied")
+"""
+    assert run(tmp_path, work) == Ended(130, "tidied\n", "")
+
+
+def test_an_interrupt_that_a_library_turns_into_an_error_is_still_one(tmp_path: Path) -> None:
+    work = """
+def main():
+    try:
+        interrupt()
+        time.sleep(60)
+    except BaseException as error:
+        raise ImportError("numpy is broken") from error
+"""
+    assert run(tmp_path, work) == Ended(130, "", "")
+
+
+def test_an_interrupt_in_a_finalizer_is_not_lost(tmp_path: Path) -> None:
+    work = """
+class Closing:
+    def __del__(self):
+        interrupt()
+        for _ in range(1000):
+            pass
+
+def main():
+    Closing()
+    time.sleep(60)
+"""
+    assert run(tmp_path, work) == Ended(130, "", "")
+
+
+def test_another_error_in_a_finalizer_is_printed_as_usual(tmp_path: Path) -> None:
+    work = """
+class Closing:
+    def __del__(self):
+        raise KeyError(1)
+
+def main():
+    Closing()
+    return 0
+"""
+    ended = run(tmp_path, work)
+    assert (ended.exit_code, ended.out) == (0, "")
+    assert "Exception ignored in" in ended.err
+    assert "KeyError: 1" in ended.err
+
+
+def test_after_the_work_a_signal_keeps_its_exit_code_and_what_it_wrote(tmp_path: Path) -> None:
+    work = """
+import atexit
+
+def end():
+    interrupt()
+    time.sleep(60)
+
+def main():
+    atexit.register(end)
+    print("done")
+    return 7
+"""
+    assert run(tmp_path, work) == Ended(7, "done\n", "")
+
+
+def test_a_signal_between_two_programs_waits_for_the_second_one(tmp_path: Path) -> None:
+    work = """
+def main():
+    from legpush.entry.interrupts import hold
+    hold()
+    interrupt()
+    os.execv(sys.executable, [sys.executable, "-c", SECOND])
+
+SECOND = '''
+import time
+time.sleep(0.2)
+from legpush.entry.program import run_module
+print("handles it", flush=True)
+run_module("work")
+'''
+"""
+    assert run(tmp_path, work) == Ended(130, "handles it\n", "")
+
+
+def test_children_that_are_started_meanwhile_are_deaf_and_the_parent_is_not(tmp_path: Path) -> None:
+    work = """
+import subprocess
+from legpush.entry.interrupts import deaf_children
+
+def main():
+    code = "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('deaf')"
+    try:
+        with deaf_children():
+            interrupt()
+            child = subprocess.Popen([sys.executable, "-c", code])
+    finally:
+        print(child.wait())
+"""
+    assert run(tmp_path, work) == Ended(130, "deaf\n0\n", "")

@@ -1,0 +1,136 @@
+"""Every command of legpush with arguments that keep it busy, to be interrupted."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Final
+
+import psutil
+
+LEGPUSH: Final = str(Path(sys.executable).with_name("legpush"))
+RECORDING: Final = "RECORDING"
+CUT: Final = "cut.mcap"
+RUN: Final = "RUN"
+"""Words for a short recording, for one that is cut off, and for the folder of its run."""
+COMMANDS: Final[dict[str, tuple[str, ...]]] = {
+    "run": ("run", "--scenario", "push", "--out", "run", "--no-video", "--record", "new.mcap"),
+    "run with a film": ("run", "--scenario", "push", "--out", "run"),
+    "train": ("train", "--simulators", "1", "--steps", "512", "--out", "policy"),
+    "evaluate": ("evaluate", "scripted", "--episodes", "8", "--simulators", "1", "--out", "evaluated"),
+    "calibrate": ("calibrate", "--simulators", "1", "--out", "map.json"),
+    "plan-check": ("plan-check", "--json", "found.json", "--", sys.executable, "-m", "planner_proc"),
+    "scenarios list": ("scenarios", "list"),
+    "scenarios show": ("scenarios", "show", "published"),
+    "scenarios copy": ("scenarios", "copy", "default", "room.toml"),
+    "scenarios random": ("scenarios", "random", "room.toml", "--seed", "3"),
+    "map show": ("map", "show", "published", "--output", "map.png"),
+    "policy show": ("policy", "show", "variable"),
+    "policy export": ("policy", "export", "variable", "--to", "onnx", "--out", "exported"),
+    "render": ("render", RUN),
+    "record": ("record", "new.mcap", "--connect", "unixsock-stream/nowhere.sock"),
+    "info": ("info", RECORDING),
+    "recover": ("recover", CUT, "--out", "whole.mcap"),
+    "replay --verify": ("replay", RECORDING, "--verify"),
+    "replay --as": ("replay", RECORDING, "--as", "planner", "--out", "replayed"),
+    "branch": ("branch", RECORDING, "--at", "0:2", "--policy", "scripted", "--out", "branched"),
+    "export a table": ("export", RECORDING, "--out", "table.csv"),
+    "export a film": ("export", RECORDING, "--out", "film.mp4"),
+    "view": ("view", RECORDING, "--port", "0"),
+    "canary": ("canary",),
+    "study run": ("study", "run", "study.toml", "--out", "study", "--workers", "1"),
+    "help": ("--help",),
+}
+ENDLESS: Final = {"record": (0, 1), "view": (0,)}
+"""Commands that go on until they are interrupted, and their exit codes then."""
+STUDY: Final = """
+name = "interrupted"
+cell = "push"
+
+[settings]
+policy = "scripted"
+
+[axes]
+seed = { first = 1, n = 8 }
+"""
+
+
+@dataclass(frozen=True)
+class Interrupted:
+    """How a command ended that was interrupted, or that ended before."""
+
+    exit_code: int
+    output: str
+    was_running: bool
+    left: tuple[str, ...]
+    """Processes, temporary folders and unfinished files that it left behind."""
+
+
+def handles_signals(process: "subprocess.Popen[bytes]") -> bool:
+    """Whether the process, or what it became, catches SIGTERM: Python itself does not."""
+    try:
+        status = Path(f"/proc/{process.pid}/status").read_text()
+    except OSError:
+        return True
+    caught = next((line.split()[1] for line in status.splitlines() if line.startswith("SigCgt:")), "0")
+    return bool(int(caught, 16) >> (signal.SIGTERM - 1) & 1)
+
+
+def interrupt(name: str, after_s: float, folder: Path, words: dict[str, str]) -> Interrupted:
+    """Start a command in an empty folder, and interrupt it so long after it began to handle signals."""
+    (folder / "tmp").mkdir()
+    (folder / "study.toml").write_text(STUDY)
+    data = Path(words[RECORDING]).read_bytes()
+    (folder / CUT).write_bytes(data[: len(data) // 2])
+    command = [LEGPUSH, *(words.get(word, word) for word in COMMANDS[name])]
+    environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
+    with (folder / "output").open("wb") as output:
+        process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+    until_s = monotonic() + 30.0
+    while process.poll() is None and not handles_signals(process):
+        assert monotonic() < until_s, f"{name} does not handle signals"
+        sleep(0.001)
+    try:
+        process.wait(after_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGINT)
+        was_running = True
+    else:
+        was_running = False
+    exit_code = process.wait(60.0)
+    return Interrupted(exit_code, (folder / "output").read_text(errors="replace"), was_running, left_in(folder))
+
+
+def left_in(folder: Path) -> tuple[str, ...]:
+    """What an interrupted command should not leave: processes in its folder, temporary and unfinished files."""
+    files = [str(path.relative_to(folder)) for path in folder.rglob("*") if path.name.endswith((".part", ".old"))]
+    files += [str(path.relative_to(folder)) for path in folder.glob(".*-*")]
+    files += [f"tmp/{path.name}" for path in (folder / "tmp").iterdir()]
+    return (*files, *_processes_of(folder))
+
+
+def _processes_of(folder: Path) -> list[str]:
+    """The processes whose temporary directory is that of the folder; those that end within a while do not count."""
+    until_s, mark = monotonic() + 10.0, str(folder / "tmp")
+    while True:
+        found = []
+        for process in psutil.process_iter():
+            try:
+                if process.environ().get("TMPDIR") == mark and process.status() != psutil.STATUS_ZOMBIE:
+                    found.append(" ".join(process.cmdline()))
+            except psutil.Error:
+                continue
+        if not found or monotonic() > until_s:
+            return found
+        sleep(0.1)
