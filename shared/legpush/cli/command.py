@@ -1,17 +1,15 @@
 """The command line of `legpush`. Each subcommand imports its modules when it runs, so that `--help` is fast."""
 
-import os
 import sys
 from collections.abc import Sequence
-from functools import singledispatch
 from importlib.metadata import version
 from typing import Annotated, Final, NoReturn
 
 import tyro
 
-from legpush.errors import ConfigError, exit_code_of, one_line, printable
-from legpush.options.bench import Bench, ListFaults, SoakOptions
-from legpush.options.checks import require_writable_folder
+from legpush.cli.execute import execute
+from legpush.errors import exit_code_of
+from legpush.options.bench import Bench
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
@@ -21,8 +19,8 @@ from legpush.options.policies import Policies
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
-from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
-from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
+from legpush.options.scenarios import Scenarios
+from legpush.options.study import Studies
 from legpush.options.view import ViewOptions
 from legpush.output.guarded_streams import Output, with_guarded_output
 from legpush.processes.start_program import Program, start_program, start_python
@@ -115,187 +113,3 @@ def _plan_check(argv: Sequence[str]) -> NoReturn:
     flags, _ = split_at_dashes(argv)
     tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
     start_program("planner_proc.conformance.program", argv)
-
-
-@singledispatch
-def execute(command: object) -> int:
-    """Run a parsed command, and return its exit code."""
-    raise TypeError(f"Expected a command of legpush, got {type(command).__name__}")
-
-
-@execute.register
-def _run(command: RunOptions) -> int:
-    from rich.console import Console
-
-    from legpush.launch.run import launch_mission
-
-    return launch_mission(command, Console())
-
-
-@execute.register
-def _scenarios(command: Scenarios) -> int:
-    return execute(command.action)
-
-
-@execute.register
-def _list_scenarios(_: ListScenarios) -> int:
-    from legpush.scenarios.file import load_scenario, scenario_names
-
-    for name in scenario_names():
-        sys.stdout.write(f"{name:<18}{load_scenario(name).description}\n")
-    return 0
-
-
-@execute.register
-def _show_scenario(command: ShowScenario) -> int:
-    from legpush.scenarios.file import dump_scenario, load_scenario
-
-    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
-    return 0
-
-
-@execute.register
-def _copy_scenario(command: CopyScenario) -> int:
-    from legpush.scenarios.file import copy_scenario
-
-    for path in copy_scenario(command.name, command.file):
-        sys.stdout.write(f"wrote {path}\n")
-    return 0
-
-
-@execute.register
-def _random_scenario(command: RandomScenario) -> int:
-    start_program("agent_proc.programs.draw_room", command.flags())
-
-
-@execute.register
-def _render(command: RenderOptions) -> int:
-    from legpush.launch.film import film_arguments
-
-    if not any(command.run_folder.glob("episode-*.journal")):
-        raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
-    require_writable_folder(command.run_folder, "RUN_FOLDER")
-    argv = film_arguments(command.run_folder, command.camera)
-    os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
-
-
-@execute.register
-def _record(command: RecordOptions) -> int:
-    from legpush.launch.record import run_recorder
-
-    return run_recorder(command)
-
-
-@execute.register
-def _info(command: InfoOptions) -> int:
-    from legpush.recording.info import lines
-    from legpush.recording.mcap_file.reader import read_recording
-
-    sys.stdout.write("".join(f"{one_line(line)}\n" for line in lines(read_recording(command.files))))
-    return 0
-
-
-@execute.register
-def _recover(command: RecoverOptions) -> int:
-    from legpush.launch.recover import run_recover
-
-    return run_recover(command)
-
-
-@execute.register
-def _replay(command: ReplayOptions) -> int:
-    from legpush.launch.replay import replay
-
-    return replay(command)
-
-
-@execute.register
-def _branch(command: BranchOptions) -> int:
-    from legpush.launch.branch import branch
-
-    return branch(command)
-
-
-@execute.register
-def _kernel(command: KernelOptions) -> int:
-    from legpush.launch.kernel import install_kernel
-
-    return install_kernel(command)
-
-
-@execute.register
-def _bench(command: Bench) -> int:
-    return execute(command.action)
-
-
-@execute.register
-def _soak(command: SoakOptions) -> int:
-    from rich.console import Console
-
-    from legpush.soak.run import run_soak
-
-    return run_soak(command, Console())
-
-
-@execute.register
-def _list_faults(_: ListFaults) -> int:
-    from legpush.soak.table import read_table
-
-    for cell in read_table():
-        sys.stdout.write(f"{cell.name:<32}{cell.expected:<9}{cell.why}".rstrip() + "\n")
-    return 0
-
-
-@execute.register
-def _studies(command: Studies) -> int:
-    try:
-        return execute(command.action)
-    except ModuleNotFoundError as error:
-        raise ConfigError(
-            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
-        ) from error
-
-
-@execute.register
-def _run_study(command: RunStudy) -> int:
-    from rich.console import Console
-
-    from legpush.entry.program import enter_profile_quietly
-    from legpush.study.run import run_study
-
-    enter_profile_quietly()
-    return run_study(command, Console())
-
-
-@execute.register
-def _study_status(command: StudyStatus) -> int:
-    from legpush.study.folder import StudyFolder
-    from legpush.study.status import status_lines
-
-    sys.stdout.write("".join(f"{line}\n" for line in status_lines(StudyFolder(command.folder))))
-    return 0
-
-
-@execute.register
-def _study_table(command: StudyTable) -> int:
-    start_program("agent_proc.programs.study_table", command.flags())
-
-
-@execute.register
-def _verify_study(command: VerifyStudy) -> int:
-    from rich.console import Console
-
-    from legpush.entry.program import enter_profile_quietly
-    from legpush.study.verify import verify_study
-
-    enter_profile_quietly()
-    return verify_study(command, Console())
-
-
-@execute.register
-def _merge_studies(command: MergeStudies) -> int:
-    from legpush.study.merge import merge_studies
-
-    n_rows, n_cells = merge_studies(command.folders, command.folder)
-    sys.stdout.write(f"{n_rows} of {n_cells} cells; written to {command.folder}\n")
-    return 0

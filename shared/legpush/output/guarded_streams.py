@@ -11,12 +11,9 @@ import select
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, TextIO, cast
+from typing import Any, Final, TextIO, cast
 
 from legpush.errors import DISK_FULL, FAILED, FULL
-
-if TYPE_CHECKING:
-    from _typeshed import ReadableBuffer
 
 BROKEN_PIPE: Final = 141
 """Exit code of a program whose reader is gone: 128 and the number of SIGPIPE, as a shell reports it."""
@@ -29,7 +26,7 @@ class _Raw(io.FileIO):
 
     failure: OSError | None = None
 
-    def write(self, data: "ReadableBuffer") -> int:
+    def write(self, data: Any) -> int:
         """Write what can be written; return the number of bytes, also of dropped ones."""
         if self.failure is None:
             try:

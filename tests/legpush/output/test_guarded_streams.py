@@ -150,7 +150,7 @@ PROGRAMS = {
     "planner": ["-m", "planner_proc", "--help"],
     "simulator": ["-m", "sim_proc", "--help"],
     "agent": ["-m", "agent_proc", "--help"],
-    "recorder": ["-m", "legpush.launch.record", "--help"],
+    "recorder": ["-m", "legpush.entry", "legpush.launch.record", "--help"],
     "film": ["-m", "sim_proc.render", "--help"],
     "numerics": ["-m", "legpush.numerics"],
 }
