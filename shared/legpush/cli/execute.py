@@ -14,6 +14,7 @@ from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
+from legpush.plugins import why_not_loaded
 from legpush.processes.start_program import start_program
 
 
@@ -152,9 +153,7 @@ def _studies(command: Studies) -> int:
     try:
         return execute(command.action)
     except ModuleNotFoundError as error:
-        raise ConfigError(
-            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
-        ) from error
+        raise ConfigError(f"Expected a study that can run, but {why_not_loaded(error)}") from error
 
 
 @execute.register
