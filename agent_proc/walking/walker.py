@@ -113,9 +113,10 @@ class Walker:
             MissionEndedError: There is no path.
         """
         while True:
-            plan = self._planner.ask(self.query_behind(face), "the way behind the box")
+            query = self.query_behind(face)
+            plan = self._planner.ask(query, "the way behind the box")
             if plan.status != "exact":
-                raise self._planner.no_path("the way behind the box", plan)
+                raise self._planner.no_path("the way behind the box", query, plan)
             if self.walk_behind(face, plan):
                 return
 
