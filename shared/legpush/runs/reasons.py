@@ -21,6 +21,10 @@ Reason = Literal[
 """Why a mission ended."""
 
 
+ENDED_BY_ERROR: Final[tuple[Reason, ...]] = ("bad_answer", "motion_refused", "episode_broken", "policy_failed")
+"""Reasons of missions that an error ended, with exit code 2."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Note:
     """What people should know about a reason."""
