@@ -101,7 +101,11 @@ class BoxRoute:
         """
         if not self.is_free(stages, from_m):
             new = in_words(self._actor.state.appeared[self._n_cleared :])
-            raise MissionEndedError("no_path", f"the reference is not free any more; appeared: {new}")
+            raise MissionEndedError(
+                "no_path",
+                f"the reference is not free any more; appeared: {new}",
+                "leave out `reference`, so that paths around obstacles are planned, or move these `room.obstacles`",
+            )
 
     def give_up(self) -> None:
         """Count that the present stages are given up because an obstacle has appeared in their way."""
@@ -132,5 +136,6 @@ class BoxRoute:
             raise MissionEndedError(
                 "no_path",
                 f"the reference turns on a radius of {tightest_m:.2f} m, the box on no less than {radius_m:.2f} m",
+                "widen the curves of `reference`, or measure the box first with `pushing.calibration_pushes`",
             )
         return reference_path(reference, self._actor.scenario.box.pose.pose(), estimate.axle_m)

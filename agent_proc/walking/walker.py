@@ -72,7 +72,9 @@ class Walker:
             past.append((self._actor.trunk(), path.travelled_m))
             if _is_stuck(past):
                 raise MissionEndedError(
-                    "stuck", f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it"
+                    "stuck",
+                    f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it",
+                    "raise `planning.margin_m`, so that paths keep away from what holds the robot",
                 )
             self._actor.step(Walk())
 
