@@ -50,8 +50,10 @@ def _list_scenarios(_: ListScenarios) -> int:
 @execute.register
 def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
+    from legpush.scenarios.short import short_scenario
 
-    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
+    text = dump_scenario if command.defaults else short_scenario
+    sys.stdout.write(printable(text(load_scenario(command.scenario))))
     return 0
 
 
