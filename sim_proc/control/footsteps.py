@@ -20,6 +20,23 @@ STRIDE_M: Final = 0.4
 MAX_STEP_M: Final = 0.48
 MAX_TURN_RAD: Final = 0.6
 """Limits of one gait cycle: advance of the trunk, displacement of a foot, change of heading."""
+STRIDE_BY_DIRECTION: Final = (
+    (0.0, STRIDE_M),
+    (45.0, STRIDE_M),
+    (60.0, 0.2),
+    (80.0, 0.15),
+    (130.0, 0.15),
+    (150.0, 0.2),
+    (165.0, 0.25),
+    (175.0, 0.3),
+    (177.0, STRIDE_M),
+    (180.0, STRIDE_M),
+)
+"""Longest advance of the trunk in one gait cycle, by the angle [deg] between its motion and its heading.
+
+At longer ones the centre of mass leaves the support, and sideways the robot falls (`python -m benchmarks.sideways`).
+"""
+SAME_M: Final = 1e-6
 ADVANCES: Final = np.linspace(1.0, 0.05, 20)
 """Shares of the stride to try, the longest first."""
 
@@ -73,7 +90,20 @@ def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTarg
     candidates = np.clip(start + advance * (phase + 0.5), travelled_m, path.length_m)
     corners = path.corners(candidates)
     step = np.linalg.norm(corners - feet_m, axis=-1).max(axis=1)
-    turn = np.abs(path.poses(candidates.mean(axis=1))[:, 2] - path.poses(np.array(start))[2])
-    allowed = np.flatnonzero((step <= MAX_STEP_M) & (turn <= MAX_TURN_RAD))
+    moved = path.poses(candidates.mean(axis=1)) - path.poses(np.array(start))
+    is_short = np.hypot(moved[:, 0], moved[:, 1]) <= longest_stride_m(moved, path.poses(np.array(start))[2]) + SAME_M
+    allowed = np.flatnonzero((step <= MAX_STEP_M) & (np.abs(moved[:, 2]) <= MAX_TURN_RAD) & is_short)
     best = int(allowed[0]) if allowed.size else len(candidates) - 1
     return CycleTargets(travelled_m=candidates[best], feet_m=corners[best])
+
+
+def longest_stride_m(moved: Floats, yaw_rad: float) -> Floats:
+    """Longest advance by `STRIDE_BY_DIRECTION` for displacements (x, y, turn), (n, 3), from a heading; (n,).
+
+    The direction counts from the heading half way.
+    """
+    away = np.arctan2(moved[:, 1], moved[:, 0]) - yaw_rad - moved[:, 2] / 2
+    directions_deg, strides_m = zip(*STRIDE_BY_DIRECTION, strict=True)
+    angle_deg = np.degrees(np.abs(np.arctan2(np.sin(away), np.cos(away))))
+    longest: Floats = np.interp(angle_deg, directions_deg, strides_m)
+    return longest

@@ -14,6 +14,7 @@ from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
+from legpush.plugins import why_not_loaded
 from legpush.processes.start_program import start_program
 
 
@@ -49,8 +50,10 @@ def _list_scenarios(_: ListScenarios) -> int:
 @execute.register
 def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
+    from legpush.scenarios.short import short_scenario
 
-    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
+    text = dump_scenario if command.defaults else short_scenario
+    sys.stdout.write(printable(text(load_scenario(command.scenario))))
     return 0
 
 
@@ -152,9 +155,7 @@ def _studies(command: Studies) -> int:
     try:
         return execute(command.action)
     except ModuleNotFoundError as error:
-        raise ConfigError(
-            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
-        ) from error
+        raise ConfigError(f"Expected a study that can run, but {why_not_loaded(error)}") from error
 
 
 @execute.register
