@@ -138,8 +138,14 @@ def _shortfall(query: BoxPathQuery, field: ClearanceField, pushes: Pushes, n_ite
         return f"Obstacles cut off the goal: nowhere a passage of {2 * needed_m:.2f} m, which the box needs"
     radius_m = min(side.min_turning_radius_m for side in query.sides)
     size_m = min(query.grid.n_columns, query.grid.n_rows) * query.grid.resolution_m
+    walks = (
+        "; box and robot fit on some ways where the robot cannot come to the side to push: its walk needs a passage of "
+        f"{2 * query.walk_clearance_m:.2f} m"
+    )
     narrow = f"; a turning circle of {2 * radius_m:.2f} m does not fit into a room of {size_m:.2f} m"
     return (
-        f"No way in {n_iterations} iterations: raise max_iterations, or lower the clearance ({query.clearance_m:g} m) "
-        f"or the turning radius ({radius_m:g} m)" + (narrow if 2 * radius_m > size_m else "")
+        f"No way in {n_iterations} iterations: raise `pushing.max_iterations`, or lower `pushing.margin_m` (the "
+        f"clearance is {query.clearance_m:g} m) or `pushing.turning_reserve` (the turning radius is {radius_m:g} m)"
+        + (walks if pushes.out_of_reach else "")
+        + (narrow if 2 * radius_m > size_m else "")
     )

@@ -160,7 +160,10 @@ def _shortfall(query: TrunkPathQuery, field: ClearanceField, route: Route) -> st
     start_m, goal_m = (query.start.x_m, query.start.y_m), (query.goal.x_m, query.goal.y_m)
     if field.is_separated(start_m, goal_m, query.clearance_m):
         return f"No path keeps a clearance of {query.clearance_m:g} m: obstacles cut off the goal; ended {missing}"
-    return f"Ended {missing}: raise max_iterations, or lower clearance_m, which is {query.clearance_m:g} m"
+    return (
+        f"Ended {missing}: raise `planning.max_iterations`, or lower `planning.margin_m` (the clearance is "
+        f"{query.clearance_m:g} m)"
+    )
 
 
 def _is_better(plan: Plan, other: Plan) -> bool:

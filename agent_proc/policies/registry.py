@@ -1,8 +1,5 @@
 """Finds a policy by name: scripted, shipped, a policy folder, a model file, or a user's factory."""
 
-import importlib
-import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import cast
@@ -13,8 +10,8 @@ from agent_proc.policies.learned import load_learned
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.world_policy import GuardedPolicy, as_policy
-from legpush.errors import LegpushError, PolicyError
-from legpush.plugins import load_plugin
+from legpush.errors import LegpushError, PluginError, PolicyError
+from legpush.plugins import load_address, load_plugin, why_not_loaded
 from legpush.policy_names import GROUP, SB3_SUFFIX, policy_kind, require_repeated, require_trust
 
 
@@ -69,21 +66,15 @@ def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool =
         return load_learned(name)
     with learning_libraries(f"the model file {name!r}"):
         from agent_proc.policies.sb3.model_file import load_sb3_file
-    return load_sb3_file(Path(name), normalizer)
+    return GuardedPolicy(load_sb3_file(Path(name), normalizer), name)
 
 
 def _from_address(name: str) -> Policy:
-    """Make a policy with a user's function, whose module may also lie in the working directory.
-
-    The `decide` of the policy takes a world and a scenario, or a `PushView`.
-    """
-    module, _, factory = name.partition(":")
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())
+    """Make a policy with a user's function. Its `decide` takes a world and a scenario, or a `PushView`."""
     try:
-        make = getattr(importlib.import_module(module), factory)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise PolicyError(f"Expected module:factory that can be imported, got {name!r} ({error})") from error
+        make = load_address(name, "module:factory that can be imported")
+    except PluginError as error:
+        raise PolicyError(str(error)) from error
     return _made_by(make, name)
 
 
@@ -93,8 +84,8 @@ def _made_by(make: Callable[[], object], name: str) -> Policy:
         made = make()
     except LegpushError:
         raise
-    except Exception as error:
-        raise PolicyError(f"{name}: the factory raised {type(error).__name__}: {error}") from error
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"{name}: the factory raised {why_not_loaded(error)}") from error
     return cast(Policy, made) if type(made).__module__.startswith("agent_proc.") else user_policy(made, name)
 
 

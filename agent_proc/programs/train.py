@@ -28,7 +28,7 @@ from legpush.files import write_whole
 from legpush.numerics.current import explained
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
-from legpush.runs.folder import LOGS, own_folder
+from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
 from legpush.versions import NUMERICS, installed_versions
@@ -72,6 +72,8 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
     from agent_proc.learning.vec_env import PushVecEnv
 
     stop, links_stop = stop_on_signals(), threading.Event()
+    (folder / LOGS).mkdir(exist_ok=True)
+    write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder)}\n".encode())
     with (
         own_folder(folder),
         simulators(
@@ -79,19 +81,31 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         ) as worlds,
         _shown(console) as show,
     ):
-        env = PushVecEnv(plan.task, worlds, stop=links_stop)
+        env, done = PushVecEnv(plan.task, worlds, stop=links_stop), 0
+
+        def on_progress(progress: training_plan.Progress) -> None:
+            nonlocal done
+            done = progress.step
+            show(progress)
+
         try:
-            job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=show)
+            job = training.Training(plan, folder, env, worlds, stop=stop, on_progress=on_progress)
             if options.resume is not None:
                 _resume(job, plan)
             result = job.run()
         finally:
             env.close()
     if not result.finished:
-        console.print(Text(f"interrupted after {result.step} steps; to go on: {_again(folder)}"), soft_wrap=True)
+        console.print(Text(f"{kept_words(result.step, done)}; to go on: {_again(folder)}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
     return 0
+
+
+def kept_words(n_kept: int, n_done: int) -> str:
+    """What an interrupted training keeps: PPO learns from whole rollouts, and an unfinished one is not saved."""
+    lost = f"; {n_done - n_kept} more of an unfinished rollout are done again" if n_done > n_kept else ""
+    return f"interrupted: {n_kept} steps are kept{lost}"
 
 
 def _again(folder: Path) -> str:

@@ -15,7 +15,10 @@ from agent_proc.push_model.model import MIRROR, PushModel
 from agent_proc.statistics.estimate import Estimate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
+from legpush.messages.codec import convert
 from legpush.messages.common import USUAL_DEPTH_M
+from legpush.scenarios.lines import lines_of, located_faults
+from legpush.scenarios.schema_faults import schema_faults
 from legpush.scene.conventions import FrontLeg
 from legpush.scene.faces import FACES, PUSHABLE, pushed_box
 from legpush.scene.names import BoxShape, Face
@@ -209,11 +212,15 @@ def load_push_map(path: Path, box: Box) -> PushMap:
         ConfigError: The file cannot be read, or is not a usable map of this box.
     """
     try:
-        push_map = msgspec.json.decode(path.read_bytes(), type=PushMap)
+        text = path.read_text(encoding="utf-8")
+        plain = msgspec.json.decode(text, type=dict)
     except OSError as error:
         raise ConfigError(f"{path}: expected a push map that `legpush calibrate` wrote ({error.strerror})") from error
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ConfigError(f"{path}: expected a push map that `legpush calibrate` wrote ({error})") from error
+    if faults := schema_faults(plain, PushMap, convert):
+        raise ConfigError(*located_faults(faults, str(path), lines_of(text)))
+    push_map = convert(plain, PushMap)
     of = (push_map.box.shape, push_map.box.size_m)
     if of != (box.shape, box.size_m):
         raise ConfigError(

@@ -57,25 +57,32 @@ class BoxRoute:
     def way_to_push(self, box: Pose2, query: Callable[[Face], PlanQuery], what: str) -> tuple[list[Stage], Plan | None]:
         """The next stages of a box, and the robot's path to the first face, or None if it stands there already.
 
-        Among the box's paths whose first face the robot can reach, the one that the planner prefers is chosen. `query`
-        makes the query for the robot's path to a face, `what` names that path for people.
+        Among the box's paths whose first face the robot can reach, the one that the planner prefers is chosen. If there
+        is none, the error is that of the preferred face, which the robot could not reach. `query` makes the query for
+        the robot's path to a face, `what` names that path for people.
 
         Raises:
             MissionEndedError: There is no path for the box or the robot.
         """
         faces = self._actor.faces() if self.reference is None else ("rear",)
+        out_of_reach: MissionEndedError | None = None
         while True:
-            stages = self._stages(box, faces)
+            try:
+                stages = self._stages(box, faces)
+            except MissionEndedError as none_from_the_rest:
+                raise out_of_reach or none_from_the_rest from none_from_the_rest
             first = stages[0].face
             if self._actor.at_station(first):
                 return stages, None
             self._walker.back_off()
-            plan = self._planner.ask(query(first), what)
+            asked = query(first)
+            plan = self._planner.ask(asked, what)
             if plan.status == "exact":
                 return stages, plan
+            out_of_reach = out_of_reach or self._planner.no_path(f"{what}, to its {first} face", asked, plan)
             faces = tuple(face for face in faces if face != first)
             if not faces:
-                raise self._planner.no_path(what, plan)
+                raise out_of_reach
 
     def is_free(self, stages: Sequence[Stage], from_m: float = 0.0) -> bool:
         """Whether nothing has appeared in the way of box and robot, from a place on the first stage on."""
@@ -94,7 +101,11 @@ class BoxRoute:
         """
         if not self.is_free(stages, from_m):
             new = in_words(self._actor.state.appeared[self._n_cleared :])
-            raise MissionEndedError("no_path", f"the reference is not free any more; appeared: {new}")
+            raise MissionEndedError(
+                "no_path",
+                f"the reference is not free any more; appeared: {new}",
+                "leave out `reference`, so that paths around obstacles are planned, or move these `room.obstacles`",
+            )
 
     def give_up(self) -> None:
         """Count that the present stages are given up because an obstacle has appeared in their way."""
@@ -114,7 +125,7 @@ class BoxRoute:
             # Pushes have brought the box closer to something than planned.
             plan = self._planner.ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
         if plan.status != "exact":
-            raise self._planner.no_path("the path of the box", plan)
+            raise self._planner.no_path("the path of the box", query, plan)
         return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})
 
     def _reference_stage(self, reference: Reference) -> Stage:
@@ -125,5 +136,6 @@ class BoxRoute:
             raise MissionEndedError(
                 "no_path",
                 f"the reference turns on a radius of {tightest_m:.2f} m, the box on no less than {radius_m:.2f} m",
+                "widen the curves of `reference`, or measure the box first with `pushing.calibration_pushes`",
             )
         return reference_path(reference, self._actor.scenario.box.pose.pose(), estimate.axle_m)

@@ -145,7 +145,7 @@ class Pushing:
                     f"{STILL_CYCLES} push cycles moved the box {1000 * moved_m:.1f} mm instead of "
                     f"{1000 * sum(commanded_m):.0f} mm, box error {error}"
                 )
-                return self._stop(MissionEndedError("stuck", detail), to_end)
+                return self._stop(MissionEndedError("stuck", detail, "lower `box.mass_kg` or `box.friction`"), to_end)
 
     def _stop(self, ending: MissionEndedError, to_end: bool) -> StageEnding:
         """Stop before the end of a stage. The mission ends unless the box is at its goal and `to_end` is false."""

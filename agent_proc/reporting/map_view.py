@@ -41,12 +41,13 @@ class MapView:
         """Describe the map in lines of text."""
         n_rows, n_columns = self.occupied.shape
         too_many = f": more than the {MAX_OBSTACLES} of a room" if self.n_walls > MAX_OBSTACLES else ""
+        walls = "rectangle" if self.n_walls == 1 else "rectangles"
         x_m, y_m = self.origin_m
         lines = [
             f"size        {self.size_m[0]:g} x {self.size_m[1]:g} m",
             f"cells       {n_columns} x {n_rows} of {self.resolution_m:g} m",
             "origin      (0, 0) is the lower left corner, x to the right, y up",
-            f"occupied    {self.occupied.mean():.1%} of the cells, in {self.n_walls} rectangles{too_many}",
+            f"occupied    {self.occupied.mean():.1%} of the cells, in {self.n_walls} {walls}{too_many}",
         ]
         if self.origin_m != (0.0, 0.0):
             lines.insert(3, f"map frame   the room's plus ({x_m:g}, {y_m:g}): there the corner is ({x_m:g}, {y_m:g})")

@@ -11,6 +11,7 @@ from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2, distance_m, wrap_angle
 from legpush.lockstep.world import World
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
+from legpush.scene.occupancy import clearance_m
 from legpush.scene.paths import path_length_m
 
 
@@ -81,11 +82,25 @@ class RoutePlanner:
         appeared = in_words(self._actor.state.appeared[n_known:])
         self._actor.tell("giving up a path", None, f"of {what}; appeared: {appeared}")
 
-    def no_path(self, what: str, plan: Plan) -> MissionEndedError:
+    def no_path(self, what: str, query: PlanQuery, plan: Plan) -> MissionEndedError:
         """The error to raise if a plan is not exact and the mission cannot go on without it."""
-        state = self._actor.state
+        state, scenario = self._actor.state, self._actor.scenario
         appeared = f"; appeared: {in_words(state.appeared)}" if state.appeared else ""
-        return MissionEndedError("no_path", f"{what}: the planner's answer is {plan.status}: {plan.reason}{appeared}")
+        walk = (
+            f"lower `planning.margin_m` ({scenario.planning.margin_m:g} m), with which a walk needs passages of "
+            f"{2 * clearance_m(scenario):.2f} m"
+        )
+        if isinstance(query, TrunkPathQuery):
+            remedy = f"{walk}, or raise `planning.max_iterations` ({scenario.planning.max_iterations})"
+        else:
+            pushing = scenario.pushing
+            remedy = (
+                f"lower `pushing.margin_m` ({pushing.margin_m:g} m) or `pushing.turning_reserve` "
+                f"({pushing.turning_reserve:g}), raise `pushing.max_iterations` ({pushing.max_iterations}), or, where "
+                f"the robot cannot come to a face, {walk}"
+            )
+        detail = f"{what}: the planner's answer is {plan.status}: {plan.reason}{appeared}"
+        return MissionEndedError("no_path", detail, remedy)
 
 
 def plan_fault(query: PlanQuery, plan: Plan) -> str:

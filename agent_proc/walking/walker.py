@@ -72,7 +72,9 @@ class Walker:
             past.append((self._actor.trunk(), path.travelled_m))
             if _is_stuck(past, self._actor.scenario.robot.stance.foot_circle_m):
                 raise MissionEndedError(
-                    "stuck", f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it"
+                    "stuck",
+                    f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it",
+                    "raise `planning.margin_m`, so that paths keep away from what holds the robot",
                 )
             self._actor.step(Walk())
 
@@ -113,9 +115,10 @@ class Walker:
             MissionEndedError: There is no path.
         """
         while True:
-            plan = self._planner.ask(self.query_behind(face), "the way behind the box")
+            query = self.query_behind(face)
+            plan = self._planner.ask(query, "the way behind the box")
             if plan.status != "exact":
-                raise self._planner.no_path("the way behind the box", plan)
+                raise self._planner.no_path("the way behind the box", query, plan)
             if self.walk_behind(face, plan):
                 return
 

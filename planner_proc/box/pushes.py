@@ -107,6 +107,8 @@ class Pushes:
         self._query = query
         self.extra_m = 0.0
         """Clearance to keep beyond what is required, by the quick measure."""
+        self.out_of_reach = False
+        """Whether a way was refused because the robot cannot come to a side where box and robot fit."""
 
     def cost_m(self, way: Sequence[Stage], side_before: int | None) -> float:
         """Length, plus the cost of each change of sides, that from `side_before` to the first stage included."""
@@ -122,11 +124,15 @@ class Pushes:
         """Whether box and robot fit all along, by the quick measure, and the robot can walk to each other side."""
         sides = [side_before, *(stage.side for stage in way)]
         changes = [(stage, before) for stage, before in zip(way, sides, strict=False) if stage.side != before]
-        return (
-            all(self.sides[stage.side].can_begin(stage.begin) for stage, _ in changes)
-            and all(self.sides[stage.side].seems_free(stage, self.extra_m) for stage in way)
-            and all(self._can_walk(before, stage) for stage, before in changes if before is not None)
-        )
+        if not all(self.sides[stage.side].can_begin(stage.begin) for stage, _ in changes):
+            if not self.out_of_reach:
+                self.out_of_reach = any(self.sides[stage.side].fits(stage.begin) for stage, _ in changes)
+            return False
+        if not all(self.sides[stage.side].seems_free(stage, self.extra_m) for stage in way):
+            return False
+        can_walk = all(self._can_walk(before, stage) for stage, before in changes if before is not None)
+        self.out_of_reach |= not can_walk
+        return can_walk
 
     @cached_property
     def _walking(self) -> WalkingSpace:

@@ -64,7 +64,7 @@ class UnsolvableError(LegpushError):
 
 
 class ScenarioError(LegpushError):
-    """A scenario file that cannot be used; names the file and the field."""
+    """A scenario file that cannot be used; names the file, the line and the field of everything that is wrong."""
 
     exit_code = 2
 

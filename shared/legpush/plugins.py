@@ -1,5 +1,8 @@
 """Finds planners, simulators, policies and other plug-ins by name, through the entry points of installed packages."""
 
+import importlib
+import os
+import sys
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final, Literal
 
@@ -14,6 +17,62 @@ _NOUNS: Final[dict[Group, str]] = {
     "legpush.missions": "mission",
     "legpush.cells": "kind of cell",
 }
+
+
+LIBRARIES: Final[dict[str, str]] = {
+    "ompl": "planner",
+    "scipy": "planner",
+    "mujoco": "sim",
+    "imageio_ffmpeg": "sim",
+    "matplotlib": "agent",
+    "onnx": "agent",
+    "pyarrow": "agent",
+    "safetensors": "agent",
+    "gymnasium": "train",
+    "stable_baselines3": "train",
+    "tensorboard": "train",
+    "torch": "train",
+    "foxglove": "view",
+    "trimesh": "view",
+    "viser": "view",
+    "websockets": "view",
+    "ray": "ray",
+    "submitit": "slurm",
+}
+"""Modules of the libraries that the extras of legpush install, each with an extra that does."""
+
+
+def why_not_loaded(error: BaseException) -> str:
+    """Return why code of a user cannot be loaded: the module that it needs, or the error that it raised."""
+    if not isinstance(error, ModuleNotFoundError) or not error.name:
+        return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
+    library = error.name.partition(".")[0]
+    if library in LIBRARIES and library not in sys.modules:
+        remedy = f"pip install 'legpush[{LIBRARIES[library]}]' installs it"
+        return f"ModuleNotFoundError: it needs {library}, which is not installed; {remedy}"
+    return f"ModuleNotFoundError: it needs the module {error.name}, which is not on the Python path"
+
+
+def load_address(address: str, expected: str) -> Any:
+    """Import what `module:name` says; the module may also lie in the working directory.
+
+    Raises:
+        PluginError: It cannot be imported, or raises an error at that; says what was expected, and names the address.
+    """
+    module, _, name = address.partition(":")
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
+    try:
+        return getattr(importlib.import_module(module), name)
+    except (Exception, SystemExit) as error:
+        raise PluginError(f"Expected {expected}, got {address!r} ({_why(error, module)})") from error
+
+
+def _why(error: BaseException, module: str) -> str:
+    """Return why a module cannot be imported."""
+    if isinstance(error, ModuleNotFoundError) and error.name == module:
+        return f"the module {module} is not on the Python path"
+    return why_not_loaded(error)
 
 
 def plugin_names(group: Group) -> tuple[str, ...]:

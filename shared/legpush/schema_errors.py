@@ -10,7 +10,7 @@ from msgspec import inspect
 
 from legpush.fields import range_of
 
-_LOCATED: Final = re.compile(r"\A(?P<what>.*) - at `\$\.?(?P<path>.*)`\Z", re.DOTALL)
+LOCATED: Final = re.compile(r"\A(?P<what>.*) - at `\$\.?(?P<path>.*)`\Z", re.DOTALL)
 _WORDS: Final = {
     "`object`": "a table",
     "`array`": "an array",
@@ -32,7 +32,7 @@ def explain(
 
     `at` is the path of `plain` in its file. `also` lists fields that a table takes besides those of its record.
     """
-    located = _LOCATED.match(error)
+    located = LOCATED.match(error)
     what, path = (located["what"], located["path"]) if located else (error, "")
     steps = re.findall(r"[^.\[\]]+", path)
     place = ".".join(filter(None, (at, path)))

@@ -14,9 +14,28 @@ from legpush.geometry import Pose2
 from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.paths import travelled_m
 from legpush.scene.robot import RobotSpec
+from legpush.scene.robot_motion import Gait
 
 GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
 """Lateral sequence of the crawl: the weight changes sides twice a cycle."""
+STRIDE_SHARES: Final = (
+    (0.0, 1.0),
+    (45.0, 1.0),
+    (60.0, 0.5),
+    (80.0, 0.375),
+    (130.0, 0.375),
+    (150.0, 0.5),
+    (165.0, 0.625),
+    (175.0, 0.75),
+    (177.0, 1.0),
+    (180.0, 1.0),
+)
+"""Longest advance of the trunk in one gait cycle, as a share of the stride, by the angle [deg] between its motion and
+its heading.
+
+At longer ones the centre of mass leaves the support, and sideways the robot falls (`python -m benchmarks.sideways`).
+"""
+SAME_M: Final = 1e-6
 ADVANCES: Final = np.linspace(1.0, 0.05, 20)
 """Shares of the stride to try, the longest first."""
 
@@ -74,7 +93,22 @@ def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTarg
     candidates = np.clip(start + advance * (phase + 0.5), travelled_m, path.length_m)
     corners = path.corners(candidates)
     step = np.linalg.norm(corners - feet_m, axis=-1).max(axis=1)
-    turn = np.abs(path.poses(candidates.mean(axis=1))[:, 2] - path.poses(np.array(start))[2])
-    allowed = np.flatnonzero((step <= gait.max_step_m) & (turn <= gait.max_turn_rad))
+    moved = path.poses(candidates.mean(axis=1)) - path.poses(np.array(start))
+    is_short = (
+        np.hypot(moved[:, 0], moved[:, 1]) <= longest_stride_m(gait, moved, path.poses(np.array(start))[2]) + SAME_M
+    )
+    allowed = np.flatnonzero((step <= gait.max_step_m) & (np.abs(moved[:, 2]) <= gait.max_turn_rad) & is_short)
     best = int(allowed[0]) if allowed.size else len(candidates) - 1
     return CycleTargets(travelled_m=candidates[best], feet_m=corners[best])
+
+
+def longest_stride_m(gait: Gait, moved: Floats, yaw_rad: float) -> Floats:
+    """Longest advance by `STRIDE_SHARES` for displacements (x, y, turn), (n, 3), from a heading; (n,).
+
+    The direction counts from the heading half way.
+    """
+    away = np.arctan2(moved[:, 1], moved[:, 0]) - yaw_rad - moved[:, 2] / 2
+    directions_deg, shares = zip(*STRIDE_SHARES, strict=True)
+    angle_deg = np.degrees(np.abs(np.arctan2(np.sin(away), np.cos(away))))
+    longest: Floats = gait.stride_m * np.interp(angle_deg, directions_deg, shares)
+    return longest

@@ -23,14 +23,18 @@ def film_episode(
 ) -> str:
     """Write the film and return a description of it in a few words.
 
+    Until it is whole, finished pieces are kept beside the file that the options name.
+
     Raises:
         RecordingError: The episode has no traces.
         ConfigError: No time of the episode is between --start and --end.
+        StopRequestedError: The user interrupted it, and finished pieces are kept.
         LegpushError: ffmpeg failed.
     """
     film = film_of(episode.timeline, f"{where}, episode {episode.index}")
     take = take_of(film, options)
-    render(film, take, target, say)
+    whole = options.target()
+    render(film, take, target, say, unfinished=whole.with_name(f"{whole.name}.unfinished"))
     return f"{take.width} x {take.height}, {len(take.rows)} frames, {len(take.rows) / take.fps:.1f} s"
 
 

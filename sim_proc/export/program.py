@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Final
 
 import tyro
+from rich.console import Console
 
 from legpush.errors import ConfigError, exit_code_of, one_line
 from legpush.files import new_file, sha256_of
+from legpush.long_work.progress import pieces
 from legpush.options.export import ExportOptions
 from legpush.options.formats import FILMS, Format
 from legpush.output.guarded_streams import with_guarded_output
@@ -70,6 +72,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:
     """Write the file and return a description of it in a few words."""
+    say = pieces(Console(stderr=True), "exporting")
     if made in ("csv", "parquet"):
         columns = columns_of(source.episodes)
         if made == "csv":
@@ -84,10 +87,10 @@ def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) 
     if made == "foxglove":
         from sim_proc.export.foxglove_file import write_foxglove
 
-        return f"episode {episode.index}, {write_foxglove(source, episode, about(source), scratch, _say)}"
+        return f"episode {episode.index}, {write_foxglove(source, episode, about(source), scratch, say)}"
     from sim_proc.export.films import film_episode
 
-    return f"episode {episode.index}, {film_episode(episode, options, source.name, scratch, _say)}"
+    return f"episode {episode.index}, {film_episode(episode, options, source.name, scratch, say)}"
 
 
 def about(source: Source) -> dict[str, str]:
@@ -114,10 +117,3 @@ def _require_library(made: Format) -> None:
             f"Expected the library {package} for {made}, which is not installed; pip install '.[view]' in the checkout "
             "installs it"
         )
-
-
-def _say(n_done: int, n_all: int) -> None:
-    """Show progress if stderr is a terminal."""
-    if sys.stderr.isatty():
-        sys.stderr.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
-        sys.stderr.flush()

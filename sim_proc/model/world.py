@@ -31,8 +31,20 @@ def build_model(scenario: Scenario) -> mujoco.MjModel:
 
 
 def model_xml(scenario: Scenario) -> str:
-    """The model of a scenario as MJCF, for people and other programs. MJCF rounds its numbers."""
-    spec = build_spec(scenario)
+    """The model of a scenario as MJCF, for people and other programs. MJCF rounds its numbers.
+
+    Readers of MJCF other than MuJoCo may end at a body that cannot move, and may know no mass of geoms. So robot and
+    box come before the scenery, and each body with a joint states its inertia. Joints and actuators have the order of
+    the simulated model.
+    """
+    spec = _build_spec(scenario, movable_first=True)
+    model = spec.compile()
+    for body in spec.bodies:
+        compiled = model.body(body.name)
+        if compiled.jntnum[0]:
+            body.explicitinertial = True
+            body.mass, body.inertia = compiled.mass[0], compiled.inertia
+            body.ipos, body.iquat = compiled.ipos, compiled.iquat
     spec.compile()
     xml: str = spec.to_xml()
     return xml
@@ -40,12 +52,20 @@ def model_xml(scenario: Scenario) -> str:
 
 def build_spec(scenario: Scenario) -> mujoco.MjSpec:
     """The uncompiled model of a scenario."""
+    return _build_spec(scenario, movable_first=False)
+
+
+def _build_spec(scenario: Scenario, *, movable_first: bool) -> mujoco.MjSpec:
+    """The uncompiled model, with robot and box before or behind the scenery. Their place decides about rounding."""
     spec = mujoco.MjSpec()
     spec.modelname = "legpush"
     _set_options(spec, scenario.room)
-    add_scenery(spec, scenario)
+    if not movable_first:
+        add_scenery(spec, scenario)
     add_robot(spec, scenario.robot)
     box_geoms = add_box(spec, scenario.box)
+    if movable_first:
+        add_scenery(spec, scenario)
     _add_contact_pairs(spec, scenario, box_geoms)
     _add_sensors(spec)
     return spec

@@ -3,26 +3,32 @@
 import errno
 import multiprocessing
 import os
+import shutil
 import subprocess
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from hashlib import sha256
+from importlib.metadata import version
 from math import ceil
 from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Final
 
 import imageio_ffmpeg
+import msgspec
 import numpy as np
 
 from legpush.entry.interrupts import deaf_children
-from legpush.errors import DiskFullError, LegpushError
+from legpush.errors import DiskFullError, LegpushError, StopRequestedError
 from legpush.options.formats import View
 from legpush.runs.temporary import temporary_folder
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 SEGMENT_FRAMES: Final = 60
+SEGMENTS: Final = "[0-9]*.mp4"
+"""Names of finished segments."""
 LONGEST_S: Final = 30.0
 LEAST_SPEED: Final = 3.0
 """The usual speed is three times real time, or faster if the film would last longer than `LONGEST_S`."""
@@ -57,35 +63,77 @@ def usual_speed(duration_s: float) -> float:
     return max(LEAST_SPEED, duration_s / LONGEST_S)
 
 
-def render(film: Film, take: Take, target: Path, say: Callable[[int, int], None]) -> None:
+def render(
+    film: Film, take: Take, target: Path, say: Callable[[int, int], None], *, unfinished: Path | None = None
+) -> None:
     """Write a film to a file, which is replaced; call `say` with the numbers of finished and of all segments.
 
+    With `unfinished`, finished segments are kept in that folder until the film is whole: the same film goes on there.
+
     Raises:
+        StopRequestedError: The user interrupted it, and finished segments are kept.
         LegpushError: ffmpeg failed.
     """
-    with temporary_folder("video-") as scratch:
-        listing = _render_segments(film, take, scratch, say)
-        if take.gif:
-            _join_as_gif(listing, target.absolute())
-        else:
-            _ffmpeg(listing, "-c", "copy", "-movflags", "+faststart", str(target.absolute()))
+    if unfinished is None:
+        with temporary_folder("video-") as scratch:
+            _render_into(film, take, target, scratch, say)
+        return
+    own, whole = unfinished / _identity(film, take), False
+    try:
+        own.mkdir(parents=True, exist_ok=True)
+        for other in set(unfinished.iterdir()) - {own}:
+            shutil.rmtree(other)
+        _render_into(film, take, target, own, say)
+        whole = True
+    except KeyboardInterrupt as interrupt:
+        n_kept = len(list(own.glob(SEGMENTS)))
+        if not n_kept:
+            raise
+        raise StopRequestedError(
+            f"interrupted: {n_kept} of {_n_segments(take)} pieces are kept in {unfinished}; the same command goes on"
+        ) from interrupt
+    finally:
+        if whole or not list(own.glob(SEGMENTS)):
+            shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _render_into(film: Film, take: Take, target: Path, folder: Path, say: Callable[[int, int], None]) -> None:
+    listing = _render_segments(film, take, folder, say)
+    if take.gif:
+        _join_as_gif(listing, target.absolute())
+    else:
+        _ffmpeg(listing, "-c", "copy", "-movflags", "+faststart", str(target.absolute()))
+
+
+def _identity(film: Film, take: Take) -> str:
+    """Sixteen hexadecimal digits that are equal for equal films of equal versions."""
+    digest = sha256(msgspec.json.encode(film.scenario))
+    digest.update(film.qpos.tobytes())
+    digest.update(repr((take, film.first_tick, version("legpush"), version("mujoco"))).encode())
+    return digest.hexdigest()[:16]
+
+
+def _n_segments(take: Take) -> int:
+    return ceil(len(take.rows) / SEGMENT_FRAMES)
 
 
 def _render_segments(film: Film, take: Take, scratch: Path, say: Callable[[int, int], None]) -> Path:
-    """Render all segments and return the file that lists them."""
-    n_segments = ceil(len(take.rows) / SEGMENT_FRAMES)
+    """Render the segments that are not there, and return the file that lists all of them."""
+    n_segments = _n_segments(take)
     jobs = [
         (scratch / f"{index:05d}.mp4", take.rows[index * SEGMENT_FRAMES : (index + 1) * SEGMENT_FRAMES])
         for index in range(n_segments)
     ]
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
-    workers = min(len(os.sched_getaffinity(0)), n_segments)
+    missing = [job for job in jobs if not job[0].exists()]
+    n_before = n_segments - len(missing)
+    workers = max(1, min(len(os.sched_getaffinity(0)), len(missing)))
     with ProcessPoolExecutor(workers, context, initializer=_open_camera, initargs=(film, take, stop)) as pool:
         try:
             with deaf_children():
-                segments = [pool.submit(_render_segment, job) for job in jobs]
-            for n_done, segment in enumerate(as_completed(segments), start=1):
+                segments = [pool.submit(_render_segment, job) for job in missing]
+            for n_done, segment in enumerate(as_completed(segments), start=n_before + 1):
                 segment.result()
                 say(n_done, n_segments)
         except BaseException:
@@ -111,7 +159,7 @@ def _open_camera(film: Film, take: Take, stop: Event) -> None:
 
 
 def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
-    """Render the rows of a segment to its file, in a render worker."""
+    """Render the rows of a segment to its file, which is whole or absent, in a render worker."""
     from sim_proc.render.camera import Camera
 
     path, rows = job
@@ -120,8 +168,9 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
         raise TypeError("The render worker was not set up")
     if stop.is_set():
         return
+    part = path.with_name(f"part-{path.name}")
     writer = imageio_ffmpeg.write_frames(
-        str(path),
+        str(part),
         (take.width, take.height),
         fps=take.fps,
         codec="libx264rgb" if take.gif else "libx264",
@@ -137,6 +186,10 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
         if stop.is_set():  # only after a frame: ffmpeg complains about a film without frames
             break
     writer.close()
+    if stop.is_set():
+        part.unlink(missing_ok=True)
+    else:
+        part.replace(path)
 
 
 def _join_as_gif(listing: Path, target: Path) -> None:

@@ -1,11 +1,15 @@
 """Plug-ins are found through the entry points of installed packages, and what cannot be used names its package."""
 
+import sys
+from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from legpush.errors import LegpushError, PluginError
-from legpush.plugins import Group, load_plugin, plugin_names
+from legpush.plugins import LIBRARIES, Group, load_address, load_plugin, plugin_names
 
 MODULES = {
     "good": "def make():\n    return 'made'\n",
@@ -87,3 +91,48 @@ def test_an_unknown_name_is_answered_with_the_valid_ones() -> None:
         load_plugin("legpush.simulators", "gazebo")
     assert isinstance(caught.value, LegpushError)
     assert caught.value.exit_code == 2
+
+
+ADDRESSES = {
+    "none:make": r"\(the module none_of_mine is not on the Python path\)",
+    "lacks": r"\(ModuleNotFoundError: it needs the module a\.library, which is not on the Python path\)",
+    "ours": r"\(ModuleNotFoundError: it needs onnx, .*; pip install 'legpush\[agent\]' installs it\)",
+    "syntax": r"\(SyntaxError: .*\)",
+    "divides": r"\(ZeroDivisionError: division by zero\)",
+    "exits": r"\(SystemExit: 7\)",
+    "nameless": r"\(ModuleNotFoundError\)",
+}
+SOURCES = {
+    "lacks": "raise ModuleNotFoundError('no', name='a.library')",
+    "ours": "raise ModuleNotFoundError('no', name='onnx.helper')",
+    "syntax": "def",
+    "divides": "1 / 0",
+    "exits": "import sys; sys.exit(7)",
+    "nameless": "raise ModuleNotFoundError",
+}
+
+
+@pytest.mark.parametrize("name", ADDRESSES)
+def test_a_module_of_the_user_that_cannot_be_imported_is_named_with_what_it_needs(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "onnx", raising=False)
+    monkeypatch.chdir(tmp_path)
+    module = f"{name.partition(':')[0]}_of_mine"
+    if name in SOURCES:
+        (tmp_path / f"{module}.py").write_text(SOURCES[name])
+    with pytest.raises(PluginError, match=rf"^Expected a thing, got '{module}:make' {ADDRESSES[name]}$"):
+        load_address(f"{module}:make", "a thing")
+
+
+def test_the_libraries_of_the_extras_are_those_of_the_distribution() -> None:
+    provided = packages_distributions()
+    required = [Requirement(text) for text in requires("legpush") or ()]
+    for module, extra in LIBRARIES.items():
+        assert module in provided, f"{module} is not installed"
+        names = {canonicalize_name(name) for name in provided[module]}
+        assert any(
+            canonicalize_name(each.name) in names and each.marker is not None and each.marker.evaluate({"extra": extra})
+            for each in required
+        ), f"the extra {extra} does not install {module}"

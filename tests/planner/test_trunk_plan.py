@@ -145,7 +145,7 @@ def test_a_budget_too_small_gives_an_approximate_plan_that_says_how_far_it_got(p
     assert plan.status == "approximate"
     check(query, plan)
     missing_m = np.linalg.norm(maps.positions(plan)[-1] - [7.0, 5.0])
-    assert f"Ended {missing_m:.2f} m from the goal after 20 iterations: raise max_iterations" in plan.reason
+    assert f"Ended {missing_m:.2f} m from the goal after 20 iterations: raise `planning.max_iterations`" in plan.reason
     assert plan.waypoints[-1].yaw_rad != QUERY.goal.yaw_rad
 
 
@@ -153,7 +153,7 @@ def test_a_budget_that_finds_nothing_fails() -> None:
     plan = make_plan(replace(QUERY, max_iterations=1))
     assert plan.status == "failed"
     assert (plan.waypoints, plan.raw_path_m) == ((), ())
-    assert "after 1 iterations: raise max_iterations" in plan.reason
+    assert "after 1 iterations: raise `planning.max_iterations`" in plan.reason
 
 
 def test_a_gate_just_wider_than_needed_is_passed_and_one_just_narrower_is_not() -> None:

@@ -10,7 +10,7 @@ BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/model", 
 """Folders of the robot's body and motion."""
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
-    "control/footsteps.py": {"ADVANCES"},
+    "control/footsteps.py": {"ADVANCES", "SAME_M", "STRIDE_SHARES"},
     "control/steps.py": {"SHIFT_WEIGHT", "LIFTED_SHARE", "CAUTION"},
     "control/swing.py": {"LOCUS_RANGE_RAD"},
     "kinematics/leg.py": {"SIDE"},

@@ -1,11 +1,18 @@
 """Robots of another size: they stand, walk and push like the default one, also beside it in one process."""
 
 from collections.abc import Iterator
+from contextlib import chdir
 from itertools import pairwise, zip_longest
 
+import msgspec
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
 
+from legpush.errors import LegpushError, MessageError, MotionError
 from legpush.geometry import Pose2
+from legpush.messages import codec
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.scene.conventions import FRONT_LEGS
@@ -13,6 +20,7 @@ from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from legpush.scene.station import at_station, station
 from sim_proc.simulator import Simulator
+from tests.legpush.test_bounds import Leaf, ends, leaves, put
 from tests.robots import ROBOT, scaled_robot
 
 WALK_M = 1.0
@@ -70,6 +78,37 @@ def test_a_robot_of_another_size_stands_walks_a_metre_and_pushes_three_times(sca
     places_m = [planar_pose(outcome.world.box).x_m for outcome in (arrived, *pushes)]
     moved_m = [after - before for before, after in pairwise(places_m)]
     assert min(moved_m) > 0.4 * scale * DEPTH_M
+
+
+PLAIN = msgspec.json.decode(msgspec.json.encode(ROBOT))
+NUMBERS = tuple(leaves(PLAIN, msgspec.inspect.type_info(RobotSpec)))
+
+
+@given(leaf=st.sampled_from(NUMBERS), end=st.sampled_from([0, 1]))
+@settings(max_examples=15, deadline=None)
+def test_a_robot_with_a_number_at_its_bound_is_refused_or_moves_or_ends_the_episode(
+    leaf: Leaf, end: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    try:
+        robot = codec.convert(put(PLAIN, leaf, ends(leaf.kind)[end]), RobotSpec)
+    except MessageError:
+        return
+    scenario = before_a_box(robot, 1.0)
+    ready = station(robot, scenario.box, BOX_POSE.pose())
+    scenario = replace(scenario, start=PoseDeg(x_m=ready.x_m, y_m=ready.y_m, yaw_deg=0.0))
+    back = Follow(waypoints=(ready, ready @ Pose2(x_m=-0.3, y_m=0.0, yaw_rad=0.0)))
+    simulator = Simulator()
+    for motion in (Reset(scenario=scenario, seed=0), Push(w1=0.5, w2=0.5, leg="FL", depth_m=DEPTH_M), back, Walk()):
+        try:
+            with chdir(tmp_path_factory.mktemp("log")):  # MuJoCo writes its warnings to a file there
+                outcome = simulator.perform(motion, with_trace=True)
+        except MotionError:
+            continue
+        except LegpushError as error:
+            if "the episode cannot go on" in str(error):
+                return
+            raise
+        assert codec.decode(codec.encode(outcome), Outcome) == outcome
 
 
 def test_two_robots_in_one_process_do_not_know_of_each_other() -> None:

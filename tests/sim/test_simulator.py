@@ -1,7 +1,7 @@
 """The simulator as its users see it: motions in, outcomes out."""
 
 from collections.abc import Sequence
-from math import cos, degrees, pi, sin
+from math import cos, degrees, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -88,6 +88,24 @@ def test_a_push_moves_the_box_ahead_turns_it_away_and_leaves_the_robot_at_its_st
         station = box_pose(push) @ pose(-0.2 - 0.12 - 0.5963 / 2, 0, 0)
         corners = station.apply(ROBOT.stance.foot_rectangle_b())
         np.testing.assert_allclose(np.array(push.world.tips_m)[:, :2], corners, atol=0.015)
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 60.0])
+@pytest.mark.parametrize("direction_deg", [60.0, -90.0, 115.0, 150.0])
+def test_a_path_that_leads_sideways_is_walked_upright(
+    direction_deg: float, turn_deg: float, at_the_box: Scenario
+) -> None:
+    simulator = Simulator()
+    start = replace(at_the_box.start, x_m=5.0)
+    perform(simulator, [Reset(scenario=replace(at_the_box, start=start), seed=0)])
+    x, y = cos(radians(direction_deg)), sin(radians(direction_deg))
+    outcomes = walk(
+        simulator, [pose(5.0 + d * x, 5.0 + d * y, d * radians(turn_deg)) for d in np.linspace(0.0, 1.5, 31)]
+    )
+    traces = [outcome.trace for outcome in outcomes[1:] if outcome.trace is not None]
+    assert max(np.abs(trace.roll_pitch_rad).max() for trace in traces) < np.radians(1.5)
+    assert min(min(trace.support_margin_m) for trace in traces) > -0.04
+    assert not outcomes[-1].world.fallen
 
 
 def test_left_and_right_pushes_mirror_each_other(at_the_box: Scenario) -> None:

@@ -42,6 +42,8 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "view": ("view", RECORDING, "--port", "0"),
     "canary": ("canary",),
     "study run": ("study", "run", "study.toml", "--out", "study", "--workers", "1"),
+    "bench soak": ("bench", "soak", "--out", "soak", "--cells", "kill-sim-walking"),
+    "bench faults": ("bench", "faults"),
     "help": ("--help",),
 }
 ENDLESS: Final = {"record": (0, 1), "view": (0,)}

@@ -9,6 +9,8 @@ import json
 import pickle
 import threading
 import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -26,6 +28,7 @@ from agent_proc.policies.sb3.arguments import use_one_thread
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.config import TaskConfig
 from legpush.errors import PolicyError
+from legpush.plugins import why_not_loaded
 
 ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
     "stable_baselines3.common.policies": PPO,
@@ -68,33 +71,32 @@ def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
         PolicyError: A file is not of the expected kind; the message names it.
     """
     use_one_thread()
-    networks = _networks(path)
-    task = _task(networks, path)
+    with _loading(path, "a model saved by Stable-Baselines3"):
+        networks = _networks(path)
+        task = _task(networks, path)
     moments = None if normalizer is None else _normalizer(normalizer)
     return NetworkPolicy(task, ModelNetwork(networks), moments, str(normalizer))
 
 
-def _networks(path: Path) -> BasePolicy:
+@contextmanager
+def _loading(path: Path, expected: str) -> Iterator[None]:
+    """Surround the loading of a file. The pickles in it may raise anything, which becomes a `PolicyError`."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            plain = json.loads(archive.read("data"))
-        module = plain["policy_class"]["__module__"]
-        if module not in ALGORITHMS:
-            raise PolicyError(f"{path}: expected a model of PPO, A2C, SAC, TD3 or DDPG, got a policy of {module}")
-        _check_text(plain, path)
-        networks = ALGORITHMS[module].load(path, device="cpu").policy
-    except (
-        OSError,
-        zipfile.BadZipFile,
-        KeyError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        RuntimeError,
-        EOFError,
-        pickle.UnpicklingError,
-    ) as error:
-        raise PolicyError(f"{path}: expected a model saved by Stable-Baselines3 ({error})") from error
+        yield
+    except PolicyError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"{path}: expected {expected} that can be loaded here ({why_not_loaded(error)})") from error
+
+
+def _networks(path: Path) -> BasePolicy:
+    with zipfile.ZipFile(path) as archive:
+        plain = json.loads(archive.read("data"))
+    module = plain["policy_class"]["__module__"]
+    if module not in ALGORITHMS:
+        raise PolicyError(f"{path}: expected a model of PPO, A2C, SAC, TD3 or DDPG, got a policy of {module}")
+    _check_text(plain, path)
+    networks = ALGORITHMS[module].load(path, device="cpu").policy
     networks.set_training_mode(False)
     return networks
 
@@ -130,17 +132,15 @@ def _other_spaces(path: Path, got: str) -> PolicyError:
 
 
 def _normalizer(path: Path) -> Normalizer:
-    try:
+    with _loading(path, "a file of `VecNormalize.save`"):
         with path.open("rb") as file:
             loaded = pickle.load(file)  # noqa: S301 - the user's own, as its documentation says
-    except (OSError, pickle.UnpicklingError, EOFError, AttributeError, ImportError, ValueError) as error:
-        raise PolicyError(f"{path}: expected what `VecNormalize.save` wrote ({error})") from error
-    if not isinstance(loaded, VecNormalize) or not loaded.norm_obs:
-        raise PolicyError(f"{path}: expected a `VecNormalize` with norm_obs, got {type(loaded).__name__}")
-    rms: Any = loaded.obs_rms
-    return Normalizer(
-        mean=rms.mean.astype(np.float64),
-        variance=rms.var.astype(np.float64),
-        clip=float(loaded.clip_obs),
-        epsilon=float(loaded.epsilon),
-    )
+        if not isinstance(loaded, VecNormalize) or not loaded.norm_obs:
+            raise PolicyError(f"{path}: expected a `VecNormalize` with norm_obs, got {type(loaded).__name__}")
+        rms: Any = loaded.obs_rms
+        return Normalizer(
+            mean=rms.mean.astype(np.float64),
+            variance=rms.var.astype(np.float64),
+            clip=float(loaded.clip_obs),
+            epsilon=float(loaded.epsilon),
+        )

@@ -4,6 +4,7 @@ import os
 import sys
 from functools import singledispatch
 
+from legpush.entry.interrupts import hold
 from legpush.errors import ConfigError, one_line, printable
 from legpush.options.bench import Bench, ListFaults, SoakOptions
 from legpush.options.checks import require_writable_folder
@@ -13,6 +14,7 @@ from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
 from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
+from legpush.plugins import why_not_loaded
 from legpush.processes.start_program import start_program
 
 
@@ -48,8 +50,11 @@ def _list_scenarios(_: ListScenarios) -> int:
 @execute.register
 def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
+    from legpush.scenarios.short import short_scenario
 
-    sys.stdout.write(printable(dump_scenario(load_scenario(command.scenario))))
+    scenario = load_scenario(command.scenario)
+    text = dump_scenario(scenario, whole_robot=True) if command.defaults else short_scenario(scenario)
+    sys.stdout.write(printable(text))
     return 0
 
 
@@ -75,6 +80,7 @@ def _render(command: RenderOptions) -> int:
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
     require_writable_folder(command.run_folder, "RUN_FOLDER")
     argv = film_arguments(command.run_folder, command.camera)
+    hold()
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
 
@@ -150,9 +156,7 @@ def _studies(command: Studies) -> int:
     try:
         return execute(command.action)
     except ModuleNotFoundError as error:
-        raise ConfigError(
-            f"Studies need {error.name}, which is not installed; pip install 'legpush[study]' installs it"
-        ) from error
+        raise ConfigError(f"Expected a study that can run, but {why_not_loaded(error)}") from error
 
 
 @execute.register

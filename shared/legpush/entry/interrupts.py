@@ -73,13 +73,21 @@ def release() -> None:
 def deaf_children() -> Iterator[None]:
     """Let processes that this thread starts meanwhile be deaf to Ctrl-C in the terminal; something else ends them.
 
-    An interrupt of this process comes afterwards.
+    On the main thread, a signal to this process comes afterwards, so that no process is started and then not known. A
+    blocked signal alone is not enough for that, since another thread takes it.
     """
+    came: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    handlers = {number: signal.signal(number, lambda n, _: came.append(n)) for number in SIGNALS} if is_main else {}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(signal.Signals(came[0]))
 
 
 def hold() -> None:

@@ -28,7 +28,9 @@ def branch(options: BranchOptions) -> int:
         if (value := getattr(options, name)) is not None:
             flags += [f"--branch-{name.replace('_', '-')}", str(value)]
 
-    facts = read_facts(recording)
+    console, facts = Console(), read_facts(recording)
+    if not is_changed(options, facts.policy):
+        console.print(f"nothing is changed at {at}: this repeats the recording", soft_wrap=True)
     past = options.policy if options.past_policy is None else options.past_policy
     require_repeated(facts.policy, past, "--policy" if options.policy is None else "--past-policy")
     repeated = past if past == facts.policy else None
@@ -55,7 +57,13 @@ def branch(options: BranchOptions) -> int:
             video=options.video,
         )
         programs = Programs(agent_flags=tuple(flags), again=lambda folder: again(options, folder), kind="branch")
-        return launch_mission(run, Console(), programs, about)
+        return launch_mission(run, console, programs, about)
+
+
+def is_changed(options: BranchOptions, recorded_policy: str) -> bool:
+    """Return whether the options change anything of the mission."""
+    changes = (options.planner, options.planner_command, options.box_mass_kg, options.box_friction)
+    return options.policy not in (None, recorded_policy) or any(change is not None for change in changes)
 
 
 def default_file(options: BranchOptions) -> Path:

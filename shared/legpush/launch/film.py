@@ -46,5 +46,10 @@ def film(
     if process.exit_code == NO_OPENGL:
         note("".join(process.last_words(1)) or "no video: no OpenGL library can be used")
     elif process.exit_code != 0:
-        note(f"no video: the film {describe_exit(process.exit_code)}{said(process)}")
+        what = f"no video: the film {describe_exit(process.exit_code)}"
+        end = said(process)
+        if "\n" in end:
+            display.notice(f"{what}{end}")
+            end = f"; its log is {command.log}"
+        note(f"{what}{end}")
     return None

@@ -1,5 +1,7 @@
 """The last words of a process that failed, as its launcher repeats them."""
 
+import errno
+import os
 import signal
 from typing import Final
 
@@ -7,7 +9,7 @@ from legpush.errors import DISK_FULL, NO_OPENGL
 from legpush.processes.child import TAIL_LINES, Process
 
 ERROR: Final = "error: "
-"""How a program begins the line that says why it ends."""
+"""How a program begins the line that says why it ends; further lines are indented as far."""
 EXPLAINED: Final = (2, DISK_FULL, NO_OPENGL)
 """Exit codes of ends that one line explains; the lines before it, such as a traceback, add nothing."""
 
@@ -19,7 +21,7 @@ def error_of(process: Process) -> str:
     """
     words = process.last_words()
     if process.exit_code == DISK_FULL and not any(line.startswith(ERROR) for line in words):
-        return "the disk is full, also for its log"
+        return f"{os.strerror(errno.ENOSPC)}, also not for its log"
     told = next((line for line in reversed(words) if line.startswith(ERROR)), words[-1] if words else "")
     return told.removeprefix(ERROR)
 

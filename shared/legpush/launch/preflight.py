@@ -52,8 +52,8 @@ def check_mission(options: RunOptions, scenario: Scenario, folder: Path, program
     if done.returncode == 0:
         return
     lines = [line for line in done.stderr.splitlines() if line.strip()]
-    errors = [line.removeprefix(ERROR) for line in lines if line.startswith(ERROR)]
-    if errors and done.returncode in (ConfigError.exit_code, DISK_FULL):
-        raise ConfigError(errors[-1])
+    begin = next((index for index in reversed(range(len(lines))) if lines[index].startswith(ERROR)), None)
+    if begin is not None and done.returncode in (ConfigError.exit_code, DISK_FULL):
+        raise ConfigError(*(line[len(ERROR) :] for line in lines[begin:]))
     what = f"the check of the policy {options.policy} {describe_exit(done.returncode)}"
     raise LegpushError(f"{what}; its last lines:" if lines else what, *(f"    {line}" for line in lines[-TAIL_LINES:]))

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from datetime import datetime
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from rich.console import Console
 from rich.text import Text
@@ -44,6 +45,7 @@ from legpush.runs.folder import (
     run_folder,
 )
 from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
+from legpush.runs.reasons import ENDED_BY_ERROR
 from legpush.runs.report import add_note, read_report
 from legpush.scene.scenario import Scenario
 
@@ -93,6 +95,10 @@ def _run_and_tell(
     for line in clear_killed_runs():
         console.print(Text(line), soft_wrap=True)
     with run_folder(folder, scenario):
+        if (report := finished_report(folder, options)) is not None:
+            console.print(Text(f"finished already; the report in {folder} is kept"), soft_wrap=True)
+            print_summary(console, folder, report)
+            return Verdict(SUCCESS if report["success"] else NO_SUCCESS)
         for journal in journals(folder):
             if done := mend(journal):
                 console.print(Text(done), soft_wrap=True)
@@ -112,6 +118,20 @@ def _run_and_tell(
                 console.print(Text(printable(verdict.reason), style="bold red"), soft_wrap=True)
             print_summary(console, folder, read_report(folder))
         return verdict
+
+
+def finished_report(folder: Path, options: RunOptions) -> dict[str, Any] | None:
+    """Return the report of a mission that is over, if the options would run it again; None to run or continue.
+
+    A mission that ended with an error is tried again. Another seed or policy is left to the agent, which refuses it.
+    """
+    command = folder / LOGS / COMMAND_FILE
+    if not (folder / REPORT_FILE).exists() or not command.exists() or not is_begun(folder):
+        return None
+    report, words = read_report(folder), shlex.split(command.read_text(encoding="utf-8"))
+    policies = [after for word, after in pairwise(words) if word == "--policy"]
+    over = report.get("reason") not in ENDED_BY_ERROR
+    return report if over and report.get("seed") == options.seed and options.policy in policies else None
 
 
 def require_libraries() -> None:

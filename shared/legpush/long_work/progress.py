@@ -39,6 +39,25 @@ def counted(
     yield advance
 
 
+def pieces(console: Console, what: str, clock: Callable[[], float] = monotonic) -> Callable[[int, int], None]:
+    """Return a function that shows how many pieces of a file are done, and of how many; nothing is left of it there.
+
+    Where lines cannot be overwritten, it prints one now and then.
+    """
+    began_s = shown_s = clock()
+
+    def show(n_done: int, n_all: int) -> None:
+        nonlocal shown_s
+        if console.is_terminal:
+            console.file.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
+            console.file.flush()
+        elif (now_s := clock()) - shown_s >= PERIOD_S:
+            shown_s = now_s
+            console.print(Text(f"{now_s - began_s:7.1f} s  {what}  {n_done} of {n_all} pieces"), soft_wrap=True)
+
+    return show
+
+
 def _bar(console: Console) -> Progress:
     """A bar with the number of finished parts and the remaining time."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())

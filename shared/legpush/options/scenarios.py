@@ -19,10 +19,12 @@ class ListScenarios:
 
 @dataclass(frozen=True)
 class ShowScenario:
-    """Check a scenario and print it with every field."""
+    """Check a scenario and print it; comments of its file are not kept."""
 
     scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")]
     """A built-in scenario or the path of a scenario file."""
+    defaults: Annotated[bool, tyro.conf.arg(name="defaults")] = False
+    """Print fields with their default values, too."""
 
 
 @dataclass(frozen=True)

@@ -83,7 +83,7 @@ def clear_killed_runs() -> list[str]:
             command = (Path(run.folder) / LOGS / COMMAND_FILE).read_text(encoding="utf-8", errors="replace").strip()
         except OSError:
             return
-        lines.append(printable(f"the {run.kind} in {run.folder} was killed; to go on: {command}"))
+        lines.append(printable(f"`legpush {run.kind}` in {run.folder} was killed; to go on: {command}"))
 
     clear_abandoned(note)
     return lines

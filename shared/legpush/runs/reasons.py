@@ -21,6 +21,10 @@ Reason = Literal[
 """Why a mission ended."""
 
 
+ENDED_BY_ERROR: Final[tuple[Reason, ...]] = ("bad_answer", "motion_refused", "episode_broken", "policy_failed")
+"""Reasons of missions that an error ended, with exit code 2."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Note:
     """What people should know about a reason."""
@@ -52,14 +56,21 @@ REASONS: Final[dict[Reason, Note]] = {
     ),
     "no_path": Note(
         meaning="The planner found no path of the robot or of the box.",
-        keys=("planning.margin_m", "planning.max_iterations", "pushing.margin_m", "pushing.max_iterations"),
-        remedy="lower `planning.margin_m` or `pushing.margin_m`, raise `planning.max_iterations` or "
-        "`pushing.max_iterations`",
+        keys=(
+            "planning.margin_m",
+            "planning.max_iterations",
+            "pushing.margin_m",
+            "pushing.max_iterations",
+            "pushing.turning_reserve",
+            "reference",
+        ),
+        remedy="lower `planning.margin_m`, `pushing.margin_m` or `pushing.turning_reserve`, raise "
+        "`planning.max_iterations` or `pushing.max_iterations`, or widen the curves of `reference`",
     ),
     "stuck": Note(
         meaning="The robot or the box moved too little, several cycles in a row.",
-        keys=("box.mass_kg", "box.friction"),
-        remedy="lower `box.mass_kg` or `box.friction`",
+        keys=("box.mass_kg", "box.friction", "planning.margin_m"),
+        remedy="lower `box.mass_kg` or `box.friction` if it was the box, raise `planning.margin_m` if it was the robot",
     ),
     "missed_station": Note(
         meaning="The robot walked to the box, but ended too far from the place to push from.",

@@ -42,56 +42,78 @@ def check_scenario(scenario: Scenario, where: str = "scenario") -> None:
     """Check that a scenario can be carried out.
 
     Raises:
-        ScenarioError: It cannot. The text begins with `where`, names the field, and says by how much it is wrong.
+        ScenarioError: It cannot. Each text begins with `where`, names the field, and says by how much it is wrong.
     """
-    try:
-        _check(scenario)
-    except ScenarioError as error:
-        raise ScenarioError(f"{where}: {error}") from error
+    if faults := scenario_faults(scenario):
+        raise ScenarioError(*(f"{where}: {fault}" for fault in faults))
 
 
-def _check(scenario: Scenario) -> None:
-    """Make all checks, from the room to the goal."""
-    room, box, offsets, robot = scenario.room, scenario.box, scenario.randomization, scenario.robot
-    _check_room(room)
-    _check_planning(scenario.planning)
+class _Faults(list[str]):
+    """The faults that were found."""
+
+    def find(self, check: Callable[[], None]) -> bool:
+        """Make a check, and return whether it passed."""
+        try:
+            check()
+        except ScenarioError as error:
+            self.append(str(error))
+            return False
+        return True
+
+
+def scenario_faults(scenario: Scenario) -> list[str]:
+    """Return everything that keeps a scenario from being carried out, from the room to the goal.
+
+    What follows from another fault is not told.
+    """
+    room, box, offsets = scenario.room, scenario.box, scenario.randomization
+    faults = _Faults()
+    faults.find(lambda: _check_room(room))
+    faults.find(lambda: _check_planning(scenario.planning))
 
     start, box_pose, goal_pose = scenario.start.pose(), box.pose.pose(), scenario.goal.pose.pose()
-    clear = clearance_m(scenario)
     start_reach = hypot(offsets.start_xy_m, offsets.start_xy_m)
-    foot_reach = start_reach + _turn_reach(robot.stance.foot_circle_m, offsets.start_yaw_deg)
     box_reach = hypot(offsets.box_xy_m, offsets.box_xy_m) + _turn_reach(hypot(*box.size_m[:2]) / 2, offsets.box_yaw_deg)
-
-    _check_circle(room, start, clear, start_reach, "start", "the robot's trunk")
-    _check_box(room, box_footprint(box, box_pose), box_reach, "box.pose", "the box")
-    _check_box(room, box_footprint(box, goal_pose), 0.0, "goal.pose", "the box at its goal")
-
-    feet = Footprint(
-        pose=start,
-        length_m=robot.stance.foot_rectangle_length_m + 2 * robot.legs.foot_radius_m,
-        width_m=robot.stance.foot_rectangle_width_m + 2 * robot.legs.foot_radius_m,
+    clear = clearance_m(scenario)
+    start_fits = faults.find(lambda: _check_circle(room, start, clear, start_reach, "start", "the robot's trunk"))
+    box_fits = faults.find(lambda: _check_box(room, box_footprint(box, box_pose), box_reach, "box.pose", "the box"))
+    goal_fits = faults.find(
+        lambda: _check_box(room, box_footprint(box, goal_pose), 0.0, "goal.pose", "the box at its goal")
     )
-    gap = distance_m(feet, box_footprint(box, box_pose))
-    _require(
-        gap,
-        foot_reach + box_reach,
-        "start",
-        "between the robot's feet and the box",
-        _because(0.0, foot_reach + box_reach),
-    )
+    if start_fits and box_fits:
+        faults.find(lambda: _check_gap(scenario, start_reach, box_reach))
 
     faces = tuple(face for face in scenario.pushing.faces if face in PUSHABLE[box.shape])
     if not faces:
         valid = ", ".join(PUSHABLE[box.shape])
-        raise ScenarioError(
+        faults.append(
             f"at `pushing.faces`: expected a face that a {box.shape} can be pushed at ({valid}), "
             f"got {', '.join(scenario.pushing.faces)}"
         )
-    if scenario.reference is not None:
-        _check_reference(scenario, scenario.reference)
+        return faults
+    reference = scenario.reference
+    if reference is not None:
+        faults.find(lambda: _check_reference(scenario, reference))
         faces = ("rear",)
-    _check_any(faces, lambda face: _check_place_to_begin(scenario, face))
-    _check_any(faces, lambda face: _check_place_to_end(scenario, face))
+    if box_fits:
+        faults.find(lambda: _check_any(faces, lambda face: _check_place_to_begin(scenario, face)))
+    if goal_fits:
+        faults.find(lambda: _check_any(faces, lambda face: _check_place_to_end(scenario, face)))
+    return faults
+
+
+def _check_gap(scenario: Scenario, start_reach_m: float, box_reach_m: float) -> None:
+    """Check that the robot does not stand where the box is."""
+    stance, foot_radius_m = scenario.robot.stance, scenario.robot.legs.foot_radius_m
+    feet = Footprint(
+        pose=scenario.start.pose(),
+        length_m=stance.foot_rectangle_length_m + 2 * foot_radius_m,
+        width_m=stance.foot_rectangle_width_m + 2 * foot_radius_m,
+    )
+    foot_reach_m = start_reach_m + _turn_reach(stance.foot_circle_m, scenario.randomization.start_yaw_deg)
+    gap_m = distance_m(feet, box_footprint(scenario.box, scenario.box.pose.pose()))
+    because = _because(0.0, foot_reach_m + box_reach_m)
+    _require(gap_m, foot_reach_m + box_reach_m, "start", "between the robot's feet and the box", because)
 
 
 def _check_any(faces: Sequence[Face], check: Callable[[Face], None]) -> None:
@@ -200,6 +222,7 @@ def _check_circle(room: Room, centre: Pose2, radius_m: float, reach_m: float, fi
     because = _because(radius_m, reach_m)
     point = centre.xy()
     border = distance_to_border_m(point[np.newaxis], room)
+    _require_inside(border, field, what)
     _require(border, radius_m + reach_m, field, f"from {what} to the border of the room", because)
     for index, wall in _near(room, point[np.newaxis], radius_m + reach_m):
         distance = distance_to_point_m(obstacle_footprint(wall), point)
@@ -213,6 +236,7 @@ def _check_box(
     because = _because(0.0, reach_m) if because is None else because
     corners = footprint.corners()
     border = distance_to_border_m(corners, room)
+    _require_inside(border, field, what)
     _require(border, reach_m, field, f"from {what} to the border of the room", because)
     for index, wall in _near(room, corners, reach_m):
         distance = distance_m(obstacle_footprint(wall), footprint)
@@ -233,13 +257,18 @@ def _near(room: Room, points: Floats, reach_m: float) -> Iterator[tuple[int, Rec
 
 
 def _require(distance: float, least_m: float, field: str, between: str, because: str) -> None:
-    """Check that a distance is at least `least_m`; a negative distance is the depth inside."""
+    """Check that a distance is at least `least_m`; a negative distance is that of an overlap."""
     if distance < least_m:
-        got = f"{distance:.3f} m" if distance > 0.0 else f"{-distance:.3f} m inside"
-        raise ScenarioError(
-            f"at `{field}`: expected at least {least_m:.3f} m {between}{because}, got {got}: "
-            f"{least_m - distance:.3f} m too little"
-        )
+        least = f"at least {least_m:.3f} m" if least_m > 0.0 else "a distance"
+        short = f"{distance:.3f} m: {least_m - distance:.3f} m too little"
+        got = short if distance > 0.0 else f"an overlap of {-distance:.3f} m"
+        raise ScenarioError(f"at `{field}`: expected {least} {between}{because}, got {got}")
+
+
+def _require_inside(border_m: float, field: str, what: str) -> None:
+    """Check that something is in the room; a negative distance is that outside."""
+    if border_m < 0.0:
+        raise ScenarioError(f"at `{field}`: expected {what.rstrip(',')} in the room, got it {-border_m:.3f} m outside")
 
 
 def _because(radius_m: float, reach_m: float) -> str:

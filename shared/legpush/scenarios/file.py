@@ -1,5 +1,6 @@
 """Reads scenario files, from TOML to a checked `Scenario`, and writes them."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from difflib import get_close_matches
@@ -16,9 +17,11 @@ import tomli_w
 from legpush.errors import MessageError, ScenarioError
 from legpush.files import new_file
 from legpush.messages.codec import convert
-from legpush.scenarios.checks import check_scenario
-from legpush.scenarios.grid import GRID_FIELDS, frame_note, furnished, read_grid, take_grid
+from legpush.scenarios.checks import check_scenario, scenario_faults
+from legpush.scenarios.grid import GRID_FIELDS, GridSource, frame_note, furnished, read_grid, take_grid
+from legpush.scenarios.lines import Lines, lines_of, located_faults
 from legpush.scenarios.map_files import OccupancyMap, file_inside
+from legpush.scenarios.schema_faults import schema_faults
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
@@ -43,32 +46,50 @@ def load_with_map(name_or_path: str | Path) -> tuple[Scenario, OccupancyMap | No
     """Return a scenario like `load_scenario`, and the map in its grid file; None if it names no grid file."""
     source = scenario_source(name_or_path)
     where = str(source)
-    plain = _read_toml(source)
+    plain, lines = _read_toml(source)
+    try:
+        scenario, grid, occupancy = _read_tables(plain, source)
+    except ScenarioError as error:
+        faults = [text.removeprefix(f"{where}: ") for text in error.lines()]
+        raise ScenarioError(*located_faults(faults, where, lines)) from error
+    if faults := scenario_faults(scenario):
+        note = frame_note(grid, occupancy)
+        raise ScenarioError(*located_faults([f"{text}{note}" for text in faults], where, lines))
+    return scenario, occupancy
+
+
+def _read_tables(plain: dict[str, Any], source: Traversable) -> tuple[Scenario, GridSource | None, OccupancyMap | None]:
+    """Return the record of the tables of a scenario file, and its map.
+
+    Raises:
+        ScenarioError: They are not those of a scenario.
+    """
+    where = str(source)
     grid = take_grid(plain, where)
     occupancy = None if grid is None else read_grid(grid, _folder(source), where)
     if occupancy is not None:
         plain["room"]["size_m"] = list(occupancy.size_m)
-    try:
-        scenario = convert(plain, Scenario)
-    except MessageError as error:
-        text = explain(str(error), plain, Scenario, also={"room": GRID_FIELDS})
-        of_map = f", from `{grid.grid_file}`" if grid is not None and text.startswith("at `room.size_m") else ""
-        raise ScenarioError(f"{where}: {text}{of_map}") from error
+    if faults := schema_faults(plain, Scenario, convert, also={"room": GRID_FIELDS}):
+        raise ScenarioError(*(f"{where}: {text}{_of_map(text, grid)}" for text in faults))
+    scenario = convert(plain, Scenario)
     if grid is not None and occupancy is not None:
         scenario = furnished(scenario, grid, occupancy, where)
-    try:
-        check_scenario(scenario, where)
-    except ScenarioError as error:
-        raise ScenarioError(f"{error}{frame_note(grid, occupancy)}") from error
-    return scenario, occupancy
+    return scenario, grid, occupancy
 
 
-def dump_scenario(scenario: Scenario) -> str:
+def _of_map(fault: str, grid: GridSource | None) -> str:
+    """Return what to add to a fault of a field that comes from a map."""
+    return f", from `{grid.grid_file}`" if grid is not None and fault.startswith("at `room.size_m") else ""
+
+
+def dump_scenario(scenario: Scenario, *, whole_robot: bool = False) -> str:
     """Return the scenario as TOML; loading it gives an equal record.
 
-    It has every field with a value, but of the robot only the numbers that differ from the defaults.
+    It has every field with a value, but of the robot only the numbers that differ from the defaults, unless
+    `whole_robot`.
     """
-    return tomli_w.dumps(_without_nothing(scenario_table(scenario)))
+    table = msgspec.to_builtins(scenario) if whole_robot else scenario_table(scenario)
+    return tomli_w.dumps(_without_nothing(table))
 
 
 def scenario_table(scenario: Scenario) -> dict[str, Any]:
@@ -165,7 +186,7 @@ def copy_scenario(name: str, target: Path) -> tuple[Path, ...]:
     """
     source = scenario_source(name)
     copies = {target: source.read_bytes()}
-    grid_file = _read_toml(source).get("room", {}).get("grid_file")
+    grid_file = _read_toml(source)[0].get("room", {}).get("grid_file")
     if grid_file is not None:
         grid = file_inside(_folder(source), grid_file, f"{source}: at `room.grid_file`")
         copies[target.parent / grid_file] = grid.read_bytes()
@@ -211,16 +232,18 @@ def _write_new(path: Path, content: bytes) -> None:
         raise ScenarioError(f"{path}: expected a new file in an existing folder ({error.strerror})") from error
 
 
-def _read_toml(source: Traversable) -> dict[str, Any]:
-    """Return the tables of a TOML file."""
+def _read_toml(source: Traversable) -> tuple[dict[str, Any], Lines]:
+    """Return the tables of a TOML file, and the lines of its keys."""
     try:
-        return tomllib.loads(source.read_text(encoding="utf-8"))
+        text = source.read_text(encoding="utf-8")
+        return tomllib.loads(text), lines_of(text)
     except OSError as error:
         raise ScenarioError(f"{source}: expected a readable scenario file ({error.strerror})") from error
     except UnicodeDecodeError as error:
         raise ScenarioError(f"{source}: expected UTF-8 text, got byte {error.start} that is not ({error})") from error
     except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{source}: expected TOML ({error})") from error
+        line = re.search(r"\(at line (\d+)", str(error))
+        raise ScenarioError(f"{source}{f':{line[1]}' if line else ''}: expected TOML ({error})") from error
 
 
 def _folder(source: Traversable) -> Traversable:

@@ -45,7 +45,7 @@ class Legs(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Distance of the hip-x axes ahead of and behind the trunk's centre."""
     hip_y_m: BodyDistance = 0.055
     """Distance of the hip-x axes to the left and right of it."""
-    hip_offset_m: BodyDistance = 0.111
+    hip_offset_m: BodyLength = 0.111
     """Distance from the hip-x axis to the plane of the leg, the paper's L1."""
     upper_length_m: BodyLength = 0.3205
     """Length of the upper leg, the paper's L2."""

@@ -82,7 +82,12 @@ class RunningMission:
                 paths = (str(hook), environment.get("PYTHONPATH", ""))
             environment |= {ENVIRONMENT: str(faults), "PYTHONPATH": os.pathsep.join(filter(None, paths))}
         self.launcher = subprocess.Popen(
-            command(out, seed), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
+            command(out, seed),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env=environment,
+            start_new_session=True,  # Ctrl-C in the terminal is for the soak, which ends the mission
         )
         self._reader = threading.Thread(target=self._read, name="launcher", daemon=True)
         self._reader.start()

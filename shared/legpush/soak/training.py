@@ -43,6 +43,8 @@ class TrainingState(Struct, kw_only=True):
     """How long the disturbed training has gone on."""
     killed_simulators: int = 0
     killed_learners: int = 0
+    learner_killed_at_s: float = 0.0
+    """When the learner was last killed, on the clock of `trained_s`."""
     samples: dict[str, list[Sample]] = {}
     """Of each process role, since the learner was last started."""
     growth: list[dict[str, Growth | None]] = []
@@ -155,11 +157,13 @@ class TrainingSoak:
                 victims[int(self._draw.integers(len(victims)))].kill()
                 state.killed_simulators += 1
                 self._save()
-        due_s = 3600.0 * self._hours / (N_LEARNER_KILLS + 1)
+        every_s = 3600.0 * self._hours / (N_LEARNER_KILLS + 1)
         has_checkpoint = (self._folder / "disturbed" / "checkpoint").exists()
-        if has_checkpoint and state.killed_learners < min(N_LEARNER_KILLS, int(state.trained_s / due_s)):
+        is_due = state.trained_s >= state.learner_killed_at_s + every_s
+        if has_checkpoint and is_due and state.killed_learners < N_LEARNER_KILLS:
             learner.send_signal(signal.SIGKILL)
             state.killed_learners += 1
+            state.learner_killed_at_s = state.trained_s
             state.growth.append(growths(state.samples))
             state.samples = {}
             self._save()

@@ -1,9 +1,6 @@
 """Kinds of cells: what a cell takes, how it is made self-contained, and what it returns."""
 
-import importlib
 import inspect
-import os
-import sys
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, get_type_hints
@@ -11,8 +8,8 @@ from typing import Any, Final, get_type_hints
 import msgspec
 from msgspec import Struct
 
-from legpush.errors import ConfigError, LegpushError
-from legpush.plugins import Group, load_plugin, plugin_names
+from legpush.errors import ConfigError, LegpushError, PluginError
+from legpush.plugins import Group, load_address, load_plugin, plugin_names
 
 GROUP: Final[Group] = "legpush.cells"
 """Entry points of kinds of cells."""
@@ -65,15 +62,10 @@ def load_kind(name: str) -> CellKind:
     """
     if ":" not in name:
         return _as_kind(load_plugin(GROUP, name), name)
-    module, _, attribute = name.partition(":")
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())
     try:
-        found = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ConfigError(
-            f"Expected module:function that can be imported for the cell, got {name!r} ({error})"
-        ) from error
+        found = load_address(name, "module:function that can be imported for the cell")
+    except PluginError as error:
+        raise ConfigError(str(error)) from error
     return _as_kind(found, name)
 
 

@@ -42,6 +42,15 @@ def test_shape_size_and_slope_can_be_swept() -> None:
     assert oblong.start.x_m == pytest.approx(scenario.start.x_m - 0.1)
 
 
+def test_numbers_of_the_robot_can_be_swept() -> None:
+    sweep = make_sweep(scenario_at_station(), ["robot.pushing.gap_m=0.1,0.2", "robot.gait.stride_m=0.3"], grid=True)
+
+    wide = sweep.cases["robot.pushing.gap_m=0.2 robot.gait.stride_m=0.3"]
+    assert (wide.robot.pushing.gap_m, wide.robot.gait.stride_m) == (0.2, 0.3)
+    assert wide.robot.legs == ROBOT.legs
+    assert wide.start.pose() == station(wide.robot, wide.box, wide.box.pose.pose())
+
+
 def test_a_robot_that_starts_elsewhere_stays_there_whatever_the_size() -> None:
     scenario = replace(scenario_at_station(), start=PoseDeg(x_m=2.0, y_m=3.0, yaw_deg=0.0))
 

@@ -13,7 +13,7 @@ from rich.console import Console
 from agent_proc.policies.folder import read_policy
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import dump_profile
-from agent_proc.programs.train import read_plan, train
+from agent_proc.programs.train import kept_words, read_plan, train
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, exit_code_of
 from legpush.options.learning import TrainOptions
 from tests.agent.learning.small_training import small_profile
@@ -57,6 +57,17 @@ def test_a_training_leaves_its_plan_and_its_policies(options: TrainOptions) -> N
     assert read_policy(folder / "last").card.task == plan.task
 
 
+@pytest.mark.parametrize(
+    ("n_kept", "n_done", "words"),
+    [
+        (512, 512, "interrupted: 512 steps are kept"),
+        (0, 78, "interrupted: 0 steps are kept; 78 more of an unfinished rollout are done again"),
+    ],
+)
+def test_an_interrupt_says_what_is_kept_and_what_is_done_again(n_kept: int, n_done: int, words: str) -> None:
+    assert kept_words(n_kept, n_done) == words
+
+
 def test_an_interrupted_training_says_how_to_go_on_and_then_ends_as_another_one(
     options: TrainOptions, stop: threading.Event, tmp_path: Path
 ) -> None:
@@ -65,7 +76,8 @@ def test_an_interrupted_training_says_how_to_go_on_and_then_ends_as_another_one(
     stop.set()
     code, lines = said(options)
     assert code == INTERRUPTED
-    assert lines[-1] == f"interrupted after 0 steps; to go on: legpush train --resume {folder}"
+    assert lines[-1].startswith("interrupted: 0 steps are kept; ")
+    assert lines[-1].endswith(f"; to go on: legpush train --resume {folder}")
     stop.clear()
 
     assert said(TrainOptions(resume=folder))[0] == 0
@@ -114,7 +126,7 @@ def test_a_full_disk_ends_with_the_command_that_goes_on(options: TrainOptions, m
     def fill(descriptor: int) -> None:
         nonlocal n_synced
         n_synced += 1
-        if n_synced > 2:
+        if n_synced > 3:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         fsync(descriptor)
 

@@ -111,7 +111,12 @@ def test_a_file_gives_the_map_again(tmp_path: Path) -> None:
     ("change", "message"),
     [
         (lambda text: "{", "expected a push map that `legpush calibrate` wrote"),
-        (lambda text: text.replace("push map 1", "push map 7"), "expected a push map.*format"),
+        (
+            lambda text: text.replace("push map 1", "push map 7").replace('"n":', '"m":', 1),
+            r"map\.json:2: at `format`: expected one of legpush push map 1, got 'legpush push map 7'\n"
+            r".*map\.json:\d+: at `effects\[0\]\.n`: expected a value, got nothing\n"
+            r".*map\.json:\d+: at `effects\[0\]\.m`: unknown field",
+        ),
         (lambda text: text.replace('"face": "right"', '"face": "left"'), "at rear, right, none at right"),
         (lambda text: text.replace("0.5,\n   0.4", "0.6,\n   0.4"), "of a cuboid of 0.4 x 0.5 x 0.4 m, got that of a"),
     ],

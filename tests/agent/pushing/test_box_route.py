@@ -114,7 +114,9 @@ def test_a_face_that_the_robot_cannot_reach_is_not_asked_for_again() -> None:
 def test_without_a_face_that_the_robot_can_reach_the_mission_ends() -> None:
     parts = parts_in(FakeWorld(planner=refusing(TrunkPathQuery)), make_scenario())
 
-    with pytest.raises(MissionEndedError, match="the way behind the box: the planner's answer is failed") as ended:
+    with pytest.raises(
+        MissionEndedError, match="the way behind the box, to its rear face: the planner's answer is failed"
+    ) as ended:
         parts.route.come_to_push()
     assert ended.value.reason == "no_path"
     assert len(parts.world.box_queries()) == 4

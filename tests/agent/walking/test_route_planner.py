@@ -206,7 +206,10 @@ def test_without_a_path_it_is_said_what_the_planner_answered_and_what_has_appear
 ) -> None:
     parts, _ = detoured(room=Room(size_m=(12.0, 6.0), obstacles=obstacles))
 
-    error = parts.planner.no_path("the way", Plan(status="failed", reason="nothing found"))
+    query = parts.walker.query_behind("rear")
+    error = parts.planner.no_path("the way", query, Plan(status="failed", reason="nothing found"))
 
     assert error.reason == "no_path"
     assert str(error) == f"the way: the planner's answer is failed: nothing found{appeared}"
+    assert "`planning.margin_m` (0.1 m), with which a walk needs passages of 0.88 m" in error.remedy
+    assert "`planning.max_iterations`" in error.remedy

@@ -96,10 +96,7 @@ def test_the_version_is_that_of_the_package() -> None:
         ),
         (["run", "--record", "no-such-folder/a.mcap"], "error: Expected a new file in an existing folder for --record"),
         (["record"], "FILE"),
-        (
-            ["record", "no-such-folder/a.mcap"],
-            "error: Expected a file in an existing folder for FILE, got no-such-folder/a.mcap",
-        ),
+        (["record", "no-such-folder/a.mcap"], "error: Expected a file in an existing folder for FILE, got"),
         (["record", "a.mcap", "--split-mb", "0"], "error: Expected 0.001 to 1e+06 for --split-mb, got 0.0"),
         (["record", "a.mcap", "--about", "x"], "error: Expected NAME=VALUE for --about, got 'x'"),
         (["info", "no-such.mcap"], "error: no-such.mcap: expected a recording that can be read"),
@@ -222,6 +219,7 @@ def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyP
 def test_render_becomes_the_film_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     became: list[tuple[str, ...]] = []
     monkeypatch.setattr(os, "execv", lambda program, argv: became.append((program, *argv)))
+    monkeypatch.setattr("legpush.cli.execute.hold", lambda: None)
     (tmp_path / "episode-0000.journal").touch()
     cli.main(["render", str(tmp_path)])
     cli.main(["render", str(tmp_path), "--camera", "top"])

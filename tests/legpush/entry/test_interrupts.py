@@ -120,3 +120,39 @@ def main():
         print(child.wait())
 """
     assert run(tmp_path, work) == Ended(130, "deaf\n0\n", "")
+
+
+def test_a_process_that_starts_is_known_before_its_parent_is_interrupted_even_beside_threads(tmp_path: Path) -> None:
+    work = """
+import subprocess, threading
+from legpush.entry.interrupts import deaf_children
+
+def main():
+    threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+    try:
+        with deaf_children():
+            interrupt()
+            time.sleep(0.2)
+            print("all started")
+    finally:
+        print("tidied")
+"""
+    assert run(tmp_path, work) == Ended(130, "all started\ntidied\n", "")
+
+
+def test_on_another_thread_nothing_but_the_children_is_deaf(tmp_path: Path) -> None:
+    work = """
+import threading
+from legpush.entry.interrupts import deaf_children
+
+def start():
+    with deaf_children():
+        time.sleep(60)
+
+def main():
+    threading.Thread(target=start, daemon=True).start()
+    time.sleep(0.1)
+    interrupt()
+    time.sleep(60)
+"""
+    assert run(tmp_path, work) == Ended(130, "", "")

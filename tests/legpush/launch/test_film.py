@@ -52,7 +52,10 @@ def shoot(folder: Path, code: str, display: Notices, longest_s: float = 60.0) ->
         ("raise SystemExit(4)", ["no video: no OpenGL library can be used"]),
         (
             "print('what'); print('why'); raise SystemExit(1)",
-            ["no video: the film exited with 1; the end of {log}:\n    what\n    why"],
+            [
+                "no video: the film exited with 1; the end of {log}:\n    what\n    why",
+                "no video: the film exited with 1; its log is {log}",
+            ],
         ),
         (
             "print('much'); print('error: no'); raise SystemExit(2)",

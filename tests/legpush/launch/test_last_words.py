@@ -27,7 +27,10 @@ def ended(folder: Path, code: str) -> Process:
         ("print('a'); print('error: b'); print('leaked c'); raise SystemExit(2)", ": b; its log is {log}"),
         ("print('a'); print('b'); raise SystemExit(2)", ": b; its log is {log}"),
         ("print('a'); print('error: b'); raise SystemExit(5)", ": b; its log is {log}"),
-        ("print('a'); print('b'); raise SystemExit(5)", ": the disk is full, also for its log; its log is {log}"),
+        (
+            "print('a'); print('b'); raise SystemExit(5)",
+            ": No space left on device, also not for its log; its log is {log}",
+        ),
         ("raise SystemExit(2)", "; it wrote nothing to {log}"),
         ("print('a'); print('error: b'); raise SystemExit(3)", "; the end of {log}:\n    a\n    error: b"),
         (

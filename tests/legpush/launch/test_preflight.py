@@ -16,6 +16,7 @@ from legpush.options.run import RunOptions
 from legpush.scenarios.file import load_scenario
 
 FACTORIES = """
+import os
 import sys
 
 def breaks():
@@ -23,8 +24,8 @@ def breaks():
 
 def ends():
     print("one")
-    print("the licence has run out", file=sys.stderr)
-    sys.exit(7)
+    print("the licence has run out", file=sys.stderr, flush=True)
+    os._exit(7)
 
 def nothing():
     return None
@@ -51,7 +52,10 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ({"policy": "mine:breaks"}, "mine:breaks: the factory raised KeyError: 'no model here'"),
         ({"policy": "mine:nothing"}, "mine:nothing: expected a policy with a method `decide"),
         ({"push_map": Path("nowhere.json")}, r"nowhere\.json: expected a push map that `legpush calibrate` wrote"),
-        ({"push_map": Path("map.json")}, r"map\.json: expected a push map that `legpush calibrate` wrote"),
+        (
+            {"push_map": Path("map.json")},
+            r"map\.json: at `box`: expected a value, got nothing\n.*map\.json: at `effects`: expected a value",
+        ),
         ({"steering": "dubins"}, r"min_turning_radius_m above 0 m for the steering dubins, got 0"),
         (
             {"steering": "reeds_shepp", "turning_radius_m": 0.5, "planner": "prm_star"},

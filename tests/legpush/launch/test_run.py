@@ -1,10 +1,17 @@
-"""The scenario of a run: what the options replace in it."""
+"""A run: what the options replace in its scenario, and whether it is over already."""
+
+import json
+from io import StringIO
+from pathlib import Path
+from typing import Any
 
 import pytest
+from rich.console import Console
 
 from legpush.errors import ConfigError
+from legpush.launch.run import finished_report, launch_mission
 from legpush.options.run import RunOptions
-from legpush.scenarios.file import load_scenario
+from legpush.scenarios.file import dump_scenario, load_scenario
 
 
 def test_options_replace_what_the_scenario_says() -> None:
@@ -19,3 +26,48 @@ def test_a_replaced_value_has_the_bounds_of_its_field() -> None:
         RunOptions(scenario="push", box_mass_kg=-1.0)
     with pytest.raises(ConfigError, match=r"Expected 0 to 1000 for --turning-radius-m, got 1e\+308"):
         RunOptions(scenario="push", turning_radius_m=1e308)
+
+
+def left_by(folder: Path, seed: int = 3, policy: str = "variable", reason: str = "success") -> Path:
+    """The folder of a run that has ended."""
+    (folder / "logs").mkdir()
+    (folder / "logs" / "command.txt").write_text(f"legpush run --seed {seed} --out '{folder}' --policy {policy}\n")
+    (folder / "episode-0000.journal").touch()
+    report = {"success": reason == "success", "seed": seed, "reason": reason}
+    (folder / "report.json").write_text(json.dumps(report))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("left", "options", "is_over"),
+    [
+        ({}, {}, True),
+        ({"reason": "max_push_cycles"}, {}, True),
+        ({"reason": "bad_answer"}, {}, False),
+        ({}, {"seed": 4}, False),
+        ({}, {"policy": "scripted"}, False),
+        ({"policy": "scripted"}, {"policy": "scripted"}, True),
+    ],
+)
+def test_a_mission_is_over_whose_report_is_that_of_the_same_command(
+    left: dict[str, Any], options: dict[str, Any], is_over: bool, tmp_path: Path
+) -> None:
+    folder = left_by(tmp_path, **left)
+    asked = RunOptions(scenario="push", out=folder, **{"seed": 3, **options})
+
+    assert (finished_report(folder, asked) is not None) == is_over
+    (folder / "report.json").unlink()
+    assert finished_report(folder, asked) is None
+
+
+def test_a_finished_mission_is_told_and_keeps_its_report(tmp_path: Path) -> None:
+    folder = left_by(tmp_path, reason="stuck")
+    (folder / "scenario.toml").write_text(dump_scenario(load_scenario("push")))
+    before = (folder / "report.json").read_bytes()
+    console = Console(file=StringIO(), width=200)
+
+    assert launch_mission(RunOptions(scenario="push", seed=3, out=folder), console) == 1
+    assert isinstance(console.file, StringIO)
+    assert "finished already" in console.file.getvalue()
+    assert (folder / "report.json").read_bytes() == before
+    assert not list((folder / "logs").glob("*.log"))

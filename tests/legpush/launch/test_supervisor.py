@@ -97,7 +97,9 @@ def test_a_full_disk_is_not_tried_again_and_has_an_exit_code_of_its_own(stage: S
     verdict = stage.run({"planner": "ready", "sim": "ready", "agent": "ready die=9:5"})
     log = stage.folder / "agent.log"
     # It could not write an error into its log any more.
-    assert verdict == Verdict(5, f"the agent exited with 5: the disk is full, also for its log; its log is {log}")
+    assert verdict == Verdict(
+        5, f"the agent exited with 5: No space left on device, also not for its log; its log is {log}"
+    )
 
 
 @pytest.mark.parametrize("code", [0, 1])

@@ -7,7 +7,7 @@ from itertools import count
 import pytest
 from rich.console import Console
 
-from legpush.long_work.progress import PERIOD_S, counted
+from legpush.long_work.progress import PERIOD_S, counted, pieces
 
 
 def lines(period_s: float, total: int, done: int = 0) -> list[str]:
@@ -39,3 +39,23 @@ def test_on_a_terminal_there_is_a_bar() -> None:
     said = console.file.getvalue()  # type: ignore[attr-defined]
     assert "pushing" in said
     assert "2/4" in said
+
+
+@pytest.mark.parametrize(("period_s", "n_lines"), [(PERIOD_S, 10), (PERIOD_S / 2, 5), (0.001, 0)])
+def test_pieces_are_told_now_and_then(period_s: float, n_lines: int) -> None:
+    console = Console(file=io.StringIO(), width=200)
+    times: Iterator[float] = (period_s * n for n in count())
+    show = pieces(console, "exporting", clock=lambda: next(times))
+    for n_done in range(1, 11):
+        show(n_done, 10)
+    said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert len(said) == n_lines
+    assert all("  exporting  " in line for line in said)
+
+
+def test_on_a_terminal_pieces_leave_no_line() -> None:
+    console = Console(file=io.StringIO(), force_terminal=True)
+    show = pieces(console, "exporting")
+    show(1, 2)
+    show(2, 2)
+    assert console.file.getvalue() == "\r1 of 2 pieces\r\033[K"  # type: ignore[attr-defined]

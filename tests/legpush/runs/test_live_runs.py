@@ -126,7 +126,7 @@ def test_what_killed_launchers_left_behind_is_cleared_and_the_command_that_goes_
             launcher.kill()
     assert len(list(temporary.glob("legpush-*"))) == 4
 
-    assert clear_killed_runs() == [f"the run in {runs[0]} was killed; to go on: legpush run --out \\x1b[2J"]
+    assert clear_killed_runs() == [f"`legpush run` in {runs[0]} was killed; to go on: legpush run --out \\x1b[2J"]
     assert list(temporary.glob("legpush-*")) == [alive]
     assert names() == ["alive"]
     assert clear_killed_runs() == []

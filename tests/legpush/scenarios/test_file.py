@@ -57,6 +57,7 @@ def test_every_number_and_text_survives_being_written_and_read(
 def test_of_the_robot_only_what_differs_is_written(scale: float, tmp_path_factory: pytest.TempPathFactory) -> None:
     plain = load_scenario("push")
     assert "robot" not in dump_scenario(plain)
+    assert tomllib.loads(dump_scenario(plain, whole_robot=True))["robot"].keys() == set(ROBOT.__struct_fields__)
     lying = replace(ROBOT, fall=FallLimits(tilt_deg=45.0))
     assert tomllib.loads(dump_scenario(replace(plain, robot=lying)))["robot"] == {"fall": {"tilt_deg": 45.0}}
     scenario = replace(plain, robot=scaled_robot(scale))

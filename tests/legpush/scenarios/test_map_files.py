@@ -201,11 +201,11 @@ def test_an_error_about_a_place_says_what_it_is_counted_from(room: dict[str, Any
     [
         (
             {"cell_m": 0.5},
-            r"mapped\.toml: at `room\.cell_m`: expected nothing beside `map\.yaml`, which has it already",
+            r"mapped\.toml:\d+: at `room\.cell_m`: expected nothing beside `map\.yaml`, which has it already",
         ),
         ({"first_row": "top"}, r"at `room\.first_row`: expected nothing beside `map\.yaml`, which has it already"),
         ({"size_m": [8.0, 5.0]}, r"at `room\.size_m`: expected nothing, since `room\.grid_file` has the size"),
-        ({"frame": "odom"}, r"mapped\.toml: at `room\.frame`: expected one of map, room, got 'odom'"),
+        ({"frame": "odom"}, r"mapped\.toml:\d+: at `room\.frame`: expected one of map, room, got 'odom'"),
         (
             {"grid_file": "map.pgm"},
             r"expected a file that ends in \.csv, \.npy, .*got 'map\.pgm' \(for an image, name its",

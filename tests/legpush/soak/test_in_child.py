@@ -83,12 +83,14 @@ try:
     file.write(b"after")
 except OSError as error:
     print(error.errno)
+os.fdatasync(file.fileno())
+print("synced")
 """
 
 
 def test_a_full_disk_takes_nothing_more(tmp_path: Path) -> None:
     done = say(cell(tmp_path, "disk_full", "agent"), DISK)
-    assert done.stdout.strip() == "28", done.stderr
+    assert done.stdout.split() == ["28", "synced"], done.stderr
     assert (tmp_path / "journal").read_bytes() == b"before"
 
 

@@ -1,6 +1,7 @@
 """Footsteps along a path."""
 
-from math import pi
+from itertools import pairwise
+from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from legpush.geometry import Pose2
-from sim_proc.control.footsteps import PosePath, next_cycle
+from sim_proc.control.footsteps import ADVANCES, STRIDE_SHARES, PosePath, longest_stride_m, next_cycle
 from tests.robots import CIRCLE_M, ROBOT
 
 
@@ -61,3 +62,35 @@ def test_in_the_middle_of_a_straight_path_every_cycle_advances_by_the_stride() -
 def test_any_path_is_walked_to_its_end_within_the_limits_of_a_step(waypoints: list[tuple[float, float, float]]) -> None:
     path = PosePath(ROBOT, [pose(*waypoint) for waypoint in waypoints])
     assert (walk_to_the_end(path)[-1] == path.length_m).all()
+
+
+@given(
+    direction_deg=st.floats(-180.0, 180.0),
+    heading_rad=st.floats(-pi, pi),
+    turn_rad=st.floats(-1.0, 1.0),
+    length_m=st.floats(0.3, 3.0),
+)
+def test_a_path_that_leads_sideways_is_walked_with_short_strides(
+    direction_deg: float, heading_rad: float, turn_rad: float, length_m: float
+) -> None:
+    """The robot may also turn on the way: the direction counts from its heading half way of each cycle."""
+    along = heading_rad + radians(direction_deg)
+    waypoints = [
+        pose(share * length_m * cos(along), share * length_m * sin(along), heading_rad + share * turn_rad)
+        for share in np.linspace(0.0, 1.0, 40)
+    ]
+    path = PosePath(ROBOT, waypoints)
+    means = [travelled.mean() for travelled in walk_to_the_end(path)]
+    for before, after in pairwise(path.poses(np.array(means))):
+        moved = (after - before)[None]
+        limit_m = longest_stride_m(ROBOT.gait, moved, before[2])[0]
+        least_m = ROBOT.gait.stride_m * ADVANCES[-1]
+        assert np.hypot(*moved[0, :2]) <= max(limit_m, least_m) + 1e-5
+
+
+def test_the_longest_stride_is_that_of_the_table_and_equal_to_both_sides() -> None:
+    for direction_deg, share in STRIDE_SHARES:
+        for sign in (1.0, -1.0):
+            along = sign * radians(direction_deg)
+            moved = np.array([[cos(along), sin(along), 0.0]])
+            assert longest_stride_m(ROBOT.gait, moved, 0.0)[0] == pytest.approx(share * ROBOT.gait.stride_m)

@@ -1,5 +1,6 @@
 """Films of recorded episodes: as many frames, of the size and for as long as was asked for."""
 
+import os
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -7,10 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.export import ExportOptions
 from sim_proc.export.films import take_of
 from sim_proc.export.source import Source
+from sim_proc.render import rendering
 from sim_proc.render.backends import working_backend
 from sim_proc.render.film import Film, film_of
 from tests.sim.export.program import export
@@ -73,3 +75,34 @@ def test_a_gif_moves_at_its_speed_and_repeats(recorded: Path, tmp_path: Path) ->
             pauses.append(gif.info["duration"])
     assert set(pauses) == {80}
     assert [path.name for path in tmp_path.iterdir()] == ["a.gif"]
+
+
+@pytest.mark.skipif(working_backend() is None, reason="no OpenGL library for off-screen rendering")
+def test_an_interrupted_film_goes_on_to_the_film_of_an_undisturbed_one(
+    film: Film, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    backend = working_backend()
+    assert backend is not None
+    for name, value in backend.environment(os.environ).items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(rendering, "SEGMENT_FRAMES", 2)
+    take = take_of(film, options("a.mp4", start_s=0.2, end_s=1.2, speed=2.0, fps=12.5, width=64, height=36))
+    n_pieces, kept = -(-len(take.rows) // 2), tmp_path / "a.mp4.unfinished"
+    done: list[int] = []
+
+    def interrupted(n_done: int, n_all: int) -> None:
+        done.append(n_done)
+        if len(done) == 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(StopRequestedError, match=rf"interrupted: \d of {n_pieces} pieces are kept in {kept}; the same"):
+        rendering.render(film, take, tmp_path / "a.mp4", interrupted, unfinished=kept)
+    n_kept = len(list(kept.glob("*/[0-9]*.mp4")))
+    assert 0 < n_kept <= n_pieces
+    assert list(kept.glob("*/part-*")) == []
+    told: list[tuple[int, int]] = []
+    rendering.render(film, take, tmp_path / "a.mp4", lambda *pieces: told.append(pieces), unfinished=kept)
+    assert told == [(n, n_pieces) for n in range(n_kept + 1, n_pieces + 1)]
+    rendering.render(film, take, tmp_path / "whole.mp4", lambda *_: None)
+    assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "whole.mp4").read_bytes()
+    assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "whole.mp4"}

@@ -1,6 +1,11 @@
 """Policies in the files of Stable-Baselines3 itself."""
 
+import base64
+import importlib
+import json
 import pickle
+import sys
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -113,3 +118,89 @@ def test_a_normalizer_that_does_not_fit_is_refused(tmp_path: Path) -> None:
         make_policy(str(tmp_path / "model.zip"), tmp_path / "dict.pkl", trust_file=True)
     with pytest.raises(PolicyError, match=r"Expected a model file \(.zip\) with --normalizer, got 'scripted'"):
         make_policy("scripted", tmp_path / "other.pkl")
+
+
+MY_NETS = """
+import torch
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+
+
+class Extractor(BaseFeaturesExtractor):
+    def __init__(self, space):
+        super().__init__(space, 8)
+        self.layer = torch.nn.Linear(space.shape[0], 8)
+
+    def forward(self, seen):
+        if seen.shape[0] == 1 and BROKEN:
+            raise RuntimeError("broken on purpose")
+        return self.layer(seen)
+
+
+BROKEN = False
+"""
+
+
+def test_a_model_that_needs_a_module_of_the_user_works_with_it_and_names_it_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "my_nets.py").write_text(MY_NETS)
+    monkeypatch.setattr(sys, "path", [*sys.path, str(tmp_path)])
+    my_nets = importlib.import_module("my_nets")
+    env = PushEnv(TASKS["relative, variable"], FakeWorld())
+    model = PPO("MlpPolicy", env, device="cpu", policy_kwargs={"features_extractor_class": my_nets.Extractor})
+    model.save(tmp_path / "model.zip")
+
+    policy = make_policy(str(tmp_path / "model.zip"), trust_file=True)
+    assert policy.decide(VIEW) is not None
+    monkeypatch.setattr(my_nets, "BROKEN", True)
+    with pytest.raises(PolicyError, match=r"model\.zip: `decide` raised RuntimeError at tick 0: broken on purpose"):
+        policy.decide(VIEW)
+
+    sys.path.remove(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "my_nets")
+    with pytest.raises(
+        PolicyError, match=r"model\.zip: .* it needs the module my_nets, which is not on the Python path"
+    ):
+        make_policy(str(tmp_path / "model.zip"), trust_file=True)
+
+
+class Raises:
+    """What raises an error when it is unpickled."""
+
+    def __init__(self, error: BaseException) -> None:
+        self.error = error
+
+    def __reduce__(self) -> Any:
+        return (throw, (self.error,))
+
+
+def throw(error: BaseException) -> None:
+    raise error
+
+
+ERRORS = (
+    *(TypeError("no args"), AssertionError("not with CUDA"), ModuleNotFoundError(), ZeroDivisionError(), SystemExit(0)),
+    *(RecursionError(), MemoryError(), KeyError("k"), ImportError("half"), StopIteration(), Exception("line\nbreak")),
+)
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+def test_whatever_a_pickle_raises_is_one_line_with_the_file_and_the_class(error: BaseException, tmp_path: Path) -> None:
+    saved(tmp_path / "model.zip", PPO, PushEnv(TASKS["relative, variable"], FakeWorld()))
+    (tmp_path / "normalize.pkl").write_bytes(pickle.dumps(Raises(error)))
+    with pytest.raises(
+        PolicyError, match=rf"normalize\.pkl: expected .* can be loaded here \({type(error).__name__}"
+    ) as it:
+        make_policy(str(tmp_path / "model.zip"), tmp_path / "normalize.pkl", trust_file=True)
+    assert "\n" not in str(it.value)
+
+    with zipfile.ZipFile(tmp_path / "model.zip") as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    plain = json.loads(content["data"])
+    plain["clip_range"][":serialized:"] = base64.b64encode(pickle.dumps(Raises(error))).decode()
+    with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
+        for name, data in {**content, "data": json.dumps(plain).encode()}.items():
+            archive.writestr(name, data)
+    if not isinstance(error, TypeError | RuntimeError):  # Stable-Baselines3 warns of these, and goes on
+        with pytest.raises(PolicyError, match=rf"bad\.zip: .* can be loaded here \({type(error).__name__}"):
+            make_policy(str(tmp_path / "bad.zip"), trust_file=True)
