@@ -16,7 +16,7 @@ from benchmarks.report import write_report
 from experiments.tables.parts import plain
 from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
-from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
+from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
 from sim_proc.control.plant import TickLog
 from sim_proc.headless import mujoco
 from sim_proc.physics import physics

@@ -15,6 +15,7 @@ from benchmarks.report import write_report
 from legpush.geometry import Pose2
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Follow, Reset, Walk
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from sim_proc.control import footsteps
 from sim_proc.simulator import Simulator
@@ -47,16 +48,17 @@ class Walked:
 
 def main(config: Config) -> None:
     """Walk in every direction, and report the strides."""
-    chosen = footsteps.STRIDE_BY_DIRECTION
+    chosen, usual = footsteps.STRIDE_SHARES, RobotSpec()
     directions = {}
     for direction_deg in DIRECTIONS_DEG:
         by_stride = {"chosen": _summary([_walk(direction_deg, seed) for seed in range(config.seeds)])}
         for stride_m in STRIDES_M:
-            vars(footsteps)["STRIDE_BY_DIRECTION"] = ((0.0, stride_m), (180.0, stride_m))
+            share = stride_m / usual.gait.stride_m
+            vars(footsteps)["STRIDE_SHARES"] = ((0.0, share), (180.0, share))
             by_stride[f"{stride_m:g}"] = _summary([_walk(direction_deg, seed) for seed in range(config.seeds)])
-        vars(footsteps)["STRIDE_BY_DIRECTION"] = chosen
+        vars(footsteps)["STRIDE_SHARES"] = chosen
         ahead = np.array([[cos(radians(direction_deg)), sin(radians(direction_deg)), 0.0]])
-        stride_m = float(footsteps.longest_stride_m(ahead, 0.0)[0])
+        stride_m = float(footsteps.longest_stride_m(usual.gait, ahead, 0.0)[0])
         directions[f"{direction_deg}"] = {"stride_m": round(stride_m, 3), **by_stride}
     write_report("sideways", {"n": config.seeds, "length_m": LENGTH_M, "directions": directions})
 

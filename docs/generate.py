@@ -25,7 +25,7 @@ from legpush.messages import common, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
 from legpush.runs.reasons import REASONS
-from legpush.scene import footprints, occupancy, reference, scenario
+from legpush.scene import footprints, occupancy, reference, robot, robot_body, robot_motion, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
@@ -95,6 +95,17 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         scenario.MissionSettings,
         scenario.PushSettings,
         scenario.Randomization,
+        robot.RobotSpec,
+        robot_body.Trunk,
+        robot_body.Legs,
+        robot_body.Joints,
+        robot_body.HipX,
+        robot_body.HipY,
+        robot_body.Knee,
+        robot_motion.Stance,
+        robot_motion.Gait,
+        robot_motion.PushMotion,
+        robot_motion.FallLimits,
         reference.Sine,
         reference.Arcs,
         reference.Straight,
@@ -197,12 +208,13 @@ def _bounds_table() -> str:
 
 
 def _field_docs(record: type[msgspec.Struct]) -> Iterator[tuple[str, str]]:
-    """The text below each field of the class."""
-    (definition,) = ast.parse(dedent(python_inspect.getsource(record))).body
-    if not isinstance(definition, ast.ClassDef):
-        raise TypeError(f"Expected a class, got {record}")
-    for names, text in _docs(definition.body):
-        yield names[-1], text
+    """The text below each field of the class and of the records that it is derived from."""
+    for base in reversed(record.__mro__):
+        if base.__module__.startswith("legpush."):
+            (definition,) = ast.parse(dedent(python_inspect.getsource(base))).body
+            if not isinstance(definition, ast.ClassDef):
+                raise TypeError(f"Expected a class, got {base}")
+            yield from ((names[-1], text) for names, text in _docs(definition.body))
 
 
 def _docs(body: Sequence[ast.stmt]) -> Iterator[tuple[tuple[str, ...], str]]:

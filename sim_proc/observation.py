@@ -8,10 +8,9 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
-from legpush.scene.robot import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
+from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LOADED_N, TRUNK_QPOS
 from sim_proc.control.balance import support_margin
 from sim_proc.control.plant import TickLog
-from sim_proc.kinematics.body import LOADED_N
 from sim_proc.physics.physics import JOINT_QVEL, Physics
 
 

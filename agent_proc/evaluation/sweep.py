@@ -37,7 +37,7 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
     """Make the scenarios of all sweeps, such as `box.mass_kg=0.1,0.5` or `box.size_m=0.4x0.5x0.4,0.8x0.4x0.4`.
 
     Without a sweep, the only case is the scenario itself. If the robot starts at its station, the start is moved so
-    that it also stands at the station of a box of another size.
+    that it also stands at its station if box or robot have another size.
 
     Raises:
         ConfigError: A sweep cannot be parsed, or a field is swept twice.
@@ -69,23 +69,28 @@ def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
 
 
 def with_changes(scenario: Scenario, changes: Mapping[str, Any], where: str) -> Scenario:
-    """Return the scenario with other values; a robot that starts at its station stands at that of the new box.
+    """Return the scenario with other values; a robot that starts at its station stands at the new one.
 
     Raises:
         ScenarioError: A field does not exist, or a value cannot be used; `where` says where it comes from.
     """
     changed = change_fields(scenario, changes)
-    if changed.box.size_m != scenario.box.size_m and _ready(scenario):
-        place = station(changed.box, changed.box.pose.pose())
+    if _station_m(changed) != _station_m(scenario) and _ready(scenario):
+        place = station(changed.robot, changed.box, changed.box.pose.pose())
         start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
         changed = replace(changed, start=start)
     check_scenario(changed, where)
     return changed
 
 
+def _station_m(scenario: Scenario) -> tuple[tuple[float, ...], float]:
+    """What the station follows from, besides the pose of the box."""
+    return scenario.box.size_m, scenario.robot.station_m
+
+
 def _ready(scenario: Scenario) -> bool:
     """Whether the robot starts at its station behind the box."""
-    return at_station(scenario.start.pose(), scenario.box, scenario.box.pose.pose())
+    return at_station(scenario.robot, scenario.start.pose(), scenario.box, scenario.box.pose.pose())
 
 
 def _name(change: Iterable[tuple[str, Value]]) -> str:

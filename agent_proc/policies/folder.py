@@ -19,6 +19,7 @@ from agent_proc.task.observation import n_observed
 from legpush.errors import ConfigError, PolicyError, one_line
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
+from legpush.scenarios.file import scenario_table
 
 FORMAT: Final = 2
 OLD_FORMAT: Final = 1
@@ -167,7 +168,8 @@ def encode_card(card: Card) -> bytes:
         "command": card.command,
         OBSERVATION: observation_elements(card.task),
         ACTION: action_elements(card.task),
-        **{name: getattr(card, name) for name in ("task", "profile", *_CARD_FIELDS) if name != "command"},
+        "task": {**msgspec.to_builtins(card.task), "scenario": scenario_table(card.task.scenario)},
+        **{name: getattr(card, name) for name in ("profile", *_CARD_FIELDS) if name not in ("command", "task")},
     }
     return msgspec.json.format(msgspec.json.encode(whole), indent=1) + b"\n"
 

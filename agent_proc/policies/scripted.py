@@ -14,7 +14,7 @@ from agent_proc.frames.push_view import PushView
 from agent_proc.push_model.model import MIRROR, PushModel
 from legpush.arrays import Floats
 from legpush.messages.stepping import Push
-from legpush.scene.robot import FRONT_LEGS, FrontLeg
+from legpush.scene.conventions import FRONT_LEGS, FrontLeg
 from legpush.scene.scenario import Goal
 
 OTHER_LEG: Final[dict[FrontLeg, FrontLeg]] = {"FL": "FR", "FR": "FL"}

@@ -25,7 +25,7 @@ from legpush.options.checks import require_new_file
 from legpush.options.learning import CalibrateOptions
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import load_scenario, override
-from legpush.scene.scenario import Box
+from legpush.scene.scenario import Scenario
 from legpush.service import run_program, stop_on_signals
 
 
@@ -41,11 +41,12 @@ def run(options: CalibrateOptions, console: Console) -> int:
         ConfigError: An option cannot be used.
         StopRequestedError: The user interrupted it; the finished series are kept.
     """
-    box = _box(options)
+    scenario = _scenario(options)
+    box = scenario.box
     require_new_file(options.out, "--out")
     curves = [(w, w) for w in options.curves]
     seeds = range(options.first_seed, options.first_seed + options.series)
-    samples = _measure(options, box, cells(measured_faces(box), curves, options.depths_m, seeds), console)
+    samples = _measure(options, scenario, cells(measured_faces(box), curves, options.depths_m, seeds), console)
     push_map = make_push_map(box, samples, shlex.join(["legpush", "calibrate", *sys.argv[1:]]))
     _show(push_map, console)
     write_push_map(push_map, options.out)
@@ -59,7 +60,7 @@ def unfinished(out: Path) -> Path:
     return out.with_name(f"{out.name}.unfinished")
 
 
-def _measure(options: CalibrateOptions, box: Box, planned: list[Cell], console: Console) -> list[Sample]:
+def _measure(options: CalibrateOptions, scenario: Scenario, planned: list[Cell], console: Console) -> list[Sample]:
     """Push the series that are not finished yet; returns the samples of all.
 
     Raises:
@@ -67,7 +68,8 @@ def _measure(options: CalibrateOptions, box: Box, planned: list[Cell], console: 
     """
     stop, links_stop = stop_on_signals(), threading.Event()
     work = {
-        "box": msgspec.to_builtins(box),
+        "robot": msgspec.to_builtins(scenario.robot),
+        "box": msgspec.to_builtins(scenario.box),
         "legpush": version("legpush"),
         "numerics": current().name,
     }
@@ -90,7 +92,9 @@ def _measure(options: CalibrateOptions, box: Box, planned: list[Cell], console: 
                 advance()
 
             try:
-                return calibrate(worlds, box, planned, on_cell=on_cell, stop=stop, finished=before)
+                return calibrate(
+                    worlds, scenario.robot, scenario.box, planned, on_cell=on_cell, stop=stop, finished=before
+                )
             except StopRequestedError as error:
                 if not kept.parts:
                     raise StopRequestedError("interrupted: no series was finished") from error
@@ -106,10 +110,10 @@ def _name(cell: Cell) -> str:
     return f"{cell.face} face, w {cell.curve[0]!r}, {cell.depth_m!r} m, seed {cell.seed}"
 
 
-def _box(options: CalibrateOptions) -> Box:
+def _scenario(options: CalibrateOptions) -> Scenario:
     changes = {"box.mass_kg": options.box_mass_kg, "box.friction": options.box_friction}
     given = {field: value for field, value in changes.items() if value is not None}
-    return override(load_scenario(options.scenario), given).box
+    return override(load_scenario(options.scenario), given)
 
 
 def _show(push_map: PushMap, console: Console) -> None:

@@ -18,9 +18,10 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Outcome, Push, Reset
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.names import Face
-from legpush.scene.robot import FRONT_LEGS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Room, Scenario
 from legpush.scene.station import station
 
@@ -52,10 +53,10 @@ def cells(
     return [Cell(face=f, curve=c, depth_m=d, seed=s) for f, c, d, s in product(faces, curves, depths_m, seeds)]
 
 
-def open_floor(box: Box, face: Face) -> Scenario:
+def open_floor(robot: RobotSpec, box: Box, face: Face) -> Scenario:
     """A scenario with the robot at its station behind the face; the box is turned so that a push moves it along x."""
     pose = PoseDeg(x_m=FLOOR_M[0] / 3, y_m=FLOOR_M[1] / 2, yaw_deg=-degrees(TURN_RAD[face]))
-    place = station(pushed_box(box, face), pushed_pose(pose.pose(), face))
+    place = station(robot, pushed_box(box, face), pushed_pose(pose.pose(), face))
     return Scenario(
         name="calibration",
         room=Room(size_m=FLOOR_M),
@@ -63,6 +64,7 @@ def open_floor(box: Box, face: Face) -> Scenario:
         box=replace(box, pose=pose),
         goal=Goal(pose=replace(pose, x_m=pose.x_m + 1.0)),
         randomization=Randomization(box_xy_m=0.02, box_yaw_deg=3.0),
+        robot=robot,
     )
 
 
@@ -90,6 +92,7 @@ def push_series(world: SteppingWorld, scenario: Scenario, cell: Cell) -> Iterato
 
 def calibrate(
     worlds: Sequence[SteppingWorld],
+    robot: RobotSpec,
     box: Box,
     planned: Sequence[Cell],
     on_cell: Callable[[Cell, Sequence[Sample]], None] = lambda cell, samples: None,
@@ -112,7 +115,7 @@ def calibrate(
     def one(cell: Cell) -> tuple[Cell, list[Sample]]:
         world = free.get()
         try:
-            return cell, _samples(world, box, cell, stop)
+            return cell, _samples(world, open_floor(robot, box, cell.face), cell, stop)
         finally:
             free.put(world)
 
@@ -122,9 +125,9 @@ def calibrate(
     return [sample for cell in planned for sample in measured[cell]]
 
 
-def _samples(world: SteppingWorld, box: Box, cell: Cell, stop: threading.Event | None) -> list[Sample]:
+def _samples(world: SteppingWorld, scenario: Scenario, cell: Cell, stop: threading.Event | None) -> list[Sample]:
     found = []
-    for push, moved, _ in push_series(world, open_floor(box, cell.face), cell):
+    for push, moved, _ in push_series(world, scenario, cell):
         if stop is not None and stop.is_set():
             raise StopRequestedError("Asked to stop in a calibration")
         found.append(

@@ -19,9 +19,9 @@ from legpush.messages.codec import convert
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.scenarios.lines import lines_of, located_faults
 from legpush.scenarios.schema_faults import schema_faults
+from legpush.scene.conventions import FrontLeg
 from legpush.scene.faces import FACES, PUSHABLE, pushed_box
 from legpush.scene.names import BoxShape, Face
-from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Box
 
 LEAST_FORWARD_M: Final = 1e-4

@@ -9,8 +9,8 @@ from agent_proc.walking.route_planner import RoutePlanner
 from legpush.geometry import distance_m
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.stepping import Push
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.names import Face
-from legpush.scene.robot import FRONT_LEGS
 
 STRAIGHT_WITHIN_M: Final = 0.005
 """A path that is longer by more than this than its ends are apart is not straight."""

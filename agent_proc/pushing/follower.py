@@ -22,8 +22,8 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import BoxState, Push, WorldState
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import pushed_box
-from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import PoseDeg, Scenario
 
 LINE_AHEAD_M: Final = 0.6

@@ -139,7 +139,7 @@ class Pushing:
             self._pushes.push(decision.push, learn=closed)
             boxes.append(self._actor.box())
             commanded_m.append(estimate.commanded_m(decision.push.depth_m))
-            moved_m = path_length_m((boxes[0], boxes[-1]))
+            moved_m = path_length_m((boxes[0], boxes[-1]), scenario.robot.stance.foot_circle_m)
             if len(boxes) > STILL_CYCLES and moved_m < STUCK_SHARE * sum(commanded_m):
                 detail = (
                     f"{STILL_CYCLES} push cycles moved the box {1000 * moved_m:.1f} mm instead of "

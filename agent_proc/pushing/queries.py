@@ -10,11 +10,10 @@ from agent_proc.push_model.estimate import PushEstimate
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, PushSide
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
-from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.footprints import box_footprint, robot_footprint
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
-from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M
-from legpush.scene.scenario import CALIBRATION_PUSH_M, Scenario
+from legpush.scene.scenario import Scenario
 from legpush.scene.station import stand_off, station
 
 TOLERANCE_SHARE: Final = 0.3
@@ -37,7 +36,7 @@ def query_for_box(
         sides=tuple(_side(scenario, face, estimate) for face, estimate in estimates.items()),
         present_side=faces.index(present) if present in faces else None,
         box=box_footprint(scenario.box, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)),
-        walk_clearance_m=clearance_m(scenario.planning),
+        walk_clearance_m=clearance_m(scenario),
         side_change_m=pushing.face_change_m,
         clearance_m=pushing.margin_m,
         run_in_m=pushing.run_in_m,
@@ -54,7 +53,7 @@ def calibration_query(
     scenario: Scenario, seed: int, box_pose: Pose2, face: Face, estimate: PushEstimate
 ) -> BoxPathQuery:
     """Query for a straight path of the box, as long as the pushes of a calibration may take it."""
-    reach_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
+    reach_m = scenario.pushing.calibration_pushes * scenario.robot.pushing.calibration_push_m
     ahead = pushed_pose(box_pose, face) @ Pose2(x_m=reach_m, y_m=0.0, yaw_rad=-TURN_RAD[face])
     query = query_for_box(scenario, seed, box_pose, {face: estimate}, face)
     return replace(query, goal=ahead, run_in_m=0.0, max_iterations=1)
@@ -69,7 +68,7 @@ def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:
         min_turning_radius_m=scenario.pushing.turning_reserve * estimate.turning_radius_m,
         footprints=(
             box_footprint(box, here),
-            Footprint(pose=station(box, here), length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M),
+            robot_footprint(scenario.robot, station(scenario.robot, box, here)),
         ),
         stand_off=stand_off(scenario, box, here),
     )

@@ -12,7 +12,7 @@ from agent_proc.reporting.picture_parts import MAX_POINTS
 from agent_proc.reporting.style import BLUE, BOX, GOAL, RAW
 from legpush.arrays import Floats
 from legpush.messages.stepping import Motion, Push, Walk
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 
 PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
 LEAST_NAMED: Final = 0.08

@@ -25,10 +25,9 @@ from agent_proc.reporting.style import BLUE, BOX, FLOOR, GOAL, INK, STYLE, WALL
 from legpush.arrays import Flags
 from legpush.geometry import Pose2
 from legpush.scenarios.grid import merged_rectangles
-from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.footprints import box_footprint, foot_rectangle
 from legpush.scene.occupancy import clearance_m
 from legpush.scene.reference import reference_curve
-from legpush.scene.robot import FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M
 from legpush.scene.scenario import Scenario
 
 SOFTWARE: Final = "legpush map show"
@@ -90,7 +89,7 @@ def _draw_map(axes: Axes, view: MapView) -> None:
     width_m, height_m = view.size_m
     axes.add_patch(Rectangle((0.0, 0.0), width_m, height_m, fc=FLOOR, lw=0, zorder=1))
     if view.scenario is not None:
-        _draw_kept_clear(axes, view, clearance_m(view.scenario.planning))
+        _draw_kept_clear(axes, view, clearance_m(view.scenario))
     _draw_cells(axes, view.occupied, view.resolution_m, WALL, 3.0)
     if view.source is not None:
         _draw_cells(axes, view.source.unknown, view.source.cell_m, UNKNOWN, 3.1)
@@ -132,7 +131,7 @@ def _draw_scenario(axes: Axes, scenario: Scenario) -> None:
     if scenario.reference is not None:
         curve = reference_curve(scenario.reference, box)
         axes.plot(*curve[:, :2].T, color=GOAL, lw=1.4, ls=(0, (4, 1)), label="reference", zorder=4)
-    feet = Footprint(pose=start, length_m=FOOT_RECTANGLE_LENGTH_M, width_m=FOOT_RECTANGLE_WIDTH_M)
+    feet = foot_rectangle(scenario.robot, start)
     for footprint, color, label, opacity in (
         (feet, BLUE, "start of the robot", 0.45),
         (box_footprint(scenario.box, box), BOX, "box", 0.45),
@@ -166,6 +165,6 @@ def _legend(axes: Axes, view: MapView) -> list[Artist]:
     if view.source is not None and view.source.unknown.any():
         handles.append(Patch(fc=UNKNOWN, label="unknown, counts as occupied"))
     if view.scenario is not None:
-        reach_m = clearance_m(view.scenario.planning)
+        reach_m = clearance_m(view.scenario)
         handles.append(Patch(fc=KEPT_CLEAR, label=f"nearer than the trunk's centre may come ({reach_m:.2f} m)"))
     return handles + list(axes.get_legend_handles_labels()[0])

@@ -13,8 +13,8 @@ from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Trace, WorldState
+from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, LEGS, N_QPOS
 from legpush.scene.reference import reference_curve
-from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, LEGS, N_QPOS
 from legpush.scene.scenario import Scenario
 
 

@@ -16,9 +16,10 @@ from agent_proc.reporting.style import BOX, FLOOR, GOAL, GRID, INK, RAW, STYLE, 
 from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
 from legpush.messages.poses import planar_pose
-from legpush.scene.footprints import Footprint, box_footprint, obstacle_footprint
+from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS
+from legpush.scene.footprints import box_footprint, foot_rectangle, obstacle_footprint
 from legpush.scene.occupancy import room_by_now
-from legpush.scene.robot import CONTROL_PERIOD_S, FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_WIDTH_M, LEGS
+from legpush.scene.robot import RobotSpec
 
 TREE, SMOOTH, TRUNK = "#9dbbdc", "#4a9b6e", "#1b2a41"
 FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0"}
@@ -73,8 +74,8 @@ def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None
         )
     _draw_feet(axes, record, WORLD, 0.55)
     axes.plot(*thin(record.ticks().trunk_m).T, color=TRUNK, lw=1.1, label="trunk", zorder=5)
-    _draw_robot(axes, planar_pose(record.steps[0].world.trunk), label="robot at start and end")
-    _draw_robot(axes, planar_pose(record.steps[-1].world.trunk))
+    _draw_robot(axes, record.scenario.robot, planar_pose(record.steps[0].world.trunk), label="robot at start and end")
+    _draw_robot(axes, record.scenario.robot, planar_pose(record.steps[-1].world.trunk))
     if result.handover_distance_m is not None and len(follows) > 1:
         here = handover_place(record, result.handover_distance_m)
         label = f"hand-over, {result.handover_distance_m:.2f} m from the box"
@@ -112,7 +113,7 @@ def _draw_zoom(axes: Axes, record: MissionRecord) -> None:
     _draw_room(axes, record, seen)
     _draw_feet(axes, record, seen, 0.7)
     axes.plot(*seen.apply(thin(record.ticks().trunk_m)).T, color=TRUNK, lw=0.7, alpha=0.8, zorder=5)
-    _draw_robot(axes, planar_pose(record.steps[-1].world.trunk), seen)
+    _draw_robot(axes, record.scenario.robot, planar_pose(record.steps[-1].world.trunk), seen)
     _draw_box(axes, record, seen)
     outlines = [box_at(record, step).corners() for step in (record.steps[0], record.steps[-1])]
     corners = seen.apply(np.concatenate([*outlines, box_footprint(scenario.box, scenario.goal.pose.pose()).corners()]))
@@ -173,12 +174,12 @@ def _draw_feet(axes: Axes, record: MissionRecord, seen: Pose2, width: float) -> 
         )
 
 
-def _draw_robot(axes: Axes, trunk: Pose2, seen: Pose2 = WORLD, label: str | None = None) -> None:
+def _draw_robot(axes: Axes, robot: RobotSpec, trunk: Pose2, seen: Pose2 = WORLD, label: str | None = None) -> None:
     """Draw the foot rectangle of the robot and a line to its front."""
     trunk = seen @ trunk
-    outline = Footprint(pose=trunk, length_m=FOOT_RECTANGLE_LENGTH_M, width_m=FOOT_RECTANGLE_WIDTH_M).corners()
-    axes.add_patch(Polygon(outline, fill=False, ec=INK, lw=1.1, label=label, zorder=6))
-    nose = trunk.apply([[FOOT_RECTANGLE_LENGTH_M / 2, 0.0], [0.0, 0.0]])
+    feet = foot_rectangle(robot, trunk)
+    axes.add_patch(Polygon(feet.corners(), fill=False, ec=INK, lw=1.1, label=label, zorder=6))
+    nose = trunk.apply([[feet.length_m / 2, 0.0], [0.0, 0.0]])
     axes.plot(*nose.T, color=INK, lw=1.1, zorder=6)
 
 

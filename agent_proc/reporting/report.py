@@ -10,8 +10,8 @@ from agent_proc.reporting.mission_record import MissionRecord, MissionStep
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Walk
 from legpush.runs.report import Appeared, Report
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.paths import arc_lengths_m, distances_m
-from legpush.scene.robot import CONTROL_PERIOD_S
 
 LOOK_AHEAD_M: Final = 0.5
 """Longest distance along its path that the box may advance in one push cycle."""

@@ -14,9 +14,10 @@ from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.common import USUAL_DEPTH_M
+from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scene.faces import PUSHABLE
 from legpush.scene.names import Face
-from legpush.scene.robot import CONTROL_PERIOD_S, FRONT_LEGS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Scenario
 from legpush.study.cells import CellKind, Column
 
@@ -59,6 +60,7 @@ class ResolvedCalibration(Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """A series that needs no other file."""
 
     seed: Seed
+    robot: RobotSpec
     box: Box
     face: Face
     w1: float
@@ -73,10 +75,19 @@ def resolve(cell: CalibrationCell, _: Collection[str]) -> ResolvedCalibration:
         ScenarioError: The scenario or a change cannot be used.
         ConfigError: This face of the box cannot be pushed.
     """
-    box = scenario_of(cell.scenario, cell.changes).box
+    scenario = scenario_of(cell.scenario, cell.changes)
+    box = scenario.box
     if cell.face not in PUSHABLE[box.shape]:
         raise ConfigError(f"Expected a face of a {box.shape} among {', '.join(PUSHABLE[box.shape])}, got {cell.face}")
-    return ResolvedCalibration(seed=cell.seed, box=box, face=cell.face, w1=cell.w1, w2=cell.w2, depth_m=cell.depth_m)
+    return ResolvedCalibration(
+        seed=cell.seed,
+        robot=scenario.robot,
+        box=box,
+        face=cell.face,
+        w1=cell.w1,
+        w2=cell.w2,
+        depth_m=cell.depth_m,
+    )
 
 
 def run(cell: ResolvedCalibration) -> Mapping[str, Any]:
@@ -85,7 +96,8 @@ def run(cell: ResolvedCalibration) -> Mapping[str, Any]:
     legs: list[str] = []
     each: dict[str, list[float]] = {name: [] for name, _ in _MEASURES}
     tilts_deg, margins_m, times_s = list[float](), list[float](), list[float]()
-    for push, moved, outcome in push_series(LocalWorld(new_simulator()), open_floor(cell.box, cell.face), series):
+    scenario = open_floor(cell.robot, cell.box, cell.face)
+    for push, moved, outcome in push_series(LocalWorld(new_simulator()), scenario, series):
         legs.append(push.leg)
         for name, value in zip(each, (moved.x_m, moved.y_m, degrees(moved.yaw_rad)), strict=True):
             each[name].append(value)

@@ -10,7 +10,7 @@ from agent_proc.push_model.model import PushModel
 from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
 from legpush.messages.stepping import Push
-from legpush.scene.robot import FrontLeg
+from legpush.scene.conventions import FrontLeg
 
 CHOICES: Final = (8, 8, 2)
 """Number of values of each element of a discrete action, the published grid: w1 and w2 are (k + 1) / 10."""

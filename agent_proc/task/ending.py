@@ -29,7 +29,7 @@ def episode_ending(task: TaskConfig, first: PushView, now: PushView, n_steps: in
     """How an episode that began at `first` ends after `n_steps` push cycles; None if it goes on."""
     if now.fallen:
         return "fell"
-    if not at_station(planar_pose(now.world.trunk), now.box, now.box_w):
+    if not at_station(now.scenario.robot, planar_pose(now.world.trunk), now.box, now.box_w):
         return "astray"
     if is_done(task, now):
         return "success" if now.error.within(now.goal) else "missed"

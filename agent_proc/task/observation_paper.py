@@ -11,7 +11,7 @@ import numpy as np
 from agent_proc.frames.push_view import PushView
 from agent_proc.task.observation_table import Entry, Table
 from legpush.arrays import Floats
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 
 
 def _corner(index: int) -> Callable[[PushView], Floats]:

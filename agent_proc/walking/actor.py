@@ -106,7 +106,9 @@ class Actor:
 
     def at_station(self, face: Face) -> bool:
         """Whether a face of the box can be pushed from where the robot stands."""
-        return at_station(self.trunk(), pushed_box(self.scenario.box, face), pushed_pose(self.box(), face))
+        scenario = self.scenario
+        box, pose = pushed_box(scenario.box, face), pushed_pose(self.box(), face)
+        return at_station(scenario.robot, self.trunk(), box, pose)
 
     def standing_at(self) -> Face | None:
         """The face that the robot can push as it stands, if there is one."""

@@ -1,6 +1,7 @@
 """Better paths while the robot walks: joins a new one between gait cycles if that saves enough."""
 
-from math import ceil
+from math import ceil, inf
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
@@ -10,7 +11,6 @@ from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.plans.trunk_queries import SLACK_M
 from legpush.scene.clearance import Occupied
 from legpush.scene.paths import arc_lengths_m, path_length_m
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 
 LEAST_GAIN_M: Final = 0.1
 """Least length, turns included, that a better path has to save."""
@@ -24,8 +24,10 @@ SPACING_M: Final = 0.05
 class BetterPaths:
     """The revisions of a plan that the robot walks along, one for each gait cycle."""
 
-    def __init__(self, query: TrunkPathQuery, plan: Plan) -> None:
+    def __init__(self, query: TrunkPathQuery, plan: Plan, foot_circle_m: float) -> None:
+        """`foot_circle_m` is the radius of the circle through the feet, with which the robot turns anywhere."""
         self.query = query
+        self._foot_circle_m = foot_circle_m
         self._occupied = Occupied(query.grid)
         self._best_m = plan.length_m
         self._revision = 0
@@ -47,10 +49,11 @@ class BetterPaths:
             return ()
         self._best_m = plan.length_m
         present_m = self._occupied.nearest(here.xy()[np.newaxis]).distance_m - SLACK_M
-        required_m = max(min(self.query.clearance_m, present_m), FOOT_RECTANGLE_RADIUS_M)
+        required_m = max(min(self.query.clearance_m, present_m), self._foot_circle_m)
         ways = (self._way(plan.waypoints, k, here, required_m) for k in _places(plan.waypoints, here))
-        way = min((way for way in ways if way), key=path_length_m, default=())
-        return way if way and path_length_m(way) < left_m - LEAST_GAIN_M else ()
+        measured = [(path_length_m(way, self._foot_circle_m), way) for way in ways if way]
+        length_m, way = min(measured, key=itemgetter(0), default=(inf, ()))
+        return way if length_m < left_m - LEAST_GAIN_M else ()
 
     def _way(self, waypoints: tuple[Pose2, ...], k: int, here: Pose2, required_m: float) -> tuple[Pose2, ...]:
         """From here straight to the k-th waypoint and on, or nothing if the straight line is not free."""

@@ -39,7 +39,9 @@ class RoutePlanner:
         self._actor.tell("planning", None, what)
         plan = self._world.plan(query)
         _require_followable(query, plan, what)
-        self._better = BetterPaths(query, plan) if isinstance(query, TrunkPathQuery) and query.anytime else None
+        self._better = None
+        if isinstance(query, TrunkPathQuery) and query.anytime:
+            self._better = BetterPaths(query, plan, self._actor.scenario.robot.stance.foot_circle_m)
         return plan
 
     def better_path(
@@ -55,7 +57,8 @@ class RoutePlanner:
         """
         if self._better is None or travelled_m == 0.0 or (revision := self._better.next_revision()) is None:
             return ()
-        left_m = path_length_m(waypoints) - travelled_m - path_length_m(last_stretch)
+        circle_m = self._actor.scenario.robot.stance.foot_circle_m
+        left_m = path_length_m(waypoints, circle_m) - travelled_m - path_length_m(last_stretch, circle_m)
         plan = self._world.revision(revision)
         _require_followable(self._better.query, plan, f"revision {revision} of the way")
         joined = self._better.joined(plan, self._actor.trunk(), left_m)
@@ -85,7 +88,7 @@ class RoutePlanner:
         appeared = f"; appeared: {in_words(state.appeared)}" if state.appeared else ""
         walk = (
             f"lower `planning.margin_m` ({scenario.planning.margin_m:g} m), with which a walk needs passages of "
-            f"{2 * clearance_m(scenario.planning):.2f} m"
+            f"{2 * clearance_m(scenario):.2f} m"
         )
         if isinstance(query, TrunkPathQuery):
             remedy = f"{walk}, or raise `planning.max_iterations` ({scenario.planning.max_iterations})"

@@ -70,7 +70,7 @@ class Walker:
                 past.clear()
                 continue
             past.append((self._actor.trunk(), path.travelled_m))
-            if _is_stuck(past):
+            if _is_stuck(past, self._actor.scenario.robot.stance.foot_circle_m):
                 raise MissionEndedError(
                     "stuck",
                     f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it",
@@ -143,7 +143,8 @@ class Walker:
         return state.path
 
 
-def _is_stuck(past: deque[tuple[Pose2, float]]) -> bool:
+def _is_stuck(past: deque[tuple[Pose2, float]], foot_circle_m: float) -> bool:
     """Whether the robot is where it was `STILL_CYCLES` gait cycles ago, by its trunk or by its place on the path."""
     (then, then_m), (now, now_m) = past[0], past[-1]
-    return len(past) > STILL_CYCLES and min(path_length_m((then, now)), now_m - then_m) < LEAST_WALK_M
+    moved_m = min(path_length_m((then, now), foot_circle_m), now_m - then_m)
+    return len(past) > STILL_CYCLES and moved_m < LEAST_WALK_M

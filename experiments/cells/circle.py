@@ -18,8 +18,9 @@ from legpush.bounds import MAX_DEPTH_M
 from legpush.fields import Seed
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
-from legpush.scene.robot import CONTROL_PERIOD_S, FrontLeg
-from legpush.scene.scenario import STATION_M, Box, Goal, PoseDeg, Randomization, Room, Scenario
+from legpush.scene.conventions import CONTROL_PERIOD_S, FrontLeg
+from legpush.scene.robot import RobotSpec
+from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Room, Scenario
 from legpush.study.cells import CellKind, Column, as_it_is
 from sim_proc.simulator import Simulator
 
@@ -133,7 +134,7 @@ def _scenario(friction: float) -> Scenario:
     return Scenario(
         name="circle",
         room=Room(size_m=(SIDE_M, SIDE_M)),
-        start=PoseDeg(x_m=SIDE_M / 2 - box.size_m[0] / 2 - STATION_M, y_m=SIDE_M / 2, yaw_deg=0.0),
+        start=PoseDeg(x_m=SIDE_M / 2 - box.size_m[0] / 2 - RobotSpec().station_m, y_m=SIDE_M / 2, yaw_deg=0.0),
         box=box,
         goal=Goal(pose=PoseDeg(x_m=SIDE_M / 2 + 1.0, y_m=SIDE_M / 2, yaw_deg=0.0)),
         randomization=Randomization(box_xy_m=0.05, box_yaw_deg=5.0),

@@ -18,9 +18,10 @@ from legpush.lockstep.local import LocalWorld
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.names import BoxShape, Face
-from legpush.scene.robot import FRONT_LEGS
+from legpush.scene.robot import RobotSpec
 from legpush.study.cells import CellKind, Column, as_it_is
 from sim_proc.simulator import Simulator
 
@@ -48,7 +49,7 @@ def own_estimate(cell: OwnEstimate) -> Mapping[str, Any]:
     estimate = PushEstimate(pushed_box(box, cell.face))
     guessed_m = estimate.turning_radius_m
     world = LocalWorld(Simulator())
-    outcome = world.step(Reset(scenario=open_floor(box, cell.face), seed=cell.seed))
+    outcome = world.step(Reset(scenario=open_floor(RobotSpec(), box, cell.face), seed=cell.seed))
     before = pushed_pose(planar_pose(outcome.world.box), cell.face)
     for index in CALIBRATION_LEGS:
         push = Push(w1=0.5, w2=0.5, leg=FRONT_LEGS[index], depth_m=USUAL_DEPTH_M, face=cell.face)

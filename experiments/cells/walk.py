@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from legpush.geometry import Pose2, rpy_from_quaternion, wrap_angle
 from legpush.messages.stepping import Follow, PathProgress, Reset, Trace, Walk
 from legpush.scenarios.file import load_scenario
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.scenario import Room, Scenario
 from legpush.study.cells import CellKind, Column, as_it_is
 from sim_proc.simulator import Simulator

@@ -11,7 +11,7 @@ from experiments.tables.parts import as_json, made_of
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, rectangle_corners
 from legpush.scenarios.file import load_scenario
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 
 CORNERS: Final = ("front left", "rear left", "rear right", "front right")
 

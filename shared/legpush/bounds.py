@@ -67,6 +67,36 @@ MAX_FRICTION: Final = 10.0
 """Friction of the box: MuJoCo's `mjMINMU`, and more than any dry contact has."""
 MAX_DEPTH_M: Final = 0.25
 """Deepest push, five times as deep as the usual one."""
+LEAST_BODY_M: Final = 0.001
+MAX_BODY_M: Final = 10.0
+"""Length of a part of the robot, from a foot of an insect to ten times the robot's own size."""
+LEAST_PART_KG: Final = 0.001
+MAX_PART_KG: Final = 1000.0
+"""Mass of a part of the robot, as that of the box."""
+MAX_JOINT_DEG: Final = 180.0
+"""Largest joint angle either way."""
+LEAST_GAIN_N_M_RAD: Final = 0.01
+MAX_GAIN_N_M_RAD: Final = 1e6
+"""Position gain of a servo. Below, legs carry nothing; above, a joint is as stiff as steel."""
+MAX_VELOCITY_GAIN_N_M_S_RAD: Final = 1e5
+"""Velocity gain of a servo, and viscous damping of a joint."""
+LEAST_TORQUE_N_M: Final = 0.001
+MAX_TORQUE_N_M: Final = 1e5
+"""Largest torque of a servo."""
+MAX_ARMATURE_KG_M2: Final = 100.0
+"""Rotor inertia, a hundred times that of a leg."""
+LEAST_TICKS: Final = 2
+MAX_TICKS: Final = 100
+"""Duration of a part of a step: half of the least is one tick, and a plan over the next four steps takes a second."""
+MAX_STEP_TURN_RAD: Final = 1.5
+"""Largest change of heading in a gait cycle, nearly a quarter turn."""
+LEAST_TILT_DEG: Final = 1.0
+MAX_TILT_DEG: Final = 90.0
+"""Tilt of a robot that has fallen: at the least it may not sway, and at the most it lies on its side."""
+MAX_STATION_TURN_DEG: Final = 90.0
+"""Largest turn from the robot to a place that it can still step to."""
+MAX_SIDE_SHARE: Final = 0.5
+"""Farthest contact point from the middle of a face: at its edge."""
 MAX_WAYPOINTS: Final = 100_000
 """Most poses of a path: at 0.05 m from one to the next, 5 km."""
 LEAST_WAYPOINTS: Final = 10
@@ -141,6 +171,29 @@ Slope = Annotated[float, Meta(ge=0.0, le=MAX_SLOPE_DEG)]
 BoxSide = Annotated[float, Meta(ge=LEAST_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
 BoxMass = Annotated[float, Meta(ge=LEAST_BOX_MASS_KG, le=MAX_BOX_MASS_KG)]
 Friction = Annotated[float, Meta(ge=LEAST_FRICTION, le=MAX_FRICTION)]
+
+BodyLength = Annotated[float, Meta(ge=LEAST_BODY_M, le=MAX_BODY_M)]
+"""A length of the robot that has to be above 0."""
+BodyDistance = Annotated[float, Meta(ge=0.0, le=MAX_BODY_M)]
+"""A length of the robot that may be 0."""
+PartMass = Annotated[float, Meta(ge=LEAST_PART_KG, le=MAX_PART_KG)]
+JointAngle = Annotated[float, Meta(ge=-MAX_JOINT_DEG, le=MAX_JOINT_DEG)]
+"""In degrees."""
+KneeAngle = Annotated[float, Meta(ge=0.0, le=MAX_JOINT_DEG)]
+"""In degrees."""
+PositionGain = Annotated[float, Meta(ge=LEAST_GAIN_N_M_RAD, le=MAX_GAIN_N_M_RAD)]
+VelocityGain = Annotated[float, Meta(ge=0.0, le=MAX_VELOCITY_GAIN_N_M_S_RAD)]
+Damping = Annotated[float, Meta(ge=0.0, le=MAX_VELOCITY_GAIN_N_M_S_RAD)]
+Torque = Annotated[float, Meta(ge=LEAST_TORQUE_N_M, le=MAX_TORQUE_N_M)]
+Armature = Annotated[float, Meta(ge=0.0, le=MAX_ARMATURE_KG_M2)]
+Ticks = Annotated[int, Meta(ge=LEAST_TICKS, le=MAX_TICKS)]
+StepTurn = Annotated[float, Meta(ge=LEAST_LENGTH_M, le=MAX_STEP_TURN_RAD)]
+"""In radians."""
+FallTilt = Annotated[float, Meta(ge=LEAST_TILT_DEG, le=MAX_TILT_DEG)]
+"""In degrees."""
+StationTurn = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=MAX_STATION_TURN_DEG)]
+"""In degrees."""
+SideShare = Annotated[float, Meta(ge=0.0, le=MAX_SIDE_SHARE)]
 
 Depth = Annotated[float, Meta(ge=0.0, le=MAX_DEPTH_M)]
 """How deep a push is."""

@@ -11,9 +11,9 @@ from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQu
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_pose
+from legpush.scene.conventions import FrontLeg
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.names import Face
-from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Scenario
 from legpush.scene.station import last_stretch
 

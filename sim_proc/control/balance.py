@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Flags, Floats
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.gravity import GRAVITY_M_S2
 
 JERK_WEIGHT: Final = 1e-6

@@ -11,28 +11,27 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
+from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.paths import travelled_m
-from legpush.scene.robot import LEGS, Leg, foot_rectangle_b
+from legpush.scene.robot import RobotSpec
+from legpush.scene.robot_motion import Gait
 
 GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
 """Lateral sequence of the crawl: the weight changes sides twice a cycle."""
-STRIDE_M: Final = 0.4
-MAX_STEP_M: Final = 0.48
-MAX_TURN_RAD: Final = 0.6
-"""Limits of one gait cycle: advance of the trunk, displacement of a foot, change of heading."""
-STRIDE_BY_DIRECTION: Final = (
-    (0.0, STRIDE_M),
-    (45.0, STRIDE_M),
-    (60.0, 0.2),
-    (80.0, 0.15),
-    (130.0, 0.15),
-    (150.0, 0.2),
-    (165.0, 0.25),
-    (175.0, 0.3),
-    (177.0, STRIDE_M),
-    (180.0, STRIDE_M),
+STRIDE_SHARES: Final = (
+    (0.0, 1.0),
+    (45.0, 1.0),
+    (60.0, 0.5),
+    (80.0, 0.375),
+    (130.0, 0.375),
+    (150.0, 0.5),
+    (165.0, 0.625),
+    (175.0, 0.75),
+    (177.0, 1.0),
+    (180.0, 1.0),
 )
-"""Longest advance of the trunk in one gait cycle, by the angle [deg] between its motion and its heading.
+"""Longest advance of the trunk in one gait cycle, as a share of the stride, by the angle [deg] between its motion and
+its heading.
 
 At longer ones the centre of mass leaves the support, and sideways the robot falls (`python -m benchmarks.sideways`).
 """
@@ -44,11 +43,14 @@ ADVANCES: Final = np.linspace(1.0, 0.05, 20)
 class PosePath:
     """A path of planar poses, parametrized by travelled length. A turn counts by the arc that the feet describe."""
 
-    def __init__(self, waypoints: Sequence[Pose2]) -> None:
+    def __init__(self, robot: RobotSpec, waypoints: Sequence[Pose2]) -> None:
         """Join the waypoints by straight lines and by uniform turns the short way round."""
+        self.gait = robot.gait
+        """How the robot walks along it."""
+        self._corners_b = robot.stance.foot_rectangle_b()
         xy = np.array([[p.x_m, p.y_m] for p in waypoints])
         yaw = np.unwrap([p.yaw_rad for p in waypoints])
-        self._travelled = travelled_m(waypoints)
+        self._travelled = travelled_m(waypoints, robot.stance.foot_circle_m)
         self._xy_yaw = np.column_stack([xy, yaw])
         self.length_m = float(self._travelled[-1])
 
@@ -60,7 +62,7 @@ class PosePath:
         """Corner of the foot rectangle of each leg at its own travelled length, (..., 4) to (..., 4, 2)."""
         pose = self.poses(travelled_m)
         c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-        corner = foot_rectangle_b()
+        corner = self._corners_b
         x = pose[..., 0] + c * corner[:, 0] - s * corner[:, 1]
         y = pose[..., 1] + s * corner[:, 0] + c * corner[:, 1]
         return np.stack([x, y], axis=-1)
@@ -82,28 +84,31 @@ def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTarg
     A leg that swings at phase phi of the cycle lands where the trunk will be half a cycle later, so every foot is under
     its own hip at mid-stance. At the end of the path all feet come together in the last rectangle.
     """
+    gait = path.gait
     phase = np.empty(4)
     for place, leg in enumerate(GAIT_ORDER):
         phase[LEGS.index(leg)] = (place + 0.5) / len(GAIT_ORDER)
     start = float(travelled_m.mean())
-    advance = STRIDE_M * ADVANCES[:, None]
+    advance = gait.stride_m * ADVANCES[:, None]
     candidates = np.clip(start + advance * (phase + 0.5), travelled_m, path.length_m)
     corners = path.corners(candidates)
     step = np.linalg.norm(corners - feet_m, axis=-1).max(axis=1)
     moved = path.poses(candidates.mean(axis=1)) - path.poses(np.array(start))
-    is_short = np.hypot(moved[:, 0], moved[:, 1]) <= longest_stride_m(moved, path.poses(np.array(start))[2]) + SAME_M
-    allowed = np.flatnonzero((step <= MAX_STEP_M) & (np.abs(moved[:, 2]) <= MAX_TURN_RAD) & is_short)
+    is_short = (
+        np.hypot(moved[:, 0], moved[:, 1]) <= longest_stride_m(gait, moved, path.poses(np.array(start))[2]) + SAME_M
+    )
+    allowed = np.flatnonzero((step <= gait.max_step_m) & (np.abs(moved[:, 2]) <= gait.max_turn_rad) & is_short)
     best = int(allowed[0]) if allowed.size else len(candidates) - 1
     return CycleTargets(travelled_m=candidates[best], feet_m=corners[best])
 
 
-def longest_stride_m(moved: Floats, yaw_rad: float) -> Floats:
-    """Longest advance by `STRIDE_BY_DIRECTION` for displacements (x, y, turn), (n, 3), from a heading; (n,).
+def longest_stride_m(gait: Gait, moved: Floats, yaw_rad: float) -> Floats:
+    """Longest advance by `STRIDE_SHARES` for displacements (x, y, turn), (n, 3), from a heading; (n,).
 
     The direction counts from the heading half way.
     """
     away = np.arctan2(moved[:, 1], moved[:, 0]) - yaw_rad - moved[:, 2] / 2
-    directions_deg, strides_m = zip(*STRIDE_BY_DIRECTION, strict=True)
+    directions_deg, shares = zip(*STRIDE_SHARES, strict=True)
     angle_deg = np.degrees(np.abs(np.arctan2(np.sin(away), np.cos(away))))
-    longest: Floats = np.interp(angle_deg, directions_deg, strides_m)
+    longest: Floats = gait.stride_m * np.interp(angle_deg, directions_deg, shares)
     return longest

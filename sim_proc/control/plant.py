@@ -5,6 +5,7 @@ from typing import Protocol
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
+from legpush.scene.robot import RobotSpec
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +35,10 @@ class Plant(Protocol):
 
     fallen: bool
     """Whether the robot has fallen. A fallen robot cannot be moved any more."""
+
+    @property
+    def robot(self) -> RobotSpec:
+        """The numbers of the robot."""
 
     @property
     def mass_kg(self) -> float:

@@ -3,20 +3,24 @@
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS
 from sim_proc.control.balance import foot_forces
 from sim_proc.control.plant import Plant, TickLog
 from sim_proc.gravity import GRAVITY_M_S2
-from sim_proc.kinematics.body import STANDING_HEIGHT_M, VELOCITY_GAIN_N_M_S_RAD
-from sim_proc.kinematics.leg import HIPS_B, SIDE, inverse, jacobian
+from sim_proc.kinematics.leg import SIDE, LegKinematics
 
 
 class Posture:
-    """The commanded posture of a robot whose trunk is level at `STANDING_HEIGHT_M`."""
+    """The commanded posture of a robot whose trunk is level at its standing height."""
 
     def __init__(self, plant: Plant) -> None:
         """Begin with the posture in which the robot stands."""
         self.plant = plant
+        robot = plant.robot
+        self._kinematics = LegKinematics(robot)
+        self._height_m = robot.stance.height_m
+        gains = [joint.velocity_gain_n_m_s_rad for joint in robot.joints.in_order()]
+        self._velocity_gains = np.array(len(LEGS) * gains)
         trunk = plant.trunk_pose()
         self.trunk_xy_m: Floats = trunk.xy()
         self.yaw_rad = trunk.yaw_rad
@@ -68,16 +72,17 @@ class Posture:
         from_world = _rotations(-yaw_rad)
         tips_b = feet_m.copy()
         tips_b[:, :, :2] -= trunk_xy_m[:, None]
-        tips_b[:, :, 2] -= STANDING_HEIGHT_M
+        tips_b[:, :, 2] -= self._height_m
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
-        joints = inverse(tips_b - HIPS_B, SIDE, saturate=True)
+        kinematics = self._kinematics
+        joints = kinematics.inverse(tips_b - kinematics.hips_b, SIDE, saturate=True)
         against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
         forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg)
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
-        torques = -np.einsum("nlij,nli->nlj", jacobian(joints, SIDE), forces).reshape(n, 12)
+        torques = -np.einsum("nlij,nli->nlj", kinematics.jacobian(joints, SIDE), forces).reshape(n, 12)
         commands = joints.reshape(n, 12)
         velocities = np.diff(commands, axis=0, prepend=self.joints_rad[None]) / CONTROL_PERIOD_S
-        log = self.plant.run(commands, torques + VELOCITY_GAIN_N_M_S_RAD * velocities)
+        log = self.plant.run(commands, torques + self._velocity_gains * velocities)
         self.joints_rad = commands[-1]
         self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
         return log

@@ -5,7 +5,7 @@ corner of the foot rectangle of a robot that stands ready for the next push.
 """
 
 from dataclasses import dataclass
-from math import hypot, sqrt
+from math import hypot, radians, sqrt
 from typing import Final
 
 import numpy as np
@@ -14,40 +14,31 @@ from legpush.arrays import Floats
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
+from legpush.scene.conventions import LEGS, FrontLeg, Leg
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
-from legpush.scene.robot import FOOT_RADIUS_M, LEGS, FrontLeg, Leg, foot_rectangle_b
-from legpush.scene.scenario import STATION_M, Box
-from sim_proc.control.gait import MAX_OFF_M, MAX_OFF_RAD, TOUCHDOWN_M, require_within_reach, rest, swing_to
+from legpush.scene.robot import RobotSpec
+from legpush.scene.scenario import Box
+from sim_proc.control.gait import require_within_reach, rest, swing_to
 from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing
 from sim_proc.control.swing import bezier, control_points, gentle_stop, parabola
-
-PUSH_SHIFT_TICKS: Final = 14
-PUSH_TICKS: Final = 48
-RETURN_TICKS: Final = 16
-RESTEP_SHIFT_TICKS: Final = 8
-RESTEP_SWING_TICKS: Final = 11
-PUSH_MARGIN_M: Final = 0.06
-CONTACT_HEIGHT_SHARE: Final = 0.5
-CONTACT_SIDE_SHARE: Final = 0.3
-"""Contact point on the pushed face: share of the box's height, and of its width to the left (FL) or right (FR)."""
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
 
 
-def contact_point(pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Floats:
+def contact_point(robot: RobotSpec, pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Floats:
     """Where the centre of the foot ends, (3,), so that its surface is `depth_m` beyond the pushed face.
 
     `pose` is the frame of the box in which its pushed face is the rear one, and `box` has the size in that frame.
     """
     length, width, height = box.size_m
-    side = CONTACT_SIDE_SHARE * width * (1 if leg == "FL" else -1)
+    side = robot.pushing.contact_side_share * width * (1 if leg == "FL" else -1)
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
-    x, y = pose.apply([[rear + depth_m - FOOT_RADIUS_M, side]])[0]
-    return np.array([x, y, CONTACT_HEIGHT_SHARE * height])
+    x, y = pose.apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
+    return np.array([x, y, robot.pushing.contact_height_share * height])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +55,7 @@ class Pusher:
     def __init__(self, steps: Steps, box: Box) -> None:
         """Push `box` with the robot that takes `steps`."""
         self._steps = steps
+        self._robot = steps.posture.plant.robot
         self._box = box
 
     def cycle(self, push: Push) -> PushLog:
@@ -72,18 +64,19 @@ class Pusher:
         Raises:
             MotionError: The face cannot be pushed, or the robot does not stand at it.
         """
-        posture = self._steps.posture
+        posture, robot = self._steps.posture, self._robot
         plant = posture.plant
         leg = LEGS.index(push.leg)
         self._require_face(push.face)
         box, pose = pushed_box(self._box, push.face), pushed_pose(plant.box_pose(), push.face)
-        require_within_reach("the place to push from", plant.trunk_pose(), behind_box(box, pose, STATION_M))
+        station = behind_box(box, pose, robot.station_m)
+        require_within_reach("the place to push from", robot.gait, plant.trunk_pose(), station)
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
-        goal = contact_point(pose, box, push.leg, push.depth_m)
+        goal = contact_point(robot, pose, box, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
         ahead = [
             self._push_step(push.leg, here, posture.yaw_rad),
-            *self._return_steps(push.leg, behind_box(box, pose @ expected, STATION_M))[:2],
+            *self._return_steps(push.leg, behind_box(box, pose @ expected, robot.station_m))[:2],
         ]
         logs = [self._steps.take_step(ahead, self._bezier_swing(push, goal), lands=False)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
@@ -91,7 +84,7 @@ class Pusher:
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
-                swing = self._return_swing(step.target_m) if index == 0 else swing_to(step.target_m, ticks)
+                swing = self._return_swing(step.target_m) if index == 0 else swing_to(robot, step.target_m, ticks)
                 logs.append(self._steps.take_step(follow[index : index + 4], swing))
                 if plant.fallen:
                     break
@@ -106,27 +99,28 @@ class Pusher:
         """Where to stand after the push: at the box, or in the same place if the box slid out of reach."""
         plant = self._steps.posture.plant
         here = plant.trunk_pose()
-        station = behind_box(pushed_box(self._box, face), pushed_pose(plant.box_pose(), face), STATION_M)
+        station = behind_box(pushed_box(self._box, face), pushed_pose(plant.box_pose(), face), self._robot.station_m)
         away = here.inverse() @ station
-        near = hypot(away.x_m, away.y_m) <= MAX_OFF_M and abs(away.yaw_rad) <= MAX_OFF_RAD
+        gait = self._robot.gait
+        near = hypot(away.x_m, away.y_m) <= gait.max_off_m and abs(away.yaw_rad) <= radians(gait.max_off_deg)
         return station if near else here
 
     def _push_step(self, leg: FrontLeg, here: Floats, yaw_rad: float) -> Step:
         return Step(
             leg=leg,
-            shift_ticks=PUSH_SHIFT_TICKS,
-            swing_ticks=PUSH_TICKS,
+            shift_ticks=self._robot.pushing.shift_ticks,
+            swing_ticks=self._robot.pushing.push_ticks,
             target_m=self._steps.posture.feet_m[LEGS.index(leg), :2].copy(),
             nominal_xy_m=here,
             end_velocity_m_s=np.zeros(2),
             end_yaw_rad=yaw_rad,
-            margin_m=PUSH_MARGIN_M,
+            margin_m=self._robot.pushing.margin_m,
         )
 
     def _return_steps(self, pushing: FrontLeg, to: Pose2) -> list[Step]:
         """The pushing leg to its marker, then the other three, then rest. The trunk moves evenly from step to step."""
-        posture = self._steps.posture
-        markers = to.apply(foot_rectangle_b())
+        posture, motion = self._steps.posture, self._robot.pushing
+        markers = to.apply(self._robot.stance.foot_rectangle_b())
         here = posture.feet_m[:, :2].mean(axis=0)
         legs: list[Leg] = [pushing, *RESTEP_ORDER[pushing]]
         turn = Pose2(x_m=0.0, y_m=0.0, yaw_rad=posture.yaw_rad).inverse() @ Pose2(x_m=0.0, y_m=0.0, yaw_rad=to.yaw_rad)
@@ -136,30 +130,31 @@ class Pusher:
             steps.append(
                 Step(
                     leg=leg,
-                    shift_ticks=0 if place == 0 else RESTEP_SHIFT_TICKS,
-                    swing_ticks=RETURN_TICKS if place == 0 else RESTEP_SWING_TICKS,
+                    shift_ticks=0 if place == 0 else motion.restep_shift_ticks,
+                    swing_ticks=motion.return_ticks if place == 0 else motion.restep_swing_ticks,
                     target_m=markers[LEGS.index(leg)],
                     nominal_xy_m=here + share * (to.xy() - here),
                     end_velocity_m_s=np.zeros(2),
                     end_yaw_rad=posture.yaw_rad + turn.yaw_rad * (place + 1) / len(legs),
-                    margin_m=PUSH_MARGIN_M,
+                    margin_m=motion.margin_m,
                 )
             )
-        return [*steps, rest(to.xy(), to.yaw_rad)]
+        return [*steps, rest(self._robot.gait, to.xy(), to.yaw_rad)]
 
-    @staticmethod
-    def _bezier_swing(push: Push, goal_m: Floats) -> Swing:
+    def _bezier_swing(self, push: Push, goal_m: Floats) -> Swing:
+        floor_m, push_ticks = self._robot.legs.foot_radius_m, self._robot.pushing.push_ticks
+
         def curve(start_m: Floats) -> Floats:
-            points = control_points(start_m, goal_m, push.w1, push.w2, push.locus, FOOT_RADIUS_M)
-            return bezier(points, gentle_stop(PUSH_TICKS))
+            points = control_points(start_m, goal_m, push.w1, push.w2, push.locus, floor_m)
+            return bezier(points, gentle_stop(push_ticks))
 
         return curve
 
-    @staticmethod
-    def _return_swing(target_m: Floats) -> Swing:
+    def _return_swing(self, target_m: Floats) -> Swing:
         """A swing straight from the box down to the marker."""
+        end_m, return_ticks = [*target_m, self._robot.touchdown_m], self._robot.pushing.return_ticks
 
         def curve(start_m: Floats) -> Floats:
-            return parabola(start_m, [*target_m, TOUCHDOWN_M], 0.0, RETURN_TICKS)
+            return parabola(start_m, end_m, 0.0, return_ticks)
 
         return curve

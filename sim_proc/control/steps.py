@@ -11,24 +11,20 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import wrap_angle
-from legpush.scene.robot import CONTROL_PERIOD_S, LEGS, Leg
+from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS, Leg
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
-from sim_proc.kinematics.body import STANDING_HEIGHT_M
 
-COM_HEIGHT_M: Final = STANDING_HEIGHT_M - 0.05
-"""Height of the pendulum. The centre of mass is below the trunk's centre because the legs hang down."""
 SHIFT_WEIGHT: Final = 0.02
 """Weight of the ZMP reference while four feet stand; it is 1 while three do."""
-RAMP_TICKS: Final = 5
-"""Time to load or unload a foot."""
 LIFTED_SHARE: Final = 0.05
 """Share of its full load planned for a foot in the air. A foot planned without any load bounces when it lands."""
-LEAST_MARGIN_M: Final = 0.01
-"""A leg is lifted once the CoM's ground projection is planned to stay this far inside the support polygon."""
-CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 0.015), (15, 0.03), (15, 0.06))
-"""Ticks to lengthen the shift, and metres to widen the ZMP's margin by, tried in order until a plan achieves that."""
+CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
+"""Ticks to lengthen the shift, and multiples of the robot's least margin to widen the ZMP's margin by.
+
+They are tried in order, until the CoM's ground projection is planned to keep the least margin.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +61,10 @@ class Steps:
     def __init__(self, posture: Posture) -> None:
         """Begin with all feet down."""
         self.posture = posture
-        self._lean_m: Floats = COM_HEIGHT_M * posture.plant.downhill
+        robot = posture.plant.robot
+        self._gait, self._com_height_m = robot.gait, robot.stance.com_height_m
+        """The gait, and the height of the pendulum."""
+        self._lean_m: Floats = self._com_height_m * posture.plant.downhill
         """From the point below the CoM to where its plumb line meets a sloping floor, (2,)."""
         self.landed: int | None = None
         """Index of the leg that the last step put down."""
@@ -86,11 +85,11 @@ class Steps:
         feet = np.repeat(posture.feet_m[None], n, axis=0)
         load_share = np.ones((n, 4))
         if self.landed is not None and not airborne:
-            ramp = min(RAMP_TICKS, step.shift_ticks)
+            ramp = min(self._gait.ramp_ticks, step.shift_ticks)
             load_share[:ramp, self.landed] = np.linspace(LIFTED_SHARE, 1.0, ramp + 1)[1:]
         if leg is not None and swing is not None:
             feet[step.shift_ticks :, leg] = swing(posture.feet_m[leg])
-            ramp = min(RAMP_TICKS, step.shift_ticks)
+            ramp = min(self._gait.ramp_ticks, step.shift_ticks)
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
             np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
@@ -115,12 +114,13 @@ class Steps:
         if first.leg is None or first.shift_ticks == 0:
             return first, self._plan_com(ahead)
         support = np.delete(self.posture.feet_m[:, :2], LEGS.index(first.leg), axis=0)
-        for longer, wider_m in CAUTION:
-            step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider_m)
+        least_m = self._gait.least_margin_m
+        for longer, wider in CAUTION:
+            step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider * least_m)
             plan = self._plan_com([step, *ahead[1:]])
             if (
                 triangle_margin(plan.position_m[step.shift_ticks : step.n_ticks] + self._lean_m, support).min()
-                >= LEAST_MARGIN_M
+                >= least_m
             ):
                 break
         return step, plan
@@ -139,7 +139,11 @@ class Steps:
             references.append(np.repeat(reference[None] - self._lean_m, step.n_ticks, axis=0))
             weights += [SHIFT_WEIGHT] * step.shift_ticks + [1.0] * step.swing_ticks
         return plan_com(
-            posture.com_state, np.concatenate(references), tuple(weights), ahead[-1].end_velocity_m_s, COM_HEIGHT_M
+            posture.com_state,
+            np.concatenate(references),
+            tuple(weights),
+            ahead[-1].end_velocity_m_s,
+            self._com_height_m,
         )
 
 

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from legpush.arrays import Floats
 from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEG_JOINTS, LEGS
 from sim_proc.export.source import Exported
-from sim_proc.kinematics.body import LEG_JOINTS
 
 XYZ: Final = ("x", "y", "z")
 POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))

@@ -7,7 +7,7 @@ from typing import Final
 
 from legpush.errors import ConfigError
 from legpush.options.export import ExportOptions
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.export.source import Exported
 from sim_proc.render.film import Film, film_of
 from sim_proc.render.rendering import Take, frame_rows, render, usual_speed

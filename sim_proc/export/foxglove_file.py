@@ -37,7 +37,7 @@ from legpush.history.run_history import PlanAt, Said
 from legpush.history.timeline import BOX, JOINTS, TRUNK, TimelineStep
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Reset
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S, LEG_JOINTS
 from sim_proc.export.columns import columns_of
 from sim_proc.export.foxglove_scene import (
     BOX_BROWN,
@@ -55,7 +55,6 @@ from sim_proc.export.foxglove_schemas import STEP_SCHEMA, signals_schema
 from sim_proc.export.source import Exported, Source
 from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
-from sim_proc.kinematics.body import LEG_JOINTS
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import parts_of
 

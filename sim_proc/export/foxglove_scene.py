@@ -22,9 +22,8 @@ from foxglove.messages import (
 )
 
 from legpush.arrays import Floats
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS, LOADED_N
 from sim_proc.export.transforms import WORLD, product, turn_to
-from sim_proc.kinematics.body import LOADED_N
 from sim_proc.model.shapes import Part, Shape
 
 Rgba = tuple[float, float, float, float]

@@ -1,1 +1,1 @@
-"""The robot in numbers: leg kinematics, standing pose, masses and servo gains."""
+"""Kinematics of the robot's legs."""

@@ -1,102 +1,125 @@
-"""Analytic kinematics of one leg (Eqs. 3-6) for arrays of any leading shape.
+"""Analytic kinematics of the legs (Eqs. 3-6) for arrays of any leading shape.
 
 The hip frame is parallel to the trunk frame, with its origin on the hip-x axis. Joint angles are hip-x (abduction,
 about x), hip-y (about y, positive swings the leg backward) and knee (flexion: 0 is the straight leg, and the knee
 points backward).
 """
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from legpush.arrays import Floats
-from legpush.scene.robot import HIP_X_M, HIP_Y_M, JOINT_LIMITS_RAD, JOINTS, L1_M, L2_M, L3_M, LEGS
+from legpush.scene.conventions import LEGS
+from legpush.scene.robot import RobotSpec
 
-SIDE = np.array([1.0 if leg.endswith("L") else -1.0 for leg in LEGS])
+SIDE: Final = np.array([1.0 if leg.endswith("L") else -1.0 for leg in LEGS])
 """+1 for left legs, -1 for right legs, (4,)."""
 
-HIPS_B = np.array(
-    [[HIP_X_M if leg.startswith("F") else -HIP_X_M, side * HIP_Y_M, 0.0] for leg, side in zip(LEGS, SIDE, strict=True)]
-)
-"""Origins of the hip frames in the trunk frame, (4, 3)."""
 
-LOWER_LIMITS = np.array([JOINT_LIMITS_RAD[joint][0] for joint in JOINTS])
-UPPER_LIMITS = np.array([JOINT_LIMITS_RAD[joint][1] for joint in JOINTS])
-"""Limits of hip-x, hip-y and knee [rad], (3,)."""
+class LegKinematics:
+    """The kinematics of the legs of one robot."""
 
-REACH_SQUARED_M2 = tuple(L2_M**2 + L3_M**2 + 2 * L2_M * L3_M * np.cos(JOINT_LIMITS_RAD["knee"][i]) for i in (1, 0))
-"""Least and largest squared distance from the hip-y axis to the tip that the limits of the knee allow."""
+    def __init__(self, robot: RobotSpec) -> None:
+        legs, joints = robot.legs, robot.joints.in_order()
+        self._offset_m, self._upper_m, self._lower_m = legs.hip_offset_m, legs.upper_length_m, legs.lower_length_m
+        self._stance = robot.stance
+        self._tip_height_m = legs.foot_radius_m - robot.stance.height_m
+        self.hips_b: Floats = np.array(
+            [
+                [legs.hip_x_m if leg.startswith("F") else -legs.hip_x_m, side * legs.hip_y_m, 0.0]
+                for leg, side in zip(LEGS, SIDE, strict=True)
+            ]
+        )
+        """Origins of the hip frames in the trunk frame, (4, 3)."""
+        self.lower_limits_rad: Floats = np.array([joint.limits_rad[0] for joint in joints])
+        self.upper_limits_rad: Floats = np.array([joint.limits_rad[1] for joint in joints])
+        """Limits of hip-x, hip-y and knee, (3,)."""
+        l2, l3 = self._upper_m, self._lower_m
+        self._reach_squared_m2 = tuple(
+            l2**2 + l3**2 + 2 * l2 * l3 * np.cos(angle) for angle in reversed(robot.joints.knee.limits_rad)
+        )
+        """Least and largest squared distance from the hip-y axis to the tip that the limits of the knee allow."""
 
+    def standing_joints_rad(self) -> Floats:
+        """Joint angles of the nominal stance, feet at the corners of the foot rectangle, (4, 3)."""
+        tips_b = np.zeros((4, 3))
+        tips_b[:, :2] = self._stance.foot_rectangle_b()
+        tips_b[:, 2] = self._tip_height_m
+        return self.inverse(tips_b - self.hips_b, SIDE)
 
-def forward(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
-    """Tips in the hip frame, (..., 3), for joint angles (..., 3).
+    def forward(self, joints_rad: ArrayLike, side: ArrayLike) -> Floats:
+        """Tips in the hip frame, (..., 3), for joint angles (..., 3).
 
-    `side` is +1 for left legs and -1 for right ones, broadcast over `...`.
-    """
-    q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
-    x = -L2_M * np.sin(q2) - L3_M * np.sin(q2 - q3)
-    z2 = -L2_M * np.cos(q2) - L3_M * np.cos(q2 - q3)
-    y2 = np.asarray(side) * L1_M
-    c1, s1 = np.cos(q1), np.sin(q1)
-    return np.stack([x, y2 * c1 - z2 * s1, y2 * s1 + z2 * c1], axis=-1)
+        `side` is +1 for left legs and -1 for right ones, broadcast over `...`.
+        """
+        l1, l2, l3 = self._offset_m, self._upper_m, self._lower_m
+        q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
+        x = -l2 * np.sin(q2) - l3 * np.sin(q2 - q3)
+        z2 = -l2 * np.cos(q2) - l3 * np.cos(q2 - q3)
+        y2 = np.asarray(side) * l1
+        c1, s1 = np.cos(q1), np.sin(q1)
+        return np.stack([x, y2 * c1 - z2 * s1, y2 * s1 + z2 * c1], axis=-1)
 
+    def inverse(self, tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> Floats:
+        """Joint angles, (..., 3), that put the tips at `tips_h` in the hip frame.
 
-def inverse(tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> Floats:
-    """Joint angles, (..., 3), that put the tips at `tips_h` in the hip frame.
+        A tip that the leg does not reach gives NaN. With `saturate` the leg stretches or folds toward it as far as its
+        joint limits allow.
 
-    A tip that the leg does not reach gives NaN. With `saturate` the leg stretches or folds toward it as far as its
-    joint limits allow.
+        There are two solutions: the foot below or above the hip-y axis in the leg plane. The one inside the joint
+        limits is taken, or the lower one if both are inside.
+        """
+        low, high = self.lower_limits_rad, self.upper_limits_rad
+        tips = np.asarray(tips_h, dtype=np.float64)
+        side = np.broadcast_to(np.asarray(side, dtype=np.float64), tips.shape[:-1])
+        below = self._inverse_branch(tips, side, -1.0, saturate=saturate)
+        inside = np.all((below >= low - 1e-9) & (below <= high + 1e-9), axis=-1)
+        if inside.all():
+            return below
+        above = self._inverse_branch(tips, side, 1.0, saturate=saturate)
+        above_inside = np.all((above >= low - 1e-9) & (above <= high + 1e-9), axis=-1)
+        joints = np.where((~inside & above_inside)[..., None], above, below)
+        return np.clip(joints, low, high) if saturate else joints
 
-    There are two solutions: the foot below or above the hip-y axis in the leg plane. The one inside the joint limits
-    is taken, or the lower one if both are inside.
-    """
-    tips = np.asarray(tips_h, dtype=np.float64)
-    side = np.broadcast_to(np.asarray(side, dtype=np.float64), tips.shape[:-1])
-    below = _inverse_branch(tips, side, -1.0, saturate=saturate)
-    inside = np.all((below >= LOWER_LIMITS - 1e-9) & (below <= UPPER_LIMITS + 1e-9), axis=-1)
-    if inside.all():
-        return below
-    above = _inverse_branch(tips, side, 1.0, saturate=saturate)
-    above_inside = np.all((above >= LOWER_LIMITS - 1e-9) & (above <= UPPER_LIMITS + 1e-9), axis=-1)
-    joints = np.where((~inside & above_inside)[..., None], above, below)
-    return np.clip(joints, LOWER_LIMITS, UPPER_LIMITS) if saturate else joints
-
-
-def _inverse_branch(tips: Floats, side: Floats, z_sign: float, *, saturate: bool) -> Floats:
-    """The solution whose foot has a `z2` of this sign in the leg plane."""
-    x, y, z = np.moveaxis(tips, -1, 0)
-    z2_squared = y * y + z * z - L1_M * L1_M
-    if saturate:
-        z2_squared = np.maximum(z2_squared, 1e-6)
-    with np.errstate(invalid="ignore"):
-        z2 = z_sign * np.sqrt(z2_squared)
-        q1 = np.arctan2(z, y) - np.arctan2(z2, side * L1_M)
-        b2 = x * x + z2 * z2
+    def _inverse_branch(self, tips: Floats, side: Floats, z_sign: float, *, saturate: bool) -> Floats:
+        """The solution whose foot has a `z2` of this sign in the leg plane."""
+        l1, l2, l3 = self._offset_m, self._upper_m, self._lower_m
+        x, y, z = np.moveaxis(tips, -1, 0)
+        z2_squared = y * y + z * z - l1 * l1
         if saturate:
-            b2 = np.clip(b2, *REACH_SQUARED_M2)
-        b = np.sqrt(b2)
-        beta2 = np.arccos((L2_M**2 + b2 - L3_M**2) / (2 * L2_M * b))
-        beta3 = np.arccos((L2_M**2 + L3_M**2 - b2) / (2 * L2_M * L3_M))
-    q2 = np.arctan2(-x, -z2) + beta2
-    return np.stack([_wrap(q1), _wrap(q2), np.pi - beta3], axis=-1)
+            z2_squared = np.maximum(z2_squared, 1e-6)
+        with np.errstate(invalid="ignore"):
+            z2 = z_sign * np.sqrt(z2_squared)
+            q1 = np.arctan2(z, y) - np.arctan2(z2, side * l1)
+            b2 = x * x + z2 * z2
+            if saturate:
+                b2 = np.clip(b2, *self._reach_squared_m2)
+            b = np.sqrt(b2)
+            beta2 = np.arccos((l2**2 + b2 - l3**2) / (2 * l2 * b))
+            beta3 = np.arccos((l2**2 + l3**2 - b2) / (2 * l2 * l3))
+        q2 = np.arctan2(-x, -z2) + beta2
+        return np.stack([_wrap(q1), _wrap(q2), np.pi - beta3], axis=-1)
 
-
-def jacobian(joints_rad: ArrayLike, side: ArrayLike) -> Floats:
-    """Derivative of the tip in the hip frame with respect to the joint angles, (..., 3, 3)."""
-    q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
-    s2, c2 = np.sin(q2), np.cos(q2)
-    s23, c23 = np.sin(q2 - q3), np.cos(q2 - q3)
-    s1, c1 = np.sin(q1), np.cos(q1)
-    y2 = np.asarray(side) * L1_M
-    z2 = -L2_M * c2 - L3_M * c23
-    x_by_q2, x_by_q3 = z2, L3_M * c23
-    z2_by_q2, z2_by_q3 = L2_M * s2 + L3_M * s23, -L3_M * s23
-    zero = np.zeros_like(s1)
-    rows = [
-        np.stack([zero, x_by_q2, x_by_q3], axis=-1),
-        np.stack([-y2 * s1 - z2 * c1, -z2_by_q2 * s1, -z2_by_q3 * s1], axis=-1),
-        np.stack([y2 * c1 - z2 * s1, z2_by_q2 * c1, z2_by_q3 * c1], axis=-1),
-    ]
-    return np.stack(rows, axis=-2)
+    def jacobian(self, joints_rad: ArrayLike, side: ArrayLike) -> Floats:
+        """Derivative of the tip in the hip frame with respect to the joint angles, (..., 3, 3)."""
+        l1, l2, l3 = self._offset_m, self._upper_m, self._lower_m
+        q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
+        s2, c2 = np.sin(q2), np.cos(q2)
+        s23, c23 = np.sin(q2 - q3), np.cos(q2 - q3)
+        s1, c1 = np.sin(q1), np.cos(q1)
+        y2 = np.asarray(side) * l1
+        z2 = -l2 * c2 - l3 * c23
+        x_by_q2, x_by_q3 = z2, l3 * c23
+        z2_by_q2, z2_by_q3 = l2 * s2 + l3 * s23, -l3 * s23
+        zero = np.zeros_like(s1)
+        rows = [
+            np.stack([zero, x_by_q2, x_by_q3], axis=-1),
+            np.stack([-y2 * s1 - z2 * c1, -z2_by_q2 * s1, -z2_by_q3 * s1], axis=-1),
+            np.stack([y2 * c1 - z2 * s1, z2_by_q2 * c1, z2_by_q3 * c1], axis=-1),
+        ]
+        return np.stack(rows, axis=-2)
 
 
 def _wrap(angle: Floats) -> Floats:

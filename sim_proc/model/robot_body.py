@@ -3,94 +3,91 @@
 from math import sin
 from typing import Final
 
-from legpush.scene.robot import FOOT_RADIUS_M, HIP_X_M, HIP_Y_M, JOINT_LIMITS_RAD, JOINTS, L1_M, L2_M, L3_M, LEGS
+from legpush.scene.conventions import JOINTS, LEGS
+from legpush.scene.robot import RobotSpec
 from sim_proc.headless import mujoco
-from sim_proc.kinematics.body import (
-    ARMATURE_KG_M2,
-    DAMPING_N_M_S_RAD,
-    HIP_MASS_KG,
-    LOWER_MASS_KG,
-    POSITION_GAIN_N_M_RAD,
-    TRUNK_HALF_SIZE_M,
-    TRUNK_MASS_KG,
-    UPPER_MASS_KG,
-    VELOCITY_GAIN_N_M_S_RAD,
-    standing_joints_rad,
-)
+from sim_proc.kinematics.leg import LegKinematics
 
 BODYWORK: Final = (0.93, 0.72, 0.11, 1.0)
 DARK: Final = (0.13, 0.14, 0.16, 1.0)
+CAP_SHARES: Final = (0.034, 0.864, 0.824)
+"""Half sizes of head and tail, as shares of those of the trunk."""
 
 
-def add_robot(spec: mujoco.MjSpec) -> None:
+def add_robot(spec: mujoco.MjSpec, robot: RobotSpec) -> None:
     """Add the free body `trunk` with its four legs, their joints and their position servos."""
+    half = [side / 2 for side in robot.trunk.size_m]
     trunk = spec.worldbody.add_body(name="trunk", pos=[0, 0, 0.5])
     trunk.add_freejoint(name="trunk")
     trunk.add_geom(
         name="trunk",
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=TRUNK_HALF_SIZE_M,
+        size=half,
         mass=0.0,
         rgba=BODYWORK,
         contype=0,
         conaffinity=0,
     )
     trunk.explicitinertial = True
-    trunk.mass = TRUNK_MASS_KG
-    trunk.ipos = [_trunk_com_x_m(), 0.0, 0.0]
-    x, y, z = (2 * half for half in TRUNK_HALF_SIZE_M)
-    trunk.inertia = [TRUNK_MASS_KG / 12 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y))]
+    trunk.mass = robot.trunk.mass_kg
+    trunk.ipos = [_trunk_com_x_m(robot), 0.0, 0.0]
+    x, y, z = robot.trunk.size_m
+    trunk.inertia = [robot.trunk.mass_kg / 12 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y))]
     trunk.add_site(name="imu", pos=[0, 0, 0])
-    for x, name in ((TRUNK_HALF_SIZE_M[0], "head"), (-TRUNK_HALF_SIZE_M[0], "tail")):
+    for x, name in ((half[0], "head"), (-half[0], "tail")):
         trunk.add_geom(
             name=name,
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=[x, 0, 0],
-            size=[0.012, 0.095, 0.07],
+            size=[share * side for share, side in zip(CAP_SHARES, half, strict=True)],
             mass=0.0,
             rgba=DARK,
             contype=0,
             conaffinity=0,
         )
     for leg in LEGS:
-        _add_leg(spec, trunk, leg)
+        _add_leg(spec, trunk, leg, robot)
 
 
-def _trunk_com_x_m() -> float:
+def _trunk_com_x_m(robot: RobotSpec) -> float:
     """Offset of the trunk's own centre of mass along x, body frame.
 
     The knees point backward, so the legs' mass lies behind the hips. The trunk's mass sits forward to make up for it:
     the standing robot's CoM is then over the origin of the body frame, as in the paper.
     """
-    _, hip_y, knee = standing_joints_rad()[0]
-    upper_x = -L2_M / 2 * sin(hip_y)
-    lower_x = -L2_M * sin(hip_y) - L3_M / 2 * sin(hip_y - knee)
-    return float(-len(LEGS) * (UPPER_MASS_KG * upper_x + LOWER_MASS_KG * lower_x) / TRUNK_MASS_KG)
+    legs = robot.legs
+    _, hip_y, knee = LegKinematics(robot).standing_joints_rad()[0]
+    upper_x = -legs.upper_length_m / 2 * sin(hip_y)
+    lower_x = -legs.upper_length_m * sin(hip_y) - legs.lower_length_m / 2 * sin(hip_y - knee)
+    return float(-len(LEGS) * (legs.upper_mass_kg * upper_x + legs.lower_mass_kg * lower_x) / robot.trunk.mass_kg)
 
 
-def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str) -> None:
+def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str, robot: RobotSpec) -> None:
+    legs = robot.legs
     fore = 1.0 if leg.startswith("F") else -1.0
     side = 1.0 if leg.endswith("L") else -1.0
     axes = {"hip_x": [1, 0, 0], "hip_y": [0, 1, 0], "knee": [0, -1, 0]}
-    hip = trunk.add_body(name=f"{leg}_hip", pos=[fore * HIP_X_M, side * HIP_Y_M, 0])
-    upper = hip.add_body(name=f"{leg}_upper", pos=[0, side * L1_M, 0])
-    lower = upper.add_body(name=f"{leg}_lower", pos=[0, 0, -L2_M])
-    for joint, body in zip(JOINTS, (hip, upper, lower), strict=True):
-        low, high = JOINT_LIMITS_RAD[joint]
+    hip = trunk.add_body(name=f"{leg}_hip", pos=[fore * legs.hip_x_m, side * legs.hip_y_m, 0])
+    upper = hip.add_body(name=f"{leg}_upper", pos=[0, side * legs.hip_offset_m, 0])
+    lower = upper.add_body(name=f"{leg}_lower", pos=[0, 0, -legs.upper_length_m])
+    for joint, numbers, body in zip(JOINTS, robot.joints.in_order(), (hip, upper, lower), strict=True):
         body.add_joint(
             name=f"{leg}_{joint}",
             axis=axes[joint],
-            range=[low, high],
+            range=numbers.limits_rad,
             limited=True,
-            armature=ARMATURE_KG_M2,
-            damping=DAMPING_N_M_S_RAD,
+            armature=numbers.armature_kg_m2,
+            damping=numbers.damping_n_m_s_rad,
         )
         actuator = spec.add_actuator(name=f"{leg}_{joint}", target=f"{leg}_{joint}", trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        actuator.set_to_position(kp=POSITION_GAIN_N_M_RAD, kv=VELOCITY_GAIN_N_M_S_RAD)
+        actuator.set_to_position(kp=numbers.position_gain_n_m_rad, kv=numbers.velocity_gain_n_m_s_rad)
+        if numbers.max_torque_n_m is not None:
+            actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+            actuator.forcerange = [-numbers.max_torque_n_m, numbers.max_torque_n_m]
     links = [
-        (hip, "hip", [0, 0, 0, 0, side * L1_M, 0], 0.055, HIP_MASS_KG, DARK),
-        (upper, "upper", [0, 0, 0, 0, 0, -L2_M], 0.04, UPPER_MASS_KG, BODYWORK),
-        (lower, "lower", [0, 0, 0, 0, 0, -L3_M], 0.018, LOWER_MASS_KG, DARK),
+        (hip, "hip", [0, 0, 0, 0, side * legs.hip_offset_m, 0], legs.hip_radius_m, legs.hip_mass_kg, DARK),
+        (upper, "upper", [0, 0, 0, 0, 0, -legs.upper_length_m], legs.upper_radius_m, legs.upper_mass_kg, BODYWORK),
+        (lower, "lower", [0, 0, 0, 0, 0, -legs.lower_length_m], legs.lower_radius_m, legs.lower_mass_kg, DARK),
     ]
     for body, part, fromto, radius, mass, rgba in links:
         body.add_geom(
@@ -106,11 +103,11 @@ def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str) -> None:
     lower.add_geom(
         name=f"{leg}_foot",
         type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        pos=[0, 0, -L3_M],
-        size=[FOOT_RADIUS_M, 0, 0],
+        pos=[0, 0, -legs.lower_length_m],
+        size=[legs.foot_radius_m, 0, 0],
         mass=0.0,
         rgba=(0.85, 0.24, 0.18, 1.0) if leg.startswith("F") else DARK,
         contype=0,
         conaffinity=0,
     )
-    lower.add_site(name=f"{leg}_tip", pos=[0, 0, -L3_M])
+    lower.add_site(name=f"{leg}_tip", pos=[0, 0, -legs.lower_length_m])

@@ -6,7 +6,7 @@ Only the listed contact pairs collide, so that each friction coefficient is stat
 from collections.abc import Sequence
 from typing import Final
 
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.headless import mujoco
@@ -15,7 +15,6 @@ from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery, wall_name
 
 PHYSICS_STEP_S: Final = 0.002
-FOOT_FLOOR_FRICTION: Final = 1.0
 WALL_FRICTION: Final = 0.5
 NET_FORCE: Final = 3
 """Reduction `netforce` of MuJoCo's contact sensor: the sum of all contacts as one."""
@@ -58,7 +57,7 @@ def _build_spec(scenario: Scenario, *, movable_first: bool) -> mujoco.MjSpec:
     _set_options(spec, scenario.room)
     if not movable_first:
         add_scenery(spec, scenario)
-    add_robot(spec)
+    add_robot(spec, scenario.robot)
     box_geoms = add_box(spec, scenario.box)
     if movable_first:
         add_scenery(spec, scenario)
@@ -93,7 +92,7 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
     box_friction = scenario.box.friction
     feet = [f"{leg}_foot" for leg in LEGS]
     for foot in feet:
-        pair("floor", foot, FOOT_FLOOR_FRICTION)
+        pair("floor", foot, scenario.robot.legs.foot_friction)
         for box in box_geoms:
             pair(foot, box, box_friction)
     for box in box_geoms:

@@ -10,18 +10,15 @@ from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
-from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
+from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.plant import TickLog
 from sim_proc.headless import mujoco
-from sim_proc.kinematics.body import POSITION_GAIN_N_M_RAD, STANDING_HEIGHT_M, standing_joints_rad
+from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import PHYSICS_STEP_S, build_model
 from sim_proc.physics.appearing import Waiting
 
-FALL_TILT_RAD: Final = radians(30.0)
-FALL_HEIGHT_M: Final = 0.3
-"""A robot with more tilt, or whose trunk is lower, has fallen."""
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
 STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
@@ -34,6 +31,8 @@ class Physics:
 
     def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2) -> None:
         """Stand the robot at `trunk` and the box at `box`, at rest."""
+        self.robot = robot = scenario.robot
+        """The numbers of the robot."""
         self.model = build_model(scenario)
         self.data = mujoco.MjData(self.model)
         model, data = self.model, self.data
@@ -47,11 +46,14 @@ class Physics:
         self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
         self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
         self._com = self._sensors["com"]
-        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, STANDING_HEIGHT_M, *_yaw_quaternion(trunk.yaw_rad)]
-        data.qpos[JOINT_QPOS] = standing_joints_rad().ravel()
+        self._position_gains = np.array(len(LEGS) * [joint.position_gain_n_m_rad for joint in robot.joints.in_order()])
+        self._compliances = 1.0 / self._position_gains
+        self._upright = cos(radians(robot.fall.tilt_deg))
+        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
+        data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
         data.ctrl[:] = data.qpos[JOINT_QPOS]
-        self._waiting = Waiting(scenario.room, scenario.box)
+        self._waiting = Waiting(scenario.room, scenario.box, robot)
         for index in self._waiting.indices:
             data.mocap_pos[self._wall(index), 2] = -PARKED_M
         self.appeared: tuple[Appearance, ...] = ()
@@ -74,12 +76,12 @@ class Physics:
         n = len(joint_commands_rad)
         qpos, tips = np.empty((n, model.nq)), np.empty((n, 4, 3))
         sensors, ctrls = np.empty((n, model.nsensordata)), np.empty((n, model.nu))
-        commands = joint_commands_rad + joint_torques_n_m / POSITION_GAIN_N_M_RAD
+        commands = joint_commands_rad + joint_torques_n_m / self._position_gains
         bias, ctrl = data.qfrc_bias[JOINT_QVEL], data.ctrl
-        upright = cos(FALL_TILT_RAD)
+        compliances, upright, lowest_m = self._compliances, self._upright, self.robot.fall_height_m
         done = 0
         for k in range(n):
-            np.multiply(bias, 1.0 / POSITION_GAIN_N_M_RAD, out=ctrl)
+            np.multiply(bias, compliances, out=ctrl)
             ctrl += commands[k]
             ctrls[k] = ctrl
             mujoco.mj_step(model, data, STEPS_PER_TICK)
@@ -90,7 +92,7 @@ class Physics:
             if self._waiting.next_tick <= self.tick + done:
                 self._let_appear(self.tick + done)
             row = qpos[k]
-            if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < FALL_HEIGHT_M:
+            if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < lowest_m:
                 self.fallen = True
                 break
         self._check(qpos[:done])

@@ -12,9 +12,8 @@ from legpush.geometry import rpy_from_quaternion
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.history.timeline import BOX, TRUNK, Timeline
 from legpush.messages.stepping import Follow, Reset
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S, LOADED_N
 from legpush.scene.scenario import Scenario
-from sim_proc.kinematics.body import LOADED_N
 
 SMOOTHING_S: Final = 3.0
 """Window over which the places and headings that cameras follow are averaged."""

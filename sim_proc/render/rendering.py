@@ -23,7 +23,7 @@ from legpush.entry.interrupts import deaf_children
 from legpush.errors import DiskFullError, LegpushError, StopRequestedError
 from legpush.options.formats import View
 from legpush.runs.temporary import temporary_folder
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 SEGMENT_FRAMES: Final = 60

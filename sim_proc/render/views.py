@@ -8,7 +8,7 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.options.formats import View
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 FIELD_OF_VIEW_RAD: Final = radians(45.0)

@@ -11,11 +11,10 @@ from legpush.history.run_history import RunHistory
 from legpush.history.timeline import BOX, Timeline, TimelineStep
 from legpush.messages.planning import BoxPathQuery, Plan
 from legpush.messages.stepping import Follow, Push
+from legpush.scene.conventions import LEGS, LOADED_N
 from legpush.scene.faces import pushed_box, pushed_pose
-from legpush.scene.robot import FOOT_RADIUS_M, LEGS
-from sim_proc.control.push_cycle import PUSH_SHIFT_TICKS, contact_point
+from sim_proc.control.push_cycle import contact_point
 from sim_proc.control.swing import bezier, control_points
-from sim_proc.kinematics.body import LOADED_N
 
 FORCE_M_PER_N: Final = 0.0025
 """Scale of the arrows of forces."""
@@ -88,15 +87,16 @@ def box_trace(timeline: Timeline, row: int) -> Floats:
 
 def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
     """The curve of the foot in a push (Eqs. 13, 14); None if the step is no push or has no trace."""
-    push = step.motion
-    if not isinstance(push, Push) or step.n_rows <= PUSH_SHIFT_TICKS or not step.first_row:
+    push, robot = step.motion, timeline.scenario.robot
+    shift_ticks = robot.pushing.shift_ticks
+    if not isinstance(push, Push) or step.n_rows <= shift_ticks or not step.first_row:
         return None
     box = timeline.qpos[step.first_row - 1, BOX]
     yaw = float(rpy_from_quaternion(box[3:])[2])
     pose = pushed_pose(Pose2(x_m=float(box[0]), y_m=float(box[1]), yaw_rad=yaw), push.face)
-    start = timeline.tips_m[step.first_row + PUSH_SHIFT_TICKS - 1, LEGS.index(push.leg)]
-    goal = contact_point(pose, pushed_box(timeline.scenario.box, push.face), push.leg, push.depth_m)
-    control = control_points(start, goal, push.w1, push.w2, push.locus, FOOT_RADIUS_M)
+    start = timeline.tips_m[step.first_row + shift_ticks - 1, LEGS.index(push.leg)]
+    goal = contact_point(robot, pose, pushed_box(timeline.scenario.box, push.face), push.leg, push.depth_m)
+    control = control_points(start, goal, push.w1, push.w2, push.locus, robot.legs.foot_radius_m)
     return Curve(bezier(control, np.linspace(0.0, 1.0, CURVE_POINTS)), control)
 
 

@@ -4,7 +4,7 @@ from math import inf
 from typing import Final
 
 from legpush.history.timeline import Timeline
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 
 SPEEDS: Final = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 25.0)
 """Speeds to choose from, relative to real time."""

@@ -10,7 +10,7 @@ import viser
 from legpush.arrays import Floats
 from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.view import overlays
 from sim_proc.view.bodies import Bodies
 

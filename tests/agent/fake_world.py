@@ -32,11 +32,12 @@ from legpush.messages.stepping import (
     WorldState,
 )
 from legpush.plans.planner import Interrupted
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
-from legpush.scene.robot import CONTROL_PERIOD_S, foot_rectangle_b
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from legpush.scene.station import station
 from tests.agent.fake_motion import FollowedPath, between, trace_of
+from tests.robots import ROBOT
 
 STRIDE_M = 0.4
 WALK_TICKS = 80
@@ -60,7 +61,7 @@ def make_scenario(start: tuple[float, float, float] = (1.5, 3.0, 0.0), **changes
 def scenario_at_station() -> Scenario:
     """The same, with the robot where it pushes from."""
     scenario = make_scenario()
-    place = station(scenario.box, scenario.box.pose.pose())
+    place = station(ROBOT, scenario.box, scenario.box.pose.pose())
     return make_scenario((place.x_m, place.y_m, 0.0))
 
 
@@ -77,7 +78,7 @@ def make_state(
     x, y, z, w = 0.0, 0.0, sin(trunk.yaw_rad / 2), cos(trunk.yaw_rad / 2)
     orientation = (w, x, y, z)
     rest = (0.0, 0.0, 0.0)
-    tips = [(float(px), float(py), 0.02) for px, py in trunk.apply(foot_rectangle_b())]
+    tips = [(float(px), float(py), 0.02) for px, py in trunk.apply(ROBOT.stance.foot_rectangle_b())]
     return WorldState(
         tick=tick,
         trunk=TrunkState(
@@ -178,7 +179,7 @@ class KinematicSimulator:
             case Push():
                 self._box = self._pushed(motion)
                 box, pose = pushed_box(self._scenario.box, motion.face), pushed_pose(self._box, motion.face)
-                self._trunk = station(box, pose)
+                self._trunk = station(ROBOT, box, pose)
                 self._path = None
                 return PUSH_TICKS
             case Alter():

@@ -5,10 +5,13 @@ from typing import Any, TypeVar
 
 from hypothesis import strategies as st
 from msgspec import inspect
+from msgspec.structs import replace
 
 from legpush.bounds import LEAST_LENGTH_M, MAX_LENGTH_M
 from legpush.scene.reference import Arcs, Sine, Straight
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Rectangle
+from tests.robots import scaled_robot
 
 T = TypeVar("T")
 
@@ -49,6 +52,8 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
             return st.builds(_rectangle, *(4 * [_COORDINATE]), st.floats(0.0, 1e6))
         case inspect.StructType(cls=cls, fields=fields) if cls is Box:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_box)
+        case inspect.StructType(cls=cls) if cls is RobotSpec:
+            return st.builds(_robot, st.floats(0.2, 3.0), st.one_of(st.none(), st.floats(1.0, 100.0)))
         case inspect.StructType(cls=cls, fields=fields) if cls is Sine:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_sine)
         case inspect.StructType(cls=cls, fields=fields) if cls is Arcs:
@@ -70,6 +75,13 @@ def _box(fields: dict[str, Any]) -> Box:
     if fields["shape"] == "cylinder":
         width_m = length_m
     return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
+
+
+def _robot(scale: float, max_torque_n_m: float | None) -> RobotSpec:
+    """One whose legs reach its stance."""
+    robot = scaled_robot(scale)
+    knee = replace(robot.joints.knee, max_torque_n_m=max_torque_n_m)
+    return replace(robot, joints=replace(robot.joints, knee=knee))
 
 
 def _sine(fields: dict[str, Any]) -> Sine:

@@ -25,9 +25,11 @@ from legpush.scenarios.file import load_scenario
 from legpush.scenarios.grid import CellSource, MapSource
 from legpush.scenarios.map_server import MapServerFile
 from legpush.scene.reference import Arcs, Left, Right, Sine, Straight
+from legpush.scene.robot_body import Joints
 from legpush.scene.scenario import Anytime, MissionSettings, Scenario, Smoothing
 from tests.legpush import examples
 from tests.legpush.scenarios.small_scenario import plain_scenario, write
+from tests.robots import ROBOT
 
 Number = inspect.IntType | inspect.FloatType
 
@@ -133,10 +135,20 @@ FILES = (Scenario, CellSource, MapSource, MapServerFile, Acted, Planned)
 FOUND = tuple(part for kind in (*MESSAGES, *FILES) for part in parts(inspect.type_info(kind), "", set()))
 NUMBERS = tuple(part for part in FOUND if isinstance(part.kind, Number))
 
+JOINTS = ROBOT.joints
+TORQUE_LIMITED = replace(
+    ROBOT,
+    joints=Joints(
+        hip_x=replace(JOINTS.hip_x, max_torque_n_m=50.0),
+        hip_y=replace(JOINTS.hip_y, max_torque_n_m=50.0),
+        knee=replace(JOINTS.knee, max_torque_n_m=60.0),
+    ),
+)
 FULL_SCENARIO = replace(
     examples.SCENARIO,
     mission=MissionSettings(max_push_cycles=200),
     planning=replace(examples.SCENARIO.planning, anytime=Anytime(), smoothing=Smoothing(max_deviation_m=1.0)),
+    robot=TORQUE_LIMITED,
     reference=Arcs(radius_m=1.0, segments=(Straight(length_m=1.0), Left(angle_deg=9.0), Right(angle_deg=9.0))),
 )
 SCENARIOS = (FULL_SCENARIO, replace(FULL_SCENARIO, reference=Sine(amplitude_m=0.4, wavelength_m=4.0)))

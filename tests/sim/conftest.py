@@ -2,10 +2,10 @@
 
 import pytest
 
-from legpush.scene.robot import FOOT_RECTANGLE_LENGTH_M, PUSH_GAP_M
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
+from tests.robots import ROBOT
 
-BOX_X_M = 2.0 + 0.2 + PUSH_GAP_M + FOOT_RECTANGLE_LENGTH_M / 2
+BOX_X_M = 2.0 + 0.2 + ROBOT.pushing.gap_m + ROBOT.stance.foot_rectangle_length_m / 2
 
 
 @pytest.fixture

@@ -18,12 +18,13 @@ from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import codec
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
-from legpush.scene.robot import FRONT_LEGS
-from legpush.scene.scenario import STATION_M, Box, Goal, PoseDeg, Randomization, Rectangle, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Rectangle, Room, Scenario
 from sim_proc.simulator import Simulator
+from tests.robots import ROBOT
 
 N_EXAMPLES = int(os.environ.get("LEGPUSH_EXAMPLES", "20"))
 
@@ -89,7 +90,7 @@ def scenarios(draw: st.DrawFn) -> tuple[Scenario, Face]:
     """Scenarios whose robot stands ready to push at a face, but for the offsets that the seed draws."""
     box = draw(boxes())
     face = draw(st.sampled_from(PUSHABLE[box.shape]))
-    station = behind_box(pushed_box(box, face), pushed_pose(box.pose.pose(), face), STATION_M)
+    station = behind_box(pushed_box(box, face), pushed_pose(box.pose.pose(), face), ROBOT.station_m)
     offset_m = draw(st.sampled_from([0.0, 0.0, 0.0, 0.1, bounds.MAX_LENGTH_M]))
     turn_deg = draw(st.sampled_from([0.0, 0.0, 0.0, 3.0, bounds.MAX_TURN_DEG]))
     scenario = Scenario(

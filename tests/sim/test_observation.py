@@ -5,11 +5,12 @@ import pytest
 
 from legpush.arrays import Floats
 from legpush.messages.stepping import Trace
-from legpush.scene.robot import N_QPOS, foot_rectangle_b
+from legpush.scene.conventions import N_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.plant import TickLog
 from sim_proc.observation import trace, world_state
 from sim_proc.physics.physics import Physics
+from tests.robots import ROBOT
 
 LEVEL = np.zeros(2)
 
@@ -19,7 +20,7 @@ def log(n: int, load_n: Floats, com_m: tuple[float, float, float] = (0.0, 0.0, 0
     qpos = np.zeros((n, N_QPOS))
     qpos[:, 3] = qpos[:, 22] = 1.0
     tips, floor = np.zeros((n, 4, 3)), np.zeros((n, 4, 3))
-    tips[:, :, :2] = foot_rectangle_b()
+    tips[:, :, :2] = ROBOT.stance.foot_rectangle_b()
     floor[:, :, 2] = load_n
     return TickLog(
         qpos=qpos,

@@ -11,9 +11,10 @@ from legpush.errors import MotionError
 from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.messages import codec
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
-from legpush.scene.robot import FRONT_LEGS, JOINT_QPOS, FrontLeg, foot_rectangle_b
+from legpush.scene.conventions import FRONT_LEGS, JOINT_QPOS, FrontLeg
 from legpush.scene.scenario import Randomization, Rectangle, Room, Scenario
 from sim_proc.simulator import Simulator, drawn_poses
+from tests.robots import ROBOT
 
 
 def pose(x: float, y: float, yaw: float) -> Pose2:
@@ -55,7 +56,7 @@ def test_a_path_with_curve_and_turn_is_walked_upright_and_ends_where_it_ends(at_
     end = path[-1]
     assert np.hypot(last.trunk.position_m[0] - end.x_m, last.trunk.position_m[1] - end.y_m) < 0.02
     assert abs(degrees(rpy_from_quaternion(last.trunk.orientation_wxyz)[2])) < 1.0
-    corners = end.apply(foot_rectangle_b())
+    corners = end.apply(ROBOT.stance.foot_rectangle_b())
     np.testing.assert_allclose(np.array(last.tips_m)[:, :2], corners, atol=0.015)
     traces = [outcome.trace for outcome in outcomes[1:] if outcome.trace is not None]
     assert len(traces) == len(outcomes) - 1
@@ -84,7 +85,7 @@ def test_a_push_moves_the_box_ahead_turns_it_away_and_leaves_the_robot_at_its_st
         assert push.world.push.leg == leg
         assert push.world.tick * 0.02 <= 3.0 * len(pushes)
         station = box_pose(push) @ pose(-0.2 - 0.12 - 0.5963 / 2, 0, 0)
-        corners = station.apply(foot_rectangle_b())
+        corners = station.apply(ROBOT.stance.foot_rectangle_b())
         np.testing.assert_allclose(np.array(push.world.tips_m)[:, :2], corners, atol=0.015)
 
 

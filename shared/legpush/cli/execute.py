@@ -52,8 +52,9 @@ def _show_scenario(command: ShowScenario) -> int:
     from legpush.scenarios.file import dump_scenario, load_scenario
     from legpush.scenarios.short import short_scenario
 
-    text = dump_scenario if command.defaults else short_scenario
-    sys.stdout.write(printable(text(load_scenario(command.scenario))))
+    scenario = load_scenario(command.scenario)
+    text = dump_scenario(scenario, whole_robot=True) if command.defaults else short_scenario(scenario)
+    sys.stdout.write(printable(text))
     return 0
 
 

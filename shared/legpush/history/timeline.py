@@ -10,7 +10,7 @@ import numpy as np
 from legpush.arrays import Floats, Indices
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import Motion, Outcome, Trace, WorldState
-from legpush.scene.robot import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, N_QPOS, TRUNK_QPOS
+from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, N_QPOS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 
 TRUNK: Final = TRUNK_QPOS

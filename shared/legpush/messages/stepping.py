@@ -8,8 +8,8 @@ from legpush.bounds import MAX_APPEARING, MAX_WAYPOINTS, BoxMass, Count, Crc, De
 from legpush.fields import Name, Seed
 from legpush.geometry import Point3, Pose2, Quaternion
 from legpush.messages.common import Header
+from legpush.scene.conventions import FrontLeg
 from legpush.scene.names import Face
-from legpush.scene.robot import FrontLeg
 from legpush.scene.scenario import Scenario
 
 

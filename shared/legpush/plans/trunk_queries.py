@@ -9,7 +9,6 @@ from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.footprints import Footprint, box_footprint
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Scenario
 from legpush.scene.station import nominal_obstacle, stand_off
 
@@ -48,7 +47,7 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
         grid=grid,
         start=start,
         goal=goal,
-        clearance_m=max(min(clearance_m(planning), present_m), FOOT_RECTANGLE_RADIUS_M),
+        clearance_m=max(min(clearance_m(scenario), present_m), scenario.robot.stance.foot_circle_m),
         planner=planning.planner,
         seed=seed,
         max_iterations=planning.max_iterations,

@@ -11,7 +11,7 @@ from legpush.recording.damage import damage_of
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts, recorded_numerics
 from legpush.recording.mcap_file.contents import Recording
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 
 
 def lines(recording: Recording) -> Iterator[str]:

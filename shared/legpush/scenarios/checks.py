@@ -23,19 +23,12 @@ from legpush.scene.footprints import (
     distance_to_border_m,
     distance_to_point_m,
     obstacle_footprint,
+    robot_footprint,
 )
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, grid_shape
 from legpush.scene.reference import Reference, first_straight_m, reference_curve
-from legpush.scene.robot import (
-    BODY_LENGTH_M,
-    BODY_WIDTH_M,
-    FOOT_RADIUS_M,
-    FOOT_RECTANGLE_LENGTH_M,
-    FOOT_RECTANGLE_RADIUS_M,
-    FOOT_RECTANGLE_WIDTH_M,
-)
-from legpush.scene.scenario import CALIBRATION_PUSH_M, STAND_OFF_M, STATION_M, PlanSettings, Rectangle, Room, Scenario
+from legpush.scene.scenario import PlanSettings, Rectangle, Room, Scenario
 from legpush.scene.steering import radius_fault
 
 REFERENCE_END_M: Final = 0.01
@@ -81,7 +74,7 @@ def scenario_faults(scenario: Scenario) -> list[str]:
     start, box_pose, goal_pose = scenario.start.pose(), box.pose.pose(), scenario.goal.pose.pose()
     start_reach = hypot(offsets.start_xy_m, offsets.start_xy_m)
     box_reach = hypot(offsets.box_xy_m, offsets.box_xy_m) + _turn_reach(hypot(*box.size_m[:2]) / 2, offsets.box_yaw_deg)
-    clear = clearance_m(scenario.planning)
+    clear = clearance_m(scenario)
     start_fits = faults.find(lambda: _check_circle(room, start, clear, start_reach, "start", "the robot's trunk"))
     box_fits = faults.find(lambda: _check_box(room, box_footprint(box, box_pose), box_reach, "box.pose", "the box"))
     goal_fits = faults.find(
@@ -111,12 +104,13 @@ def scenario_faults(scenario: Scenario) -> list[str]:
 
 def _check_gap(scenario: Scenario, start_reach_m: float, box_reach_m: float) -> None:
     """Check that the robot does not stand where the box is."""
+    stance, foot_radius_m = scenario.robot.stance, scenario.robot.legs.foot_radius_m
     feet = Footprint(
         pose=scenario.start.pose(),
-        length_m=FOOT_RECTANGLE_LENGTH_M + 2 * FOOT_RADIUS_M,
-        width_m=FOOT_RECTANGLE_WIDTH_M + 2 * FOOT_RADIUS_M,
+        length_m=stance.foot_rectangle_length_m + 2 * foot_radius_m,
+        width_m=stance.foot_rectangle_width_m + 2 * foot_radius_m,
     )
-    foot_reach_m = start_reach_m + _turn_reach(FOOT_RECTANGLE_RADIUS_M, scenario.randomization.start_yaw_deg)
+    foot_reach_m = start_reach_m + _turn_reach(stance.foot_circle_m, scenario.randomization.start_yaw_deg)
     gap_m = distance_m(feet, box_footprint(scenario.box, scenario.box.pose.pose()))
     because = _because(0.0, foot_reach_m + box_reach_m)
     _require(gap_m, foot_reach_m + box_reach_m, "start", "between the robot's feet and the box", because)
@@ -135,15 +129,15 @@ def _check_any(faces: Sequence[Face], check: Callable[[Face], None]) -> None:
 
 def _check_place_to_begin(scenario: Scenario, face: Face) -> None:
     """Check that the robot can come to stand behind a face of the box."""
-    offsets = scenario.randomization
+    offsets, robot = scenario.randomization, scenario.robot
     box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.box.pose.pose(), face)
     for back_m, what in (
-        (STAND_OFF_M, "the robot's place where walking ends"),
-        (STATION_M, "the robot's place to push"),
+        (robot.pushing.stand_off_m, "the robot's place where walking ends"),
+        (robot.station_m, "the robot's place to push"),
     ):
         behind = behind_box(box, pose, back_m)
         swing = _turn_reach(box.size_m[0] / 2 + back_m, offsets.box_yaw_deg) + hypot(offsets.box_xy_m, offsets.box_xy_m)
-        clear = clearance_m(scenario.planning)
+        clear = clearance_m(scenario)
         where = f"{what}, {back_m:.2f} m behind the {face} face,"
         _check_circle(scenario.room, behind, clear, swing, "box.pose", where)
 
@@ -151,9 +145,9 @@ def _check_place_to_begin(scenario: Scenario, face: Face) -> None:
 def _check_place_to_end(scenario: Scenario, face: Face) -> None:
     """Check that the robot can stand behind a face of the box at its goal."""
     box, pose = pushed_box(scenario.box, face), pushed_pose(scenario.goal.pose.pose(), face)
-    behind = behind_box(box, pose, STATION_M)
+    behind = behind_box(box, pose, scenario.robot.station_m)
     what = f"the robot's place behind the {face} face of the box at its goal"
-    _check_circle(scenario.room, behind, FOOT_RECTANGLE_RADIUS_M, 0.0, "goal.pose", what)
+    _check_circle(scenario.room, behind, scenario.robot.stance.foot_circle_m, 0.0, "goal.pose", what)
 
 
 def _check_planning(planning: PlanSettings) -> None:
@@ -178,11 +172,12 @@ def _check_reference(scenario: Scenario, reference: Reference) -> None:
             f"at `pushing.faces`: expected the rear face, at which a reference is pushed, "
             f"got {', '.join(scenario.pushing.faces)}"
         )
-    needed_m = scenario.pushing.calibration_pushes * CALIBRATION_PUSH_M
+    push_m = scenario.robot.pushing.calibration_push_m
+    needed_m = scenario.pushing.calibration_pushes * push_m
     if needed_m > (straight_m := first_straight_m(reference)):
         raise ScenarioError(
-            f"at `pushing.calibration_pushes`: expected at most {int(straight_m / CALIBRATION_PUSH_M)}, which fit on "
-            f"the straight beginning of the reference ({straight_m:g} m, {CALIBRATION_PUSH_M} m each), got "
+            f"at `pushing.calibration_pushes`: expected at most {int(straight_m / push_m)}, which fit on "
+            f"the straight beginning of the reference ({straight_m:g} m, {push_m} m each), got "
             f"{scenario.pushing.calibration_pushes}"
         )
     curve = reference_curve(reference, scenario.box.pose.pose())
@@ -198,8 +193,8 @@ def _check_reference(scenario: Scenario, reference: Reference) -> None:
     for x_m, y_m, yaw_rad in curve[::REFERENCE_EVERY].tolist():
         pose = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad))
         where = f"at ({x_m:.2f}, {y_m:.2f}) on the reference"
-        behind = behind_box(scenario.box, pose, STATION_M)
-        robot = Footprint(pose=behind, length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        behind = behind_box(scenario.box, pose, scenario.robot.station_m)
+        robot = robot_footprint(scenario.robot, behind)
         for footprint, what in ((box_footprint(scenario.box, pose), "the box"), (robot, "the robot")):
             margin_m = scenario.pushing.margin_m
             _check_box(scenario.room, footprint, margin_m, "reference", f"{what} {where}", " (`pushing.margin_m`)")

@@ -23,10 +23,12 @@ from legpush.scenarios.lines import Lines, lines_of, located_faults
 from legpush.scenarios.map_files import OccupancyMap, file_inside
 from legpush.scenarios.schema_faults import schema_faults
 from legpush.scene.names import PlannerName, Steering
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from legpush.schema_errors import explain
 
 SUFFIX: Final = ".toml"
+_DEFAULT_ROBOT: Final[dict[str, Any]] = msgspec.to_builtins(RobotSpec())
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
@@ -80,9 +82,21 @@ def _of_map(fault: str, grid: GridSource | None) -> str:
     return f", from `{grid.grid_file}`" if grid is not None and fault.startswith("at `room.size_m") else ""
 
 
-def dump_scenario(scenario: Scenario) -> str:
-    """Return the scenario as TOML, with every field that has a value; loading it gives an equal record."""
-    return tomli_w.dumps(_without_nothing(msgspec.to_builtins(scenario)))
+def dump_scenario(scenario: Scenario, *, whole_robot: bool = False) -> str:
+    """Return the scenario as TOML; loading it gives an equal record.
+
+    It has every field with a value, but of the robot only the numbers that differ from the defaults, unless
+    `whole_robot`.
+    """
+    table = msgspec.to_builtins(scenario) if whole_robot else scenario_table(scenario)
+    return tomli_w.dumps(_without_nothing(table))
+
+
+def scenario_table(scenario: Scenario) -> dict[str, Any]:
+    """Return the scenario as a table for a file: every field, but of the robot only what differs from the defaults."""
+    plain: dict[str, Any] = msgspec.to_builtins(scenario)
+    robot = _differing(plain.pop("robot"), _DEFAULT_ROBOT)
+    return plain | ({"robot": robot} if robot else {})
 
 
 def resolve_scenario(
@@ -198,6 +212,16 @@ def _without_nothing(table: dict[str, Any]) -> dict[str, Any]:
         for name, value in table.items()
         if value is not None
     }
+
+
+def _differing(table: dict[str, Any], default: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of a table, and of the tables in it, whose values are not the default ones."""
+    differing = {}
+    for name, value in table.items():
+        kept = _differing(value, default[name]) if isinstance(value, dict) else value
+        if value != default[name]:
+            differing[name] = kept
+    return differing
 
 
 def _write_new(path: Path, content: bytes) -> None:

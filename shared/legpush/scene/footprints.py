@@ -6,6 +6,7 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.bounds import QueryLength
 from legpush.geometry import Pose2, rectangle_corners
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Rectangle, Room
 
 
@@ -24,6 +25,17 @@ class Footprint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 def box_footprint(box: Box, pose: Pose2) -> Footprint:
     """Return the floor that the box covers when its centre is at `pose`."""
     return Footprint(pose=pose, length_m=box.size_m[0], width_m=box.size_m[1])
+
+
+def robot_footprint(robot: RobotSpec, trunk: Pose2) -> Footprint:
+    """Return the floor that trunk and stance of the robot cover."""
+    return Footprint(pose=trunk, length_m=robot.stance.body_length_m, width_m=robot.stance.body_width_m)
+
+
+def foot_rectangle(robot: RobotSpec, trunk: Pose2) -> Footprint:
+    """Return the rectangle at whose corners the feet stand."""
+    stance = robot.stance
+    return Footprint(pose=trunk, length_m=stance.foot_rectangle_length_m, width_m=stance.foot_rectangle_width_m)
 
 
 def behind_box(box: Box, pose: Pose2, distance_m: float) -> Pose2:

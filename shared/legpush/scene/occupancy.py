@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from legpush.bounds import MAX_CELLS, Cells, Resolution
 from legpush.geometry import Point2
 from legpush.scene.footprints import Footprint, obstacle_footprint
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import PlanSettings, Room
+from legpush.scene.scenario import Room, Scenario
 
 TOUCH_M: Final = 1e-9
 """An overlap of less than this does not occupy a cell, so a wall along the border of a cell stays on its side."""
@@ -42,9 +41,9 @@ class OccupancyGrid(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         return f"x {self.origin_m[0]:g} to {right_m:g} m and y {self.origin_m[1]:g} to {top_m:g} m"
 
 
-def clearance_m(planning: PlanSettings) -> float:
-    """Return the clearance of the trunk centre from occupied cells: the foot rectangle's radius plus the margin."""
-    return FOOT_RECTANGLE_RADIUS_M + planning.margin_m
+def clearance_m(scenario: Scenario) -> float:
+    """Return the clearance of the trunk centre from occupied cells: the radius of the foot circle plus the margin."""
+    return scenario.robot.stance.foot_circle_m + scenario.planning.margin_m
 
 
 def room_by_now(room: Room, appeared: Collection[int]) -> Room:

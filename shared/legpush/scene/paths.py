@@ -6,24 +6,23 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 
 
-def travelled_m(waypoints: Sequence[Pose2]) -> Floats:
+def travelled_m(waypoints: Sequence[Pose2], foot_circle_m: float) -> Floats:
     """Return the length of a path up to each of its waypoints, (n,) with n > 0, from 0.
 
-    Straight lines and uniform turns, the short way round, join the waypoints. A turn counts as the arc that the corners
-    of the foot rectangle describe.
+    Straight lines and uniform turns, the short way round, join the waypoints. A turn counts as the arc that the feet
+    describe, on a circle of radius `foot_circle_m` about the trunk.
     """
     steps = np.diff(np.array([[pose.x_m, pose.y_m] for pose in waypoints]), axis=0)
     turns = np.diff(np.unwrap([pose.yaw_rad for pose in waypoints]))
-    lengths = np.linalg.norm(steps, axis=1) + np.abs(turns) * FOOT_RECTANGLE_RADIUS_M
+    lengths = np.linalg.norm(steps, axis=1) + np.abs(turns) * foot_circle_m
     return np.concatenate([[0.0], np.cumsum(lengths)])
 
 
-def path_length_m(waypoints: Sequence[Pose2]) -> float:
+def path_length_m(waypoints: Sequence[Pose2], foot_circle_m: float) -> float:
     """Return the length of a whole path, turns included; 0 without waypoints."""
-    return float(travelled_m(waypoints)[-1]) if waypoints else 0.0
+    return float(travelled_m(waypoints, foot_circle_m)[-1]) if waypoints else 0.0
 
 
 def arc_lengths_m(polyline_m: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """A scenario as one record: the room, the robot's start, the box and its goal pose. It travels in `Reset`."""
 
 from math import radians
-from typing import Annotated, Final, Literal
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
@@ -39,14 +39,7 @@ from legpush.geometry import Pose2
 from legpush.scene.names import BoxShape, Face, PlannerName, Steering
 from legpush.scene.overlap import deepest_overlap
 from legpush.scene.reference import Reference
-from legpush.scene.robot import HIP_X_M, PUSH_GAP_M
-
-STATION_M: Final = HIP_X_M + PUSH_GAP_M
-"""Distance from the rear face of the box back to the trunk centre when the robot stands ready to push."""
-STAND_OFF_M: Final = 0.75
-"""The same distance at the end of the walk: there the box can still count as an obstacle."""
-CALIBRATION_PUSH_M: Final = 0.06
-"""Largest distance by which one push of a calibration moves the box."""
+from legpush.scene.robot import RobotSpec
 
 
 class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -272,3 +265,5 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A curve that the centre of the box follows instead of a planned path. It begins at the nominal pose of the box
     and ends at the goal; the box is pushed at its rear face."""
     randomization: Randomization = Randomization()
+    robot: RobotSpec = RobotSpec()
+    """The robot. A file states only the numbers that differ from the defaults, as in `[robot.gait]`."""

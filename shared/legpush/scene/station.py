@@ -11,49 +11,45 @@ from legpush.scene.footprints import (
     distance_to_border_m,
     distance_to_point_m,
     obstacle_footprint,
+    robot_footprint,
 )
 from legpush.scene.footprints import distance_m as footprint_distance_m
 from legpush.scene.occupancy import clearance_m
-from legpush.scene.robot import BODY_LENGTH_M, BODY_WIDTH_M, FOOT_RECTANGLE_RADIUS_M
-from legpush.scene.scenario import STAND_OFF_M, STATION_M, Box, Randomization, Scenario
+from legpush.scene.robot import RobotSpec
+from legpush.scene.scenario import Box, Randomization, Scenario
 
-AT_STATION_M: Final = 0.15
-AT_STATION_RAD: Final = radians(15.0)
-"""Largest distance and angle from the station at which the robot may push; each push cycle ends at the station."""
 LAST_STRETCH_STEP_M: Final = 0.05
 BACK_STEP_M: Final = 0.05
-LEAST_BACK_M: Final = 0.2
-MOST_BACK_M: Final = 1.2
-"""Least and largest distance that the robot steps back from a face before it walks to another one."""
 CELLS: Final = 1.5
 """An occupied cell may extend this many cells beyond the object in it."""
 
 
-def station(box: Box, box_pose: Pose2) -> Pose2:
+def station(robot: RobotSpec, box: Box, box_pose: Pose2) -> Pose2:
     """Return the trunk's pose from which a box at `box_pose` is pushed along its x axis."""
-    return behind_box(box, box_pose, STATION_M)
+    return behind_box(box, box_pose, robot.station_m)
 
 
-def at_station(trunk: Pose2, box: Box, box_pose: Pose2) -> bool:
+def at_station(robot: RobotSpec, trunk: Pose2, box: Box, box_pose: Pose2) -> bool:
     """Return whether a robot with its trunk at `trunk` can push from there."""
-    place = station(box, box_pose)
-    return distance_m(trunk, place) <= AT_STATION_M and abs(wrap_angle(trunk.yaw_rad - place.yaw_rad)) <= AT_STATION_RAD
+    place = station(robot, box, box_pose)
+    turn_rad = abs(wrap_angle(trunk.yaw_rad - place.yaw_rad))
+    return distance_m(trunk, place) <= robot.pushing.at_station_m and turn_rad <= radians(robot.pushing.at_station_deg)
 
 
 def stand_off(scenario: Scenario, box: Box, box_pose: Pose2) -> Pose2:
     """Return the trunk's pose behind the box where a planned path ends.
 
-    It is `STAND_OFF_M` behind the box, or farther if needed to keep the planner's clearance from every cell that
-    `nominal_obstacle` touches.
+    It is `robot.pushing.stand_off_m` behind the box, or farther if needed to keep the planner's clearance from every
+    cell that `nominal_obstacle` touches.
     """
     cells_m = 2 * scenario.room.resolution_m
-    needed_m = clearance_m(scenario.planning) + box_reach_m(scenario.box, scenario.randomization) + cells_m
-    return behind_box(box, box_pose, max(STAND_OFF_M, needed_m))
+    needed_m = clearance_m(scenario) + box_reach_m(scenario.box, scenario.randomization) + cells_m
+    return behind_box(box, box_pose, max(scenario.robot.pushing.stand_off_m, needed_m))
 
 
 def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, ...]:
     """Return waypoints straight ahead from the stand-off, not included, to the station, with the heading of the box."""
-    begin, end = stand_off(scenario, box, box_pose), station(box, box_pose)
+    begin, end = stand_off(scenario, box, box_pose), station(scenario.robot, box, box_pose)
     n_steps = ceil(distance_m(begin, end) / LAST_STRETCH_STEP_M)
     return tuple(
         Pose2(
@@ -68,16 +64,17 @@ def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, 
 def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, ...]:
     """Return waypoints straight back from the box, up to the first with space to turn around, or as far as possible."""
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
+    pushing = scenario.robot.pushing
     way = [trunk]
-    while len(way) * BACK_STEP_M <= MOST_BACK_M:
+    while len(way) * BACK_STEP_M <= pushing.most_back_m:
         back = trunk @ Pose2(x_m=-BACK_STEP_M * len(way), y_m=0.0, yaw_rad=0.0)
-        body = Footprint(pose=back, length_m=BODY_LENGTH_M, width_m=BODY_WIDTH_M)
+        body = robot_footprint(scenario.robot, back)
         if distance_to_border_m(body.corners(), scenario.room) <= 0.0 or any(
             footprint_distance_m(body, other) <= 0.0 for other in solid
         ):
             break
         way.append(back)
-        if len(way) * BACK_STEP_M > LEAST_BACK_M and can_turn(scenario, back, box_pose):
+        if len(way) * BACK_STEP_M > pushing.least_back_m and can_turn(scenario, back, box_pose):
             break
     return tuple(way)
 
@@ -89,7 +86,7 @@ def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
         distance_to_border_m(trunk.xy()[None], scenario.room),
         *(distance_to_point_m(other, trunk.xy()) for other in solid),
     )
-    return space_m >= FOOT_RECTANGLE_RADIUS_M + CELLS * scenario.room.resolution_m
+    return space_m >= scenario.robot.stance.foot_circle_m + CELLS * scenario.room.resolution_m
 
 
 def box_reach_m(box: Box, offsets: Randomization) -> float:

@@ -8,6 +8,7 @@ from legpush.errors import ConfigError, ScenarioError
 from legpush.scene.scenario import PoseDeg
 from legpush.scene.station import station
 from tests.agent.fake_world import scenario_at_station
+from tests.robots import ROBOT
 
 
 def test_a_sweep_changes_one_field_at_a_time_and_a_grid_all_of_them() -> None:
@@ -37,8 +38,17 @@ def test_shape_size_and_slope_can_be_swept() -> None:
     assert len(sweep.cases) == 4
     oblong = sweep.cases["box.shape=l_shape box.size_m=0.6x0.4x0.4 room.slope_deg=5.0"]
     assert (oblong.box.shape, oblong.box.size_m, oblong.room.slope_deg) == ("l_shape", (0.6, 0.4, 0.4), 5.0)
-    assert oblong.start.pose() == station(oblong.box, oblong.box.pose.pose())
+    assert oblong.start.pose() == station(ROBOT, oblong.box, oblong.box.pose.pose())
     assert oblong.start.x_m == pytest.approx(scenario.start.x_m - 0.1)
+
+
+def test_numbers_of_the_robot_can_be_swept() -> None:
+    sweep = make_sweep(scenario_at_station(), ["robot.pushing.gap_m=0.1,0.2", "robot.gait.stride_m=0.3"], grid=True)
+
+    wide = sweep.cases["robot.pushing.gap_m=0.2 robot.gait.stride_m=0.3"]
+    assert (wide.robot.pushing.gap_m, wide.robot.gait.stride_m) == (0.2, 0.3)
+    assert wide.robot.legs == ROBOT.legs
+    assert wide.start.pose() == station(wide.robot, wide.box, wide.box.pose.pose())
 
 
 def test_a_robot_that_starts_elsewhere_stays_there_whatever_the_size() -> None:

@@ -20,6 +20,7 @@ from legpush.scene.occupancy import clearance_m
 from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
 from legpush.scene.station import stand_off, station
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
+from tests.robots import ROBOT
 
 
 def run(world: FakeWorld, scenario: Scenario) -> MissionResult:
@@ -79,7 +80,7 @@ def test_the_second_plan_starts_where_the_robot_is_and_leads_behind_the_measured
     assert measured.goal.yaw_rad == pytest.approx(box.yaw_rad)
     approach = world.motions(Follow)[1]
     assert isinstance(approach, Follow)
-    end, place = approach.waypoints[-1], station(scenario.box, box)
+    end, place = approach.waypoints[-1], station(ROBOT, scenario.box, box)
     assert hypot(end.x_m - place.x_m, end.y_m - place.y_m) < 1e-9
 
 
@@ -93,7 +94,7 @@ def test_the_box_is_an_obstacle_of_both_plans_and_the_goals_are_clear_of_it() ->
     assert sum(nominal.grid.cells) > sum(measured.grid.cells) > 0
     for query in (nominal, measured):
         assert clearance_at(query.grid, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0)) == 0.0
-        assert clearance_at(query.grid, query.goal) > query.clearance_m == clearance_m(scenario.planning)
+        assert clearance_at(query.grid, query.goal) > query.clearance_m == clearance_m(scenario)
 
 
 def test_a_wide_margin_moves_the_stand_off_back_from_the_box() -> None:
@@ -117,7 +118,7 @@ def test_a_robot_that_came_close_to_a_wall_keeps_the_clearance_that_it_has() -> 
 
     (query,) = world.queries()
     assert query.clearance_m == pytest.approx(0.4, abs=0.01)
-    assert query.clearance_m < clearance_m(scenario.planning)
+    assert query.clearance_m < clearance_m(scenario)
 
 
 def test_a_robot_at_the_station_pushes_without_a_plan() -> None:
@@ -236,5 +237,5 @@ def test_the_robot_ends_at_the_station_of_the_box() -> None:
     run(world, scenario)
 
     state = last_state(world)
-    place, trunk = station(scenario.box, planar_pose(state.box)), planar_pose(state.trunk)
+    place, trunk = station(ROBOT, scenario.box, planar_pose(state.box)), planar_pose(state.trunk)
     assert hypot(place.x_m - trunk.x_m, place.y_m - trunk.y_m) < 1e-9

@@ -5,6 +5,7 @@ from agent_proc.push_model.map import PushMap, make_push_map, measured_faces
 from agent_proc.push_model.model import NOMINAL
 from legpush.scene.scenario import Box
 from tests.agent.fake_world import FakeWorld
+from tests.robots import ROBOT
 
 DEPTHS_M = (0.02, 0.05)
 
@@ -13,4 +14,4 @@ def measured(box: Box = NOMINAL, push_scale: float = 1.0, curves: tuple[float, .
     """A map of what the fake world does."""
     worlds = [FakeWorld(push_scale=push_scale) for _ in range(2)]
     planned = cells(measured_faces(box), [(w, w) for w in curves], DEPTHS_M, (1, 2))
-    return make_push_map(box, calibrate(worlds, box, planned), "test")
+    return make_push_map(box, calibrate(worlds, ROBOT, box, planned), "test")

@@ -13,14 +13,15 @@ from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.names import Face
 from legpush.scene.station import at_station
 from tests.agent.fake_world import FakeWorld
+from tests.robots import ROBOT
 
 
 @pytest.mark.parametrize("face", FACES)
 def test_the_robot_stands_ready_at_the_face_that_is_measured(face: Face) -> None:
-    scenario = open_floor(NOMINAL, face)
+    scenario = open_floor(ROBOT, NOMINAL, face)
     pose = scenario.box.pose.pose()
 
-    assert at_station(scenario.start.pose(), pushed_box(scenario.box, face), pushed_pose(pose, face))
+    assert at_station(ROBOT, scenario.start.pose(), pushed_box(scenario.box, face), pushed_pose(pose, face))
     assert degrees(pushed_pose(pose, face).yaw_rad) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -28,7 +29,9 @@ def test_samples_come_in_the_order_of_the_cells_however_many_worlds_there_are() 
     planned = cells(("rear", "right"), ((0.5, 0.5),), (0.02, 0.05), (1, 2))
     n_done: list[int] = []
     one, three = (
-        calibrate([FakeWorld() for _ in range(n)], NOMINAL, planned, on_cell=lambda cell, samples: n_done.append(1))
+        calibrate(
+            [FakeWorld() for _ in range(n)], ROBOT, NOMINAL, planned, on_cell=lambda cell, samples: n_done.append(1)
+        )
         for n in (1, 3)
     )
 
@@ -42,8 +45,8 @@ def test_a_fall_ends_a_calibration_and_a_stop_too() -> None:
     planned = cells(("rear",), ((0.5, 0.5),), (0.05,), (1,))
     falling = FakeWorld(falls_in=lambda motion, n: isinstance(motion, Push) and n == 3)
     with pytest.raises(CalibrationError, match=r"fell as it pushed the rear face 0.05 m deep, FL"):
-        calibrate([falling], NOMINAL, planned)
+        calibrate([falling], ROBOT, NOMINAL, planned)
     stop = threading.Event()
     stop.set()
     with pytest.raises(StopRequestedError):
-        calibrate([FakeWorld()], NOMINAL, planned, stop=stop)
+        calibrate([FakeWorld()], ROBOT, NOMINAL, planned, stop=stop)

@@ -8,7 +8,7 @@ from agent_proc.push_model.estimate import LEAST_LOST_M, LEAST_SCALE, MOST_SCALE
 from agent_proc.push_model.model import NOMINAL, ON_ITS_SIDE, PushModel
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
-from legpush.scene.robot import FRONT_LEGS, FrontLeg
+from legpush.scene.conventions import FRONT_LEGS, FrontLeg
 from legpush.scene.scenario import Box
 
 START = Pose2(x_m=1.0, y_m=2.0, yaw_rad=0.7)

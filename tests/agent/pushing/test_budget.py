@@ -10,8 +10,8 @@ from agent_proc.pushing.budget import SPARE, SPARE_CYCLES, PushBudget
 from agent_proc.pushing.stage import Stage
 from legpush.bounds import MAX_PUSH_CYCLES
 from legpush.messages.stepping import Push
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.names import Face
-from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import Goal, MissionSettings, PoseDeg
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 from tests.agent.pushing.paths import AXLE_M, line

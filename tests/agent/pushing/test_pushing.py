@@ -14,8 +14,8 @@ from agent_proc.reporting.report import box_path_rms_m
 from agent_proc.walking.walker import STILL_CYCLES
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Push
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.reference import Arcs, Left, Reference, Sine, Straight
-from legpush.scene.robot import FRONT_LEGS
 from legpush.scene.scenario import Goal, MissionSettings, PoseDeg, PushSettings, Room, Scenario
 from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan

@@ -11,9 +11,10 @@ from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import BoxPathQuery
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.names import Face
-from legpush.scene.scenario import CALIBRATION_PUSH_M, PushSettings, Scenario
+from legpush.scene.scenario import PushSettings, Scenario
 from legpush.scene.station import stand_off, station
 from tests.agent.fake_world import make_scenario
+from tests.robots import ROBOT
 
 HERE = Pose2(x_m=5.0, y_m=2.0, yaw_rad=0.3)
 SCENARIO = make_scenario()
@@ -67,7 +68,7 @@ def test_a_side_has_its_places_relative_to_an_axle_behind_the_centre(face: Face)
     assert (of_box.length_m, of_box.width_m) == box.size_m[:2]
     for place, expected in (
         (of_box.pose, pushed),
-        (of_robot.pose, station(box, pushed)),
+        (of_robot.pose, station(ROBOT, box, pushed)),
         (side.stand_off, stand_off(SCENARIO, box, pushed)),
     ):
         there = axle @ place
@@ -90,8 +91,8 @@ def test_a_calibration_asks_for_the_way_straight_ahead_of_the_face(face: Face) -
     asked = calibration_query(scenario, 5, HERE, face, estimate)
 
     left = pushed_pose(HERE, face).inverse() @ asked.goal
-    assert distance_m(asked.start, asked.goal) == pytest.approx(6 * CALIBRATION_PUSH_M)
-    assert (left.x_m, left.y_m) == pytest.approx((6 * CALIBRATION_PUSH_M, 0.0), abs=1e-9)
+    assert distance_m(asked.start, asked.goal) == pytest.approx(6 * ROBOT.pushing.calibration_push_m)
+    assert (left.x_m, left.y_m) == pytest.approx((6 * ROBOT.pushing.calibration_push_m, 0.0), abs=1e-9)
     assert asked.goal.yaw_rad == pytest.approx(HERE.yaw_rad)
     assert (asked.present_side, len(asked.sides), asked.max_iterations, asked.run_in_m) == (0, 1, 1, 0.0)
     assert asked.sides[0].frame.yaw_rad == pytest.approx(TURN_RAD[face], abs=radians(1e-6))

@@ -8,8 +8,9 @@ from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.ending import ASTRAY, episode_ending, is_done
 from legpush.geometry import Pose2
-from legpush.scene.station import AT_STATION_M, station
+from legpush.scene.station import station
 from tests.agent.fake_world import make_state, scenario_at_station
+from tests.robots import ROBOT
 
 SCENARIO = scenario_at_station()
 """The goal is at (7, 3), heading along x; its tolerances are 0.03 m and 3 degrees."""
@@ -20,7 +21,7 @@ PAPER = TaskConfig(entry="fixed", observation="paper", reward="paper", scenario=
 def at(x_m: float, y_m: float = 3.0, yaw_deg: float = 0.0, *, fallen: bool = False, behind_m: float = 0.0) -> PushView:
     """The robot at its station, or this much farther behind the box."""
     box = Pose2(x_m=x_m, y_m=y_m, yaw_rad=radians(yaw_deg))
-    trunk = station(SCENARIO.box, box) @ Pose2(x_m=-behind_m, y_m=0.0, yaw_rad=0.0)
+    trunk = station(ROBOT, SCENARIO.box, box) @ Pose2(x_m=-behind_m, y_m=0.0, yaw_rad=0.0)
     return push_view(make_state(trunk, box, fallen=fallen), SCENARIO)
 
 
@@ -52,8 +53,8 @@ def test_a_fall_ends_an_episode_even_at_the_goal() -> None:
 
 
 def test_a_box_that_has_slid_away_from_the_robot_is_astray() -> None:
-    assert episode_ending(PAPER, FIRST, at(6.5, behind_m=0.9 * AT_STATION_M), 1) is None
-    assert episode_ending(PAPER, FIRST, at(6.5, behind_m=1.1 * AT_STATION_M), 1) == "astray"
+    assert episode_ending(PAPER, FIRST, at(6.5, behind_m=0.9 * ROBOT.pushing.at_station_m), 1) is None
+    assert episode_ending(PAPER, FIRST, at(6.5, behind_m=1.1 * ROBOT.pushing.at_station_m), 1) == "astray"
 
 
 def test_errors_that_outgrow_those_of_the_start_end_a_tuned_episode_only() -> None:

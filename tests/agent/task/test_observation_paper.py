@@ -9,7 +9,7 @@ from agent_proc.task.observation_table import as_markdown, bounds, read_table
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.stepping import WorldState
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from tests.agent.fake_world import make_scenario, make_state
 
 SCENARIO = make_scenario()

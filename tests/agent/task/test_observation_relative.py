@@ -14,6 +14,7 @@ from legpush.geometry import Pose2
 from legpush.scene.scenario import Goal, PoseDeg, Scenario
 from legpush.scene.station import station
 from tests.agent.fake_world import make_scenario, make_state
+from tests.robots import ROBOT
 
 SCENARIO = make_scenario()
 """The goal is at (7, 3), heading along x."""
@@ -25,7 +26,7 @@ trunk_offsets = st.builds(Pose2, x_m=st.floats(-0.05, 0.05), y_m=st.floats(-0.05
 
 
 def view_of(box: Pose2, offset: Pose2, scenario: Scenario = SCENARIO) -> PushView:
-    return push_view(make_state(station(SCENARIO.box, box) @ offset, box), scenario)
+    return push_view(make_state(station(ROBOT, SCENARIO.box, box) @ offset, box), scenario)
 
 
 def observe(view: PushView) -> Floats:

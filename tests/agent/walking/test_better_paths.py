@@ -19,6 +19,7 @@ from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Anytime, PlanSettings, Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.planner import maps
+from tests.robots import CIRCLE_M
 
 ANYTIME = Anytime(n_improvements=4, improvement_iterations=10)
 FAR = make_scenario((1.0, 3.0, 0.0), planning=PlanSettings(anytime=ANYTIME))
@@ -31,7 +32,12 @@ def path(*corners: tuple[float, float]) -> Plan:
         heading = float(np.arctan2(b[1] - a[1], b[0] - a[0]))
         points = np.linspace(a, b, 2 + int(hypot(b[0] - a[0], b[1] - a[1]) / 0.05))
         waypoints += [Pose2(x_m=x, y_m=y, yaw_rad=heading) for x, y in points.tolist()]
-    return Plan(status="exact", reason="", waypoints=tuple(waypoints), length_m=path_length_m(tuple(waypoints)))
+    return Plan(
+        status="exact",
+        reason="",
+        waypoints=tuple(waypoints),
+        length_m=path_length_m(tuple(waypoints), CIRCLE_M),
+    )
 
 
 def detour(query: PlanQuery) -> Plan:
@@ -83,7 +89,7 @@ def test_each_revision_is_waited_for_once_and_the_rest_is_cancelled_at_the_end_o
 def better_paths(grid_room: Room | None = None) -> BetterPaths:
     grid = maps.room() if grid_room is None else maps.room((3.9, 4.1, 0.0, 4.0))
     query = maps.query(grid, (1.0, 1.0), (7.0, 1.0), anytime=ANYTIME)
-    return BetterPaths(query, replace(path((1.0, 1.0), (4.0, 5.0), (7.0, 1.0)), length_m=10.0))
+    return BetterPaths(query, replace(path((1.0, 1.0), (4.0, 5.0), (7.0, 1.0)), length_m=10.0), CIRCLE_M)
 
 
 def test_the_join_goes_straight_to_a_place_on_the_new_path_and_turns_along_it() -> None:
@@ -91,7 +97,7 @@ def test_the_join_goes_straight_to_a_place_on_the_new_path_and_turns_along_it() 
     joined = better_paths().joined(path((1.0, 1.0), (7.0, 1.0)), here, 8.0)
     assert joined[0] == here
     assert joined[-1] == Pose2(x_m=7.0, y_m=1.0, yaw_rad=0.0)
-    assert path_length_m(joined) < 7.4
+    assert path_length_m(joined, CIRCLE_M) < 7.4
     assert max(hypot(*(b.xy() - a.xy())) for a, b in pairwise(joined)) <= 0.06
 
 
@@ -112,7 +118,7 @@ def test_after_a_plan_only_a_shorter_one_is_looked_at() -> None:
 
 def test_a_robot_that_is_nearer_to_something_than_planned_may_leave_it() -> None:
     query = maps.query(maps.room((2.0, 3.0, 0.0, 1.0)), (1.0, 2.0), (7.0, 2.0), anytime=ANYTIME, clearance_m=0.6)
-    better = BetterPaths(query, replace(path((1.0, 2.0), (7.0, 5.0)), length_m=10.0))
+    better = BetterPaths(query, replace(path((1.0, 2.0), (7.0, 5.0)), length_m=10.0), CIRCLE_M)
     assert better.joined(path((1.0, 2.0), (7.0, 2.0)), Pose2(x_m=2.5, y_m=1.5, yaw_rad=0.0), 20.0)
 
 

@@ -9,15 +9,15 @@ from legpush.errors import PeerError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
 from legpush.scene.occupancy import clearance_m
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import Rectangle, Room
 from tests.agent.fake_world import make_scenario, make_state
+from tests.robots import CIRCLE_M
 
 WALL = Rectangle(x_min_m=0.0, x_max_m=0.2, y_min_m=0.0, y_max_m=6.0)
 CRATE = Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=1.0, y_max_m=2.0, appears_at_s=3.0)
 GATE = replace(CRATE, y_min_m=4.0, y_max_m=5.0)
 SCENARIO = make_scenario(room=Room(size_m=(12.0, 6.0), obstacles=(WALL, CRATE, GATE)))
-CLEARANCE_M = clearance_m(SCENARIO.planning)
+CLEARANCE_M = clearance_m(SCENARIO)
 HERE = Pose2(x_m=1.5, y_m=3.0, yaw_rad=0.0)
 
 
@@ -69,7 +69,7 @@ def test_only_what_is_left_of_a_walk_counts_with_turns_as_long_as_their_arc() ->
         Pose2(x_m=4.2, y_m=0.6, yaw_rad=3.0),
         Pose2(x_m=2.2, y_m=0.6, yaw_rad=3.0),
     ]
-    turn_m = 3.0 * FOOT_RECTANGLE_RADIUS_M
+    turn_m = 3.0 * CIRCLE_M
 
     assert is_in_walk(CRATE, SCENARIO, way, turn_m)
     assert is_in_walk(CRATE, SCENARIO, way, turn_m + 0.1)

@@ -15,6 +15,7 @@ from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Anytime, PlanSettings, Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.agent.parts import Parts, parts_in
+from tests.robots import CIRCLE_M
 
 FAR = make_scenario(planning=PlanSettings(anytime=Anytime(n_improvements=3, improvement_iterations=10)))
 ASIDE = Rectangle(x_min_m=3.0, x_max_m=3.5, y_min_m=0.0, y_max_m=0.5, appears_at_s=1.0)
@@ -28,7 +29,7 @@ def detour(query: PlanQuery) -> Plan:
     corner = Pose2(x_m=3.0, y_m=4.5, yaw_rad=0.0)
     there, on = straight_plan(replace(query, goal=corner)), straight_plan(replace(query, start=corner))
     waypoints = there.waypoints + on.waypoints
-    return replace(on, waypoints=waypoints, length_m=path_length_m(waypoints))
+    return replace(on, waypoints=waypoints, length_m=path_length_m(waypoints, CIRCLE_M))
 
 
 def shorter(query: PlanQuery, revision: int) -> Plan:
@@ -125,7 +126,7 @@ def test_a_better_path_begins_at_the_robot_and_ends_with_the_last_stretch() -> N
 
     assert better[0] == parts.actor.trunk()
     assert better[-len(STRETCH) :] == STRETCH
-    assert path_length_m(better) < path_length_m(waypoints) - 0.4
+    assert path_length_m(better, CIRCLE_M) < path_length_m(waypoints, CIRCLE_M) - 0.4
     assert parts.planner.n_better_paths == 1
 
 
@@ -139,10 +140,10 @@ def test_a_revision_that_saves_too_little_is_not_taken_and_not_counted() -> None
 
 def test_the_last_stretch_is_no_part_of_what_a_revision_may_save() -> None:
     parts, waypoints = detoured()
-    ahead_m = path_length_m(better_path(parts.planner, waypoints)[: -len(STRETCH)])
+    ahead_m = path_length_m(better_path(parts.planner, waypoints)[: -len(STRETCH)], CIRCLE_M)
     for left_m, expected in ((ahead_m + 0.05, False), (ahead_m + 0.15, True)):
         parts, waypoints = detoured()
-        travelled_m = path_length_m(waypoints) - path_length_m(STRETCH) - left_m
+        travelled_m = path_length_m(waypoints, CIRCLE_M) - path_length_m(STRETCH, CIRCLE_M) - left_m
         assert bool(better_path(parts.planner, waypoints, travelled_m)) == expected
 
 

@@ -12,9 +12,10 @@ from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, Motion, Outcome, Walk
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from legpush.scene.station import LEAST_BACK_M, can_turn
+from legpush.scene.station import can_turn
 from tests.agent.fake_world import STRIDE_M, FakeWorld, KinematicSimulator, make_scenario, scenario_at_station
 from tests.agent.parts import Parts, parts_in
+from tests.robots import ROBOT
 
 AHEAD = tuple(Pose2(x_m=1.5 + k / 10, y_m=3.0, yaw_rad=0.0) for k in range(21))
 """2 m straight ahead from the start, in five gait cycles."""
@@ -188,7 +189,7 @@ def test_a_robot_at_the_box_backs_off_straight() -> None:
     parts.walker.back_off()
 
     assert turns(parts)
-    assert before.x_m - parts.actor.trunk().x_m >= LEAST_BACK_M
+    assert before.x_m - parts.actor.trunk().x_m >= ROBOT.pushing.least_back_m
     assert parts.actor.trunk().y_m == before.y_m
 
 

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from legpush.history.timeline import Timeline, is_whole
 from legpush.messages.stepping import Outcome, Trace, Walk
-from legpush.scene.robot import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
+from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from tests.legpush.examples import SCENARIO, TIPS, TRACE, WORLD
 
 SECOND_NS = 10**9

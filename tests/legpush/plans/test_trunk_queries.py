@@ -15,8 +15,8 @@ from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.footprints import box_footprint
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.station import nominal_obstacle, stand_off
+from tests.robots import CIRCLE_M
 
 SCENARIO = load_scenario("default")
 START = SCENARIO.start.pose()
@@ -48,19 +48,20 @@ def test_from_far_away_everything_is_avoided_that_the_box_may_cover() -> None:
 
 def test_the_planner_is_asked_as_the_scenario_says() -> None:
     planning = replace(SCENARIO.planning, planner="prm_star", max_iterations=77, step_m=0.3, goal_bias=0.2)
-    query = query_to_pose(replace(SCENARIO, planning=planning), 3, START, BOX, BOX)
+    scenario = replace(SCENARIO, planning=planning)
+    query = query_to_pose(scenario, 3, START, BOX, BOX)
     assert (query.planner, query.max_iterations, query.step_m, query.goal_bias) == ("prm_star", 77, 0.3, 0.2)
     assert query.goal == BOX
-    assert query.clearance_m == clearance_m(planning)
+    assert query.clearance_m == clearance_m(scenario)
 
 
 def test_a_robot_near_an_obstacle_keeps_what_it_has_but_no_less_than_its_footprint() -> None:
-    wanted_m = clearance_m(SCENARIO.planning)
+    wanted_m = clearance_m(SCENARIO)
     asked = []
-    for y_m in np.linspace(FOOT_RECTANGLE_RADIUS_M / 2, START.y_m, 20):
+    for y_m in np.linspace(CIRCLE_M / 2, START.y_m, 20):
         start = Pose2(x_m=START.x_m, y_m=float(y_m), yaw_rad=0.0)
         query = query_to_pose(SCENARIO, 0, start, BOX, BOX)
         present_m = clearance_at(query.grid, start)
-        assert query.clearance_m == min(wanted_m, max(present_m - SLACK_M, FOOT_RECTANGLE_RADIUS_M))
+        assert query.clearance_m == min(wanted_m, max(present_m - SLACK_M, CIRCLE_M))
         asked.append(query.clearance_m)
-    assert asked[0] == FOOT_RECTANGLE_RADIUS_M < asked[-1] == wanted_m
+    assert asked[0] == CIRCLE_M < asked[-1] == wanted_m

@@ -1,16 +1,20 @@
 """Scenario files: what loads, what comes back, and what is refused with which words."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from legpush.bounds import LEAST_BOX_MASS_KG, MAX_BOX_MASS_KG
 from legpush.errors import ScenarioError
 from legpush.scenarios.file import copy_scenario, dump_scenario, load_scenario, scenario_names
+from legpush.scene.robot_motion import FallLimits
 from legpush.scene.scenario import Box, Goal, PlanSettings, PoseDeg, Room, Scenario
 from tests.legpush.scenarios.small_scenario import plain_scenario, put, write
+from tests.robots import ROBOT, scaled_robot
 
 
 def test_there_are_seven_built_in_scenarios() -> None:
@@ -45,6 +49,19 @@ def test_every_number_and_text_survives_being_written_and_read(
         planning=PlanSettings(margin_m=margin_m),
     )
     path = tmp_path_factory.mktemp("any") / "any.toml"
+    path.write_text(dump_scenario(scenario), encoding="utf-8")
+    assert load_scenario(path) == scenario
+
+
+@given(scale=st.floats(0.5, 1.0))
+def test_of_the_robot_only_what_differs_is_written(scale: float, tmp_path_factory: pytest.TempPathFactory) -> None:
+    plain = load_scenario("push")
+    assert "robot" not in dump_scenario(plain)
+    assert tomllib.loads(dump_scenario(plain, whole_robot=True))["robot"].keys() == set(ROBOT.__struct_fields__)
+    lying = replace(ROBOT, fall=FallLimits(tilt_deg=45.0))
+    assert tomllib.loads(dump_scenario(replace(plain, robot=lying)))["robot"] == {"fall": {"tilt_deg": 45.0}}
+    scenario = replace(plain, robot=scaled_robot(scale))
+    path = tmp_path_factory.mktemp("robot") / "any.toml"
     path.write_text(dump_scenario(scenario), encoding="utf-8")
     assert load_scenario(path) == scenario
 

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from legpush.geometry import Pose2
 from legpush.scene.footprints import Footprint, distance_m
 from legpush.scene.occupancy import OccupancyGrid, clearance_m, grid_shape, occupancy_grid, room_by_now
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
 from legpush.scene.scenario import PlanSettings, Rectangle, Room
+from tests.legpush.examples import SCENARIO
 from tests.legpush.scene.floor_shapes import FOOTPRINT, samples_in
+from tests.robots import CIRCLE_M, scaled_robot
 
 
 def cells_of(grid: OccupancyGrid) -> NDArray[np.uint8]:
@@ -89,5 +91,8 @@ def test_a_whole_number_of_cells_makes_no_further_one(n: int, resolution_m: floa
 
 
 def test_the_clearance_is_the_foot_rectangles_radius_and_the_margin() -> None:
-    assert clearance_m(PlanSettings(margin_m=0.1)) == pytest.approx(FOOT_RECTANGLE_RADIUS_M + 0.1)
-    assert clearance_m(PlanSettings()) == pytest.approx(0.442, abs=0.001)
+    wide = replace(SCENARIO, planning=PlanSettings(margin_m=0.2))
+    assert clearance_m(SCENARIO) == pytest.approx(CIRCLE_M + 0.1) == pytest.approx(0.442, abs=0.001)
+    assert clearance_m(wide) == pytest.approx(CIRCLE_M + 0.2)
+    small = replace(SCENARIO, robot=scaled_robot(0.5))
+    assert clearance_m(small) == pytest.approx(CIRCLE_M / 2 + 0.1)

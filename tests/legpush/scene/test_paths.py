@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.paths import arc_lengths_m, distances_m, nearest_on_segments, path_length_m, travelled_m
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M
+from tests.robots import CIRCLE_M
 
 COORDINATES = st.integers(-20_000, 20_000).map(lambda mm: mm / 1000)
 """Whole millimetres: shapely squares lengths, and the square of a tiny one is 0."""
@@ -30,29 +30,29 @@ def poses(*values: tuple[float, float, float]) -> list[Pose2]:
 def test_a_turn_on_the_spot_is_as_long_as_the_arc_of_the_feet() -> None:
     way = poses((0.0, 0.0, 0.0), (3.0, 4.0, 0.0), (3.0, 4.0, 1.5), (3.0, 3.0, 1.0))
 
-    at_m = travelled_m(way)
+    at_m = travelled_m(way, CIRCLE_M)
 
-    arc_m = FOOT_RECTANGLE_RADIUS_M
+    arc_m = CIRCLE_M
     np.testing.assert_allclose(at_m, [0.0, 5.0, 5.0 + 1.5 * arc_m, 6.0 + 2.0 * arc_m])
-    assert path_length_m(way) == at_m[-1]
+    assert path_length_m(way, CIRCLE_M) == at_m[-1]
 
 
 @pytest.mark.parametrize(("yaw_rad", "turn_rad"), [(0.1 + tau, 0.1), (3.0, 3.0), (2.0 - tau, 2.0), (4.0, tau - 4.0)])
 def test_turns_go_the_short_way_round(yaw_rad: float, turn_rad: float) -> None:
     way = poses((1.0, 1.0, 0.0), (1.0, 1.0, yaw_rad))
 
-    assert path_length_m(way) == pytest.approx(turn_rad * FOOT_RECTANGLE_RADIUS_M)
+    assert path_length_m(way, CIRCLE_M) == pytest.approx(turn_rad * CIRCLE_M)
 
 
 def test_a_pose_that_is_moved_and_turned_counts_both() -> None:
     way = poses((1.0, 1.0, pi - 0.1), (1.3, 1.4, -pi + 0.1))
 
-    assert path_length_m(way) == pytest.approx(0.5 + 0.2 * FOOT_RECTANGLE_RADIUS_M)
+    assert path_length_m(way, CIRCLE_M) == pytest.approx(0.5 + 0.2 * CIRCLE_M)
 
 
 def test_a_path_of_one_waypoint_or_none_has_no_length() -> None:
-    assert travelled_m(poses((1.0, 2.0, 3.0))).tolist() == [0.0]
-    assert path_length_m(poses((1.0, 2.0, 3.0))) == path_length_m([]) == 0.0
+    assert travelled_m(poses((1.0, 2.0, 3.0)), CIRCLE_M).tolist() == [0.0]
+    assert path_length_m(poses((1.0, 2.0, 3.0)), CIRCLE_M) == path_length_m([], CIRCLE_M) == 0.0
 
 
 @given(points(1))

@@ -12,10 +12,10 @@ from legpush.plans.trunk_queries import query_to_measured_box
 from legpush.scene.clearance import clearance_at
 from legpush.scene.footprints import box_footprint, distance_to_point_m
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.robot import FOOT_RECTANGLE_LENGTH_M, FOOT_RECTANGLE_RADIUS_M, PUSH_GAP_M, foot_rectangle_b
 from legpush.scene.scenario import Randomization, Rectangle, Room
 from legpush.scene.station import at_station, last_stretch, nominal_obstacle, stand_off, station
 from tests.agent.fake_world import make_scenario
+from tests.robots import CIRCLE_M, ROBOT
 
 poses = st.builds(Pose2, x_m=st.floats(3.0, 9.0), y_m=st.floats(2.0, 4.0), yaw_rad=st.floats(-pi, pi))
 
@@ -24,10 +24,10 @@ poses = st.builds(Pose2, x_m=st.floats(3.0, 9.0), y_m=st.floats(2.0, 4.0), yaw_r
 def test_at_the_station_the_front_feet_are_the_gap_behind_the_box(box: Pose2) -> None:
     scenario = make_scenario()
 
-    trunk = station(scenario.box, box)
+    trunk = station(ROBOT, scenario.box, box)
 
-    feet = (box.inverse() @ trunk).apply(foot_rectangle_b())
-    np.testing.assert_allclose(feet[:2, 0], -0.2 - PUSH_GAP_M, atol=1e-3)
+    feet = (box.inverse() @ trunk).apply(ROBOT.stance.foot_rectangle_b())
+    np.testing.assert_allclose(feet[:2, 0], -0.2 - ROBOT.pushing.gap_m, atol=1e-3)
     np.testing.assert_allclose(feet[0, 1], -feet[1, 1], atol=1e-9)
 
 
@@ -37,7 +37,10 @@ def test_the_last_stretch_leads_straight_from_the_stand_off_to_the_station(box: 
 
     seen = [box.inverse() @ pose for pose in last_stretch(scenario, scenario.box, box)]
 
-    begin, end = box.inverse() @ stand_off(scenario, scenario.box, box), box.inverse() @ station(scenario.box, box)
+    begin, end = (
+        box.inverse() @ stand_off(scenario, scenario.box, box),
+        box.inverse() @ station(ROBOT, scenario.box, box),
+    )
     ahead = [begin.x_m, *(pose.x_m for pose in seen)]
     assert ahead[-1] == pytest.approx(end.x_m)
     assert all(0.0 < step <= 0.05 + 1e-9 for step in np.diff(ahead))
@@ -49,7 +52,7 @@ def test_the_stand_off_clears_the_box_wherever_the_seed_puts_it() -> None:
     scenario = make_scenario(randomization=offsets)
     place = stand_off(scenario, scenario.box, scenario.box.pose.pose())
 
-    assert distance_to_point_m(nominal_obstacle(scenario), place.xy()) > FOOT_RECTANGLE_RADIUS_M + 0.1
+    assert distance_to_point_m(nominal_obstacle(scenario), place.xy()) > CIRCLE_M + 0.1
 
 
 @given(x=st.floats(-0.05, 0.05), y=st.floats(-0.05, 0.05), turn=st.floats(-5.0, 5.0))
@@ -71,9 +74,9 @@ def test_the_robot_is_at_the_station_where_it_can_push_from(
 ) -> None:
     scenario = make_scenario()
     box = Pose2(x_m=6.0, y_m=3.0, yaw_rad=pi)
-    trunk = station(scenario.box, box) @ Pose2(x_m=x_m, y_m=y_m, yaw_rad=radians(turn_deg))
+    trunk = station(ROBOT, scenario.box, box) @ Pose2(x_m=x_m, y_m=y_m, yaw_rad=radians(turn_deg))
 
-    assert at_station(trunk, scenario.box, box) is expected
+    assert at_station(ROBOT, trunk, scenario.box, box) is expected
 
 
 @pytest.mark.parametrize(
@@ -105,7 +108,7 @@ def test_a_robot_closer_than_its_footprint_asks_for_no_less_than_that() -> None:
 
     query = query_to_measured_box(scenario, 3, scenario.start.pose(), scenario.box.pose.pose(), "rear")
 
-    assert query.clearance_m == FOOT_RECTANGLE_RADIUS_M
+    assert query.clearance_m == CIRCLE_M
     assert (query.seed, query.planner) == (3, "rrt_connect")
 
 
@@ -113,4 +116,6 @@ def test_the_gap_and_the_feet_make_the_distance_to_the_box() -> None:
     scenario = make_scenario()
     box = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
 
-    assert station(scenario.box, box).x_m == pytest.approx(-(0.2 + PUSH_GAP_M + FOOT_RECTANGLE_LENGTH_M / 2), abs=1e-3)
+    assert station(ROBOT, scenario.box, box).x_m == pytest.approx(
+        -(0.2 + ROBOT.pushing.gap_m + ROBOT.stance.foot_rectangle_length_m / 2), abs=1e-3
+    )

@@ -6,12 +6,13 @@ import numpy as np
 
 from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
-from legpush.scene.robot import FOOT_RADIUS_M, N_QPOS
+from legpush.scene.conventions import N_QPOS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
 from sim_proc.control.plant import TickLog
 from sim_proc.gravity import GRAVITY_M_S2
-from sim_proc.kinematics.body import STANDING_HEIGHT_M, standing_joints_rad
-from sim_proc.kinematics.leg import HIPS_B, SIDE, forward
+from sim_proc.kinematics.leg import SIDE, LegKinematics
+from tests.robots import ROBOT
 
 COM_BELOW_TRUNK_M = 0.05
 TOUCHING_M = 1e-4
@@ -21,14 +22,16 @@ TOUCHING_M = 1e-4
 class KinematicPlant:
     """A robot whose level trunk moves as its standing feet make it, and a box that its front feet push ahead."""
 
-    def __init__(self, trunk: Pose2, box: Box, *, falls_at_tick: int | None = None) -> None:
+    def __init__(self, trunk: Pose2, box: Box, *, falls_at_tick: int | None = None, robot: RobotSpec = ROBOT) -> None:
         """Stand at `trunk`, beside the box at its nominal pose."""
         self.fallen = False
+        self.robot = robot
+        self._kinematics = LegKinematics(robot)
         self.mass_kg = 32.0
         self.downhill = np.zeros(2)
         self.n_ticks = 0
         self._trunk, self._box, self._box_pose = trunk, box, box.pose.pose()
-        self._joints = standing_joints_rad()
+        self._joints = self._kinematics.standing_joints_rad()
         self._falls_at_tick = falls_at_tick
 
     def trunk_pose(self) -> Pose2:
@@ -43,11 +46,11 @@ class KinematicPlant:
     def tips_m(self) -> Floats:
         tips = self._tips_b()
         tips[:, :2] = self._trunk.apply(tips[:, :2])
-        tips[:, 2] += STANDING_HEIGHT_M
+        tips[:, 2] += self.robot.stance.height_m
         return tips
 
     def com_m(self) -> Floats:
-        return np.array([*self._trunk.xy(), STANDING_HEIGHT_M - COM_BELOW_TRUNK_M])
+        return np.array([*self._trunk.xy(), self.robot.stance.height_m - COM_BELOW_TRUNK_M])
 
     def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
         assert joint_torques_n_m.shape == joint_commands_rad.shape
@@ -76,10 +79,12 @@ class KinematicPlant:
         self._trunk = Pose2(x_m=float(away[0]), y_m=float(away[1]), yaw_rad=yaw)
 
     def _tips_b(self) -> Floats:
-        return HIPS_B + forward(self._joints, SIDE)
+        return self._kinematics.hips_b + self._kinematics.forward(self._joints, SIDE)
 
     def _standing(self) -> Flags:
-        standing: Flags = self._tips_b()[:, 2] + STANDING_HEIGHT_M <= FOOT_RADIUS_M + TOUCHING_M
+        standing: Flags = (
+            self._tips_b()[:, 2] + self.robot.stance.height_m <= self.robot.legs.foot_radius_m + TOUCHING_M
+        )
         return standing
 
     def _floor_forces(self) -> Floats:
@@ -95,7 +100,7 @@ class KinematicPlant:
         length, width, height = self._box.size_m
         for leg, tip in enumerate(self.tips_m()[:2]):
             x, y = self._box_pose.inverse().apply(tip[None, :2])[0]
-            inside_m = x + FOOT_RADIUS_M + length / 2
+            inside_m = x + self.robot.legs.foot_radius_m + length / 2
             if 0.0 < inside_m < length / 2 and abs(y) < width / 2 and tip[2] < height:
                 self._box_pose = self._box_pose @ Pose2(x_m=float(inside_m), y_m=0.0, yaw_rad=0.0)
                 forces[leg, 0] = -1.0
@@ -107,7 +112,7 @@ class KinematicPlant:
 
         box_height_m = self._box.size_m[2] / 2
         qpos = np.array(
-            [*pose(self._trunk, STANDING_HEIGHT_M), *self._joints.ravel(), *pose(self._box_pose, box_height_m)]
+            [*pose(self._trunk, self.robot.stance.height_m), *self._joints.ravel(), *pose(self._box_pose, box_height_m)]
         )
         assert qpos.shape == (N_QPOS,)
         return qpos

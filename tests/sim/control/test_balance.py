@@ -5,12 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from legpush.scene.robot import CONTROL_PERIOD_S, foot_rectangle_b
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.control.balance import foot_forces, plan_com, shifted_reference, support_margin
 from sim_proc.gravity import GRAVITY_M_S2
+from tests.robots import ROBOT
 
 ALL = np.ones((1, 4), dtype=bool)
-RECTANGLE = foot_rectangle_b()[None]
+RECTANGLE = ROBOT.stance.foot_rectangle_b()[None]
 
 
 def margin(point: list[float], standing: list[bool]) -> float:
@@ -47,7 +48,7 @@ def test_the_margin_does_not_depend_on_the_order_of_the_feet(x: float, y: float)
 @given(st.integers(0, 3), st.floats(-0.1, 0.1), st.floats(-0.1, 0.1))
 def test_the_shifted_reference_has_the_margin_and_lies_towards_the_centroid(lifted: int, x: float, y: float) -> None:
     nominal = np.array([x, y])
-    support = np.delete(foot_rectangle_b(), lifted, axis=0)
+    support = np.delete(ROBOT.stance.foot_rectangle_b(), lifted, axis=0)
     shifted = shifted_reference(nominal, support, 0.05)
     standing = np.array([[leg != lifted for leg in range(4)]])
     assert support_margin(shifted[None], RECTANGLE, standing)[0] >= 0.05 - 1e-9
@@ -57,7 +58,7 @@ def test_the_shifted_reference_has_the_margin_and_lies_towards_the_centroid(lift
 
 
 def test_a_reference_with_margin_enough_stays_where_it_is() -> None:
-    support = foot_rectangle_b()[:3]
+    support = ROBOT.stance.foot_rectangle_b()[:3]
     centroid = support.mean(axis=0)
     np.testing.assert_array_equal(shifted_reference(centroid, support, 0.05), centroid)
 
@@ -78,7 +79,7 @@ def test_the_planned_com_starts_in_its_state_obeys_the_pendulum_and_brings_the_z
 
 
 def test_foot_forces_carry_the_weight_balance_about_the_zmp_and_spare_the_lifted_leg() -> None:
-    feet = np.concatenate([foot_rectangle_b(), np.zeros((4, 1))], axis=1)[None]
+    feet = np.concatenate([ROBOT.stance.foot_rectangle_b(), np.zeros((4, 1))], axis=1)[None]
     zmp = np.array([[0.05, 0.03]])
     acceleration = np.array([[0.2, -0.1]])
     share = np.array([[1.0, 1.0, 1.0, 0.02]])

@@ -9,17 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from legpush.geometry import Pose2
-from legpush.scene.robot import FOOT_RECTANGLE_RADIUS_M, foot_rectangle_b
-from sim_proc.control.footsteps import (
-    ADVANCES,
-    MAX_STEP_M,
-    MAX_TURN_RAD,
-    STRIDE_BY_DIRECTION,
-    STRIDE_M,
-    PosePath,
-    longest_stride_m,
-    next_cycle,
-)
+from sim_proc.control.footsteps import ADVANCES, STRIDE_SHARES, PosePath, longest_stride_m, next_cycle
+from tests.robots import CIRCLE_M, ROBOT
 
 
 def pose(x: float, y: float, yaw: float) -> Pose2:
@@ -32,10 +23,10 @@ def walk_to_the_end(path: PosePath) -> list[np.ndarray]:
     while (travelled < path.length_m).any():
         targets = next_cycle(path, travelled, feet)
         steps = np.linalg.norm(targets.feet_m - feet, axis=1)
-        assert steps.max() <= MAX_STEP_M + 1e-9
+        assert steps.max() <= ROBOT.gait.max_step_m + 1e-9
         assert targets.travelled_m.mean() > travelled.mean()
         turn = path.poses(targets.travelled_m.mean())[2] - path.poses(travelled.mean())[2]
-        assert abs(turn) <= MAX_TURN_RAD + 1e-9
+        assert abs(turn) <= ROBOT.gait.max_turn_rad + 1e-9
         travelled, feet = targets.travelled_m, targets.feet_m
         cycles.append(travelled)
         assert len(cycles) < 200
@@ -43,33 +34,33 @@ def walk_to_the_end(path: PosePath) -> list[np.ndarray]:
 
 
 def test_a_path_counts_turns_by_the_arc_of_the_feet() -> None:
-    path = PosePath([pose(0, 0, 0), pose(2, 0, 0), pose(2, 0, pi / 2)])
-    assert path.length_m == pytest.approx(2 + FOOT_RECTANGLE_RADIUS_M * pi / 2)
+    path = PosePath(ROBOT, [pose(0, 0, 0), pose(2, 0, 0), pose(2, 0, pi / 2)])
+    assert path.length_m == pytest.approx(2 + CIRCLE_M * pi / 2)
     np.testing.assert_allclose(path.poses(np.array(1.0)), [1, 0, 0])
     np.testing.assert_allclose(path.poses(np.array(99.0)), [2, 0, pi / 2])
 
 
 def test_a_path_turns_the_short_way_round() -> None:
-    path = PosePath([pose(0, 0, pi - 0.1), pose(0, 0, -pi + 0.1)])
-    assert path.length_m == pytest.approx(0.2 * FOOT_RECTANGLE_RADIUS_M)
+    path = PosePath(ROBOT, [pose(0, 0, pi - 0.1), pose(0, 0, -pi + 0.1)])
+    assert path.length_m == pytest.approx(0.2 * CIRCLE_M)
 
 
 def test_the_feet_end_at_the_corners_of_the_last_rectangle() -> None:
-    path = PosePath([pose(0, 0, 0), pose(3, 0, 0)])
+    path = PosePath(ROBOT, [pose(0, 0, 0), pose(3, 0, 0)])
     last = walk_to_the_end(path)[-1]
-    np.testing.assert_allclose(path.corners(last), foot_rectangle_b() + np.array([3, 0]))
+    np.testing.assert_allclose(path.corners(last), ROBOT.stance.foot_rectangle_b() + np.array([3, 0]))
 
 
 def test_in_the_middle_of_a_straight_path_every_cycle_advances_by_the_stride() -> None:
-    travelled = walk_to_the_end(PosePath([pose(0, 0, 0), pose(6, 0, 0)]))
+    travelled = walk_to_the_end(PosePath(ROBOT, [pose(0, 0, 0), pose(6, 0, 0)]))
     advances = np.diff([t.mean() for t in travelled])
-    assert (np.abs(advances[3:-3] - STRIDE_M) < 1e-9).all()
+    assert (np.abs(advances[3:-3] - ROBOT.gait.stride_m) < 1e-9).all()
     assert len(advances) > 10
 
 
 @given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-pi, pi)), min_size=2, max_size=6))
 def test_any_path_is_walked_to_its_end_within_the_limits_of_a_step(waypoints: list[tuple[float, float, float]]) -> None:
-    path = PosePath([pose(*waypoint) for waypoint in waypoints])
+    path = PosePath(ROBOT, [pose(*waypoint) for waypoint in waypoints])
     assert (walk_to_the_end(path)[-1] == path.length_m).all()
 
 
@@ -88,18 +79,18 @@ def test_a_path_that_leads_sideways_is_walked_with_short_strides(
         pose(share * length_m * cos(along), share * length_m * sin(along), heading_rad + share * turn_rad)
         for share in np.linspace(0.0, 1.0, 40)
     ]
-    path = PosePath(waypoints)
+    path = PosePath(ROBOT, waypoints)
     means = [travelled.mean() for travelled in walk_to_the_end(path)]
     for before, after in pairwise(path.poses(np.array(means))):
         moved = (after - before)[None]
-        limit_m = longest_stride_m(moved, before[2])[0]
-        least_m = STRIDE_M * ADVANCES[-1]
+        limit_m = longest_stride_m(ROBOT.gait, moved, before[2])[0]
+        least_m = ROBOT.gait.stride_m * ADVANCES[-1]
         assert np.hypot(*moved[0, :2]) <= max(limit_m, least_m) + 1e-5
 
 
 def test_the_longest_stride_is_that_of_the_table_and_equal_to_both_sides() -> None:
-    for direction_deg, stride_m in STRIDE_BY_DIRECTION:
+    for direction_deg, share in STRIDE_SHARES:
         for sign in (1.0, -1.0):
             along = sign * radians(direction_deg)
             moved = np.array([[cos(along), sin(along), 0.0]])
-            assert longest_stride_m(moved, 0.0)[0] == pytest.approx(stride_m)
+            assert longest_stride_m(ROBOT.gait, moved, 0.0)[0] == pytest.approx(share * ROBOT.gait.stride_m)

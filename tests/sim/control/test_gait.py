@@ -7,11 +7,11 @@ import pytest
 
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
-from legpush.scene.robot import FOOT_RADIUS_M, foot_rectangle_b
 from legpush.scene.scenario import Box, PoseDeg
-from sim_proc.control.gait import STEP_HEIGHT_M, TOUCHDOWN_M, PathWalk, rest, swing_to
+from sim_proc.control.gait import PathWalk, rest, swing_to
 from sim_proc.control.posture import Posture
 from sim_proc.control.steps import Steps
+from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
 
 START = Pose2(x_m=2.0, y_m=5.0, yaw_rad=0.0)
@@ -40,7 +40,7 @@ def test_a_plant_without_physics_is_walked_along_a_path_to_its_end() -> None:
 
     end = plant.trunk_pose()
     np.testing.assert_allclose([*end.xy(), end.yaw_rad], [*path[-1].xy(), path[-1].yaw_rad], atol=0.01)
-    np.testing.assert_allclose(plant.tips_m()[:, :2], path[-1].apply(foot_rectangle_b()), atol=0.01)
+    np.testing.assert_allclose(plant.tips_m()[:, :2], path[-1].apply(ROBOT.stance.foot_rectangle_b()), atol=0.01)
     n_cycles = (len(logs) - 1) // 4
     assert n_cycles >= 4
     assert steps.n_footsteps == 4 * n_cycles
@@ -77,14 +77,14 @@ def test_a_path_that_begins_too_far_away_or_turned_too_much_is_refused() -> None
 
 
 def test_a_swing_rises_by_the_step_height_and_presses_the_foot_into_the_floor() -> None:
-    curve = swing_to(np.array([0.4, 0.1]), 40)(np.array([0.0, 0.0, FOOT_RADIUS_M]))
-    np.testing.assert_allclose(curve[-1], [0.4, 0.1, TOUCHDOWN_M])
-    assert curve[:, 2].max() == pytest.approx(FOOT_RADIUS_M + STEP_HEIGHT_M, abs=0.001)
-    assert TOUCHDOWN_M < FOOT_RADIUS_M
+    curve = swing_to(ROBOT, np.array([0.4, 0.1]), 40)(np.array([0.0, 0.0, ROBOT.legs.foot_radius_m]))
+    np.testing.assert_allclose(curve[-1], [0.4, 0.1, ROBOT.touchdown_m])
+    assert curve[:, 2].max() == pytest.approx(ROBOT.legs.foot_radius_m + ROBOT.gait.step_height_m, abs=0.001)
+    assert ROBOT.touchdown_m < ROBOT.legs.foot_radius_m
 
 
 def test_a_rest_moves_no_leg() -> None:
-    step = rest(np.array([1.0, 2.0]), 0.5)
+    step = rest(ROBOT.gait, np.array([1.0, 2.0]), 0.5)
     assert step.leg is None
     assert step.n_ticks == 24
     np.testing.assert_array_equal(step.end_velocity_m_s, np.zeros(2))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from legpush.geometry import Pose2
-from legpush.scene.robot import N_QPOS
+from legpush.scene.conventions import N_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.plant import Plant, TickLog
 from sim_proc.physics.physics import Physics

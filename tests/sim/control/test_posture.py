@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from legpush.geometry import Pose2
-from legpush.scene.robot import FOOT_RADIUS_M, foot_rectangle_b
 from legpush.scene.scenario import Box, PoseDeg
 from sim_proc.control.posture import Posture
+from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
 
 START = Pose2(x_m=2.0, y_m=5.0, yaw_rad=0.4)
@@ -20,8 +20,8 @@ def posture() -> Posture:
 
 def test_the_posture_begins_as_the_robot_stands(posture: Posture) -> None:
     np.testing.assert_allclose([*posture.trunk_xy_m, posture.yaw_rad], [2.0, 5.0, 0.4])
-    np.testing.assert_allclose(posture.feet_m[:, :2], START.apply(foot_rectangle_b()))
-    np.testing.assert_allclose(posture.feet_m[:, 2], FOOT_RADIUS_M)
+    np.testing.assert_allclose(posture.feet_m[:, :2], START.apply(ROBOT.stance.foot_rectangle_b()))
+    np.testing.assert_allclose(posture.feet_m[:, 2], ROBOT.legs.foot_radius_m)
     np.testing.assert_allclose(posture.com_state, [[2.0, 5.0], [0.0, 0.0], [0.0, 0.0]])
 
 

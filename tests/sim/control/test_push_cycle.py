@@ -10,22 +10,23 @@ from legpush.errors import MotionError
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
+from legpush.scene.conventions import FRONT_LEGS, LEGS, FrontLeg
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
-from legpush.scene.robot import FOOT_RADIUS_M, FRONT_LEGS, LEGS, FrontLeg, foot_rectangle_b
-from legpush.scene.scenario import STATION_M, PoseDeg, Scenario
+from legpush.scene.scenario import PoseDeg, Scenario
 from sim_proc.control.posture import Posture
 from sim_proc.control.push_cycle import Pusher, contact_point
 from sim_proc.control.steps import Steps
 from sim_proc.simulator import Simulator
+from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
 
 
 def behind(scenario: Scenario, face: Face) -> Scenario:
     """The robot at the station of a face."""
     pose = pushed_pose(scenario.box.pose.pose(), face)
-    place = behind_box(pushed_box(scenario.box, face), pose, STATION_M)
+    place = behind_box(pushed_box(scenario.box, face), pose, ROBOT.station_m)
     start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=degrees(place.yaw_rad))
     return replace(scenario, start=start)
 
@@ -43,8 +44,8 @@ def test_a_plant_without_physics_pushes_the_box_by_the_depth_and_follows_it(
     assert push.peak_force_n == 1.0
     touched = np.concatenate([log.box_forces_n for log in push.logs]).any(axis=(0, 2))
     assert [LEGS[index] for index in np.flatnonzero(touched)] == [leg]
-    station = behind_box(at_the_box.box, plant.box_pose(), STATION_M)
-    np.testing.assert_allclose(plant.tips_m()[:, :2], station.apply(foot_rectangle_b()), atol=0.005)
+    station = behind_box(at_the_box.box, plant.box_pose(), ROBOT.station_m)
+    np.testing.assert_allclose(plant.tips_m()[:, :2], station.apply(ROBOT.stance.foot_rectangle_b()), atol=0.005)
     assert steps.n_footsteps == 4
 
 
@@ -61,8 +62,8 @@ def test_a_push_stops_early_when_the_robot_falls(at_the_box: Scenario) -> None:
 @pytest.mark.parametrize("leg", FRONT_LEGS)
 def test_the_contact_point_of_a_round_box_lies_on_its_circle(at_the_box: Scenario, leg: FrontLeg) -> None:
     box = replace(at_the_box.box, shape="cylinder", size_m=(0.4, 0.4, 0.3))
-    x, y, z = contact_point(Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), box, leg, 0.0)
-    assert np.hypot(x + FOOT_RADIUS_M, y) == pytest.approx(0.2)
+    x, y, z = contact_point(ROBOT, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), box, leg, 0.0)
+    assert np.hypot(x + ROBOT.legs.foot_radius_m, y) == pytest.approx(0.2)
     assert np.sign(y) == (1 if leg == "FL" else -1)
     assert z == pytest.approx(0.15)
 
@@ -79,7 +80,7 @@ def test_a_push_moves_the_box_away_from_the_face_and_the_robot_follows(at_the_bo
     assert 0.03 < moved.x_m < 0.045
     assert -6.0 < degrees(moved.yaw_rad) < -1.5
     pose = pushed_pose(planar_pose(after.world.box), face)
-    station = behind_box(pushed_box(at_the_box.box, face), pose, STATION_M)
+    station = behind_box(pushed_box(at_the_box.box, face), pose, ROBOT.station_m)
     trunk = planar_pose(after.world.trunk)
     assert abs(trunk.x_m - station.x_m) < 0.03
     assert abs(trunk.y_m - station.y_m) < 0.03

@@ -7,11 +7,12 @@ import pytest
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.scene.robot import LEGS, Leg
+from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.scenario import Box, PoseDeg
 from sim_proc.control.gait import swing_to
 from sim_proc.control.posture import Posture
 from sim_proc.control.steps import CAUTION, Step, Steps
+from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
 
 FAR_BOX = Box(pose=PoseDeg(x_m=9.0, y_m=9.0, yaw_deg=0.0))
@@ -42,7 +43,7 @@ def test_a_step_moves_one_foot_and_leaves_the_others_down(steps: Steps, leg: Leg
     before = steps.posture.plant.tips_m()
     step = ahead(steps, leg, 0.1)
 
-    log = steps.take_step([step], swing_to(step.target_m, SWING_TICKS))
+    log = steps.take_step([step], swing_to(ROBOT, step.target_m, SWING_TICKS))
 
     moved = steps.posture.plant.tips_m()[:, :2] - before[:, :2]
     expected = np.zeros((4, 2))
@@ -55,7 +56,7 @@ def test_a_step_moves_one_foot_and_leaves_the_others_down(steps: Steps, leg: Leg
 
 def test_the_com_is_over_the_other_feet_while_a_leg_swings(steps: Steps) -> None:
     step = ahead(steps, "FL", 0.1)
-    log = steps.take_step([step], swing_to(step.target_m, SWING_TICKS))
+    log = steps.take_step([step], swing_to(ROBOT, step.target_m, SWING_TICKS))
     com, centre = log.com_m[-SWING_TICKS:, :2], log.tips_m[-SWING_TICKS:, 1:, :2].mean(axis=1)
     assert (com[:, 0] < 2.0).all()
     assert (com[:, 1] < 5.0).all()
@@ -64,7 +65,7 @@ def test_the_com_is_over_the_other_feet_while_a_leg_swings(steps: Steps) -> None
 
 def test_a_shift_that_is_too_short_for_a_stable_lift_is_made_longer(steps: Steps) -> None:
     step = ahead(steps, "FL", 0.1, shift_ticks=2)
-    log = steps.take_step([step], swing_to(step.target_m, SWING_TICKS))
+    log = steps.take_step([step], swing_to(ROBOT, step.target_m, SWING_TICKS))
     assert len(log.ctrl) > step.n_ticks
 
 
@@ -72,18 +73,18 @@ def test_a_foot_that_does_not_land_is_no_footstep_and_goes_on_without_a_shift(st
     step = ahead(steps, "FR", 0.1)
 
     def half_way(start_m: Floats) -> Floats:
-        return swing_to(step.target_m, 2 * SWING_TICKS)(start_m)[:SWING_TICKS]
+        return swing_to(ROBOT, step.target_m, 2 * SWING_TICKS)(start_m)[:SWING_TICKS]
 
     steps.take_step([step], half_way, lands=False)
     assert (steps.n_footsteps, steps.landed) == (0, None)
     assert steps.posture.plant.tips_m()[1, 2] > 0.05
 
-    steps.take_step([replace(step, shift_ticks=0)], swing_to(step.target_m, SWING_TICKS))
+    steps.take_step([replace(step, shift_ticks=0)], swing_to(ROBOT, step.target_m, SWING_TICKS))
     assert (steps.n_footsteps, steps.landed) == (1, 1)
     np.testing.assert_allclose(steps.posture.plant.tips_m()[1, :2], step.target_m, atol=1e-3)
 
 
 def test_a_turn_ends_at_its_yaw(steps: Steps) -> None:
     step = replace(ahead(steps, "RL", 0.0), end_yaw_rad=0.1)
-    steps.take_step([step], swing_to(step.target_m, SWING_TICKS))
+    steps.take_step([step], swing_to(ROBOT, step.target_m, SWING_TICKS))
     assert steps.posture.plant.trunk_pose().yaw_rad == pytest.approx(0.1, abs=1e-6)

@@ -11,7 +11,7 @@ import pytest
 from mcap.reader import make_reader
 
 from legpush.history.timeline import BOX, JOINTS, TRUNK, Timeline
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from sim_proc.export.columns import columns_of
 from sim_proc.export.foxglove_file import write_foxglove
 from sim_proc.export.source import Source

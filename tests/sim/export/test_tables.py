@@ -8,7 +8,7 @@ import pytest
 from pyarrow import parquet
 
 from legpush.history.timeline import Timeline
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from sim_proc.export.columns import columns_of
 from sim_proc.export.source import Source
 from sim_proc.export.table_csv import write_csv

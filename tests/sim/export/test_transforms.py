@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from legpush.arrays import Floats
-from legpush.scene.robot import N_QPOS
+from legpush.scene.conventions import N_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.export.transforms import moving_frames, product, standing_frames, turn_to
 from sim_proc.model.shapes import parts_of

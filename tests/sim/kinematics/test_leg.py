@@ -5,14 +5,15 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from legpush.scene.robot import L2_M, L3_M, LEGS
+from legpush.scene.conventions import LEGS
 from legpush.scene.scenario import Scenario
-from sim_proc.kinematics.leg import HIPS_B, LOWER_LIMITS, SIDE, UPPER_LIMITS, forward, inverse, jacobian
+from sim_proc.kinematics.leg import SIDE
 from sim_proc.model.world import build_model
+from tests.robots import KINEMATICS, ROBOT
 
 
 def random_joints(n: int, seed: int = 0) -> np.ndarray:
-    return np.random.default_rng(seed).uniform(LOWER_LIMITS, UPPER_LIMITS, (n, 4, 3))
+    return np.random.default_rng(seed).uniform(KINEMATICS.lower_limits_rad, KINEMATICS.upper_limits_rad, (n, 4, 3))
 
 
 def test_forward_kinematics_equal_those_of_the_model_over_the_whole_joint_range(at_the_box: Scenario) -> None:
@@ -23,44 +24,60 @@ def test_forward_kinematics_equal_those_of_the_model_over_the_whole_joint_range(
         data.qpos[7:19] = joints.ravel()
         mujoco.mj_kinematics(model, data)
         tips_b = (data.site_xpos[sites] - data.body("trunk").xpos) @ data.body("trunk").xmat.reshape(3, 3)
-        np.testing.assert_allclose(tips_b, HIPS_B + forward(joints, SIDE), atol=1e-12)
+        np.testing.assert_allclose(tips_b, KINEMATICS.hips_b + KINEMATICS.forward(joints, SIDE), atol=1e-12)
 
 
 def test_inverse_kinematics_reach_every_tip_of_the_joint_range_inside_the_limits() -> None:
     joints = random_joints(20_000)
-    tips = forward(joints, SIDE)
-    found = inverse(tips, SIDE)
-    np.testing.assert_allclose(forward(found, SIDE), tips, atol=1e-9)
-    assert (found >= LOWER_LIMITS - 1e-9).all()
-    assert (found <= UPPER_LIMITS + 1e-9).all()
+    tips = KINEMATICS.forward(joints, SIDE)
+    found = KINEMATICS.inverse(tips, SIDE)
+    np.testing.assert_allclose(KINEMATICS.forward(found, SIDE), tips, atol=1e-9)
+    assert (found >= KINEMATICS.lower_limits_rad - 1e-9).all()
+    assert (found <= KINEMATICS.upper_limits_rad + 1e-9).all()
 
 
 def test_inverse_kinematics_give_back_the_joints_where_the_foot_is_below_the_hip() -> None:
     joints = random_joints(20_000, seed=1)
-    below = L2_M * np.cos(joints[..., 1]) + L3_M * np.cos(joints[..., 1] - joints[..., 2]) > 1e-3
+    below = (
+        ROBOT.legs.upper_length_m * np.cos(joints[..., 1])
+        + ROBOT.legs.lower_length_m * np.cos(joints[..., 1] - joints[..., 2])
+        > 1e-3
+    )
     assert below.mean() > 0.8
-    found = inverse(forward(joints, SIDE), SIDE)
+    found = KINEMATICS.inverse(KINEMATICS.forward(joints, SIDE), SIDE)
     np.testing.assert_allclose(found[below], joints[below], atol=1e-6)
 
 
 def test_a_tip_out_of_reach_is_nan_unless_the_leg_may_saturate() -> None:
     far = np.array([0.5, 0.111, -0.7])
-    assert np.isnan(inverse(far, 1.0)).any()
-    stretched = inverse(far, 1.0, saturate=True)
+    assert np.isnan(KINEMATICS.inverse(far, 1.0)).any()
+    stretched = KINEMATICS.inverse(far, 1.0, saturate=True)
     assert np.isfinite(stretched).all()
-    tip = forward(stretched, 1.0)
-    assert np.linalg.norm(far - tip) < np.linalg.norm(far - forward(inverse(0.5 * far, 1.0), 1.0))
+    tip = KINEMATICS.forward(stretched, 1.0)
+    assert np.linalg.norm(far - tip) < np.linalg.norm(far - KINEMATICS.forward(KINEMATICS.inverse(0.5 * far, 1.0), 1.0))
 
 
 @given(st.integers(0, 2**31), st.integers(0, 3))
 def test_the_jacobian_is_the_derivative_of_forward_kinematics(seed: int, leg: int) -> None:
     joints = random_joints(1, seed)[0, leg]
     step = 1e-6 * np.eye(3)
-    slopes = [(forward(joints + d, SIDE[leg]) - forward(joints - d, SIDE[leg])) / 2e-6 for d in step]
-    np.testing.assert_allclose(jacobian(joints, SIDE[leg]), np.stack(slopes, axis=-1), atol=1e-8)
+    slopes = [
+        (KINEMATICS.forward(joints + d, SIDE[leg]) - KINEMATICS.forward(joints - d, SIDE[leg])) / 2e-6 for d in step
+    ]
+    np.testing.assert_allclose(KINEMATICS.jacobian(joints, SIDE[leg]), np.stack(slopes, axis=-1), atol=1e-8)
 
 
 def test_left_and_right_legs_mirror_each_other() -> None:
     joints = random_joints(1000)[:, 0]
     mirrored = joints * [-1.0, 1.0, 1.0]
-    np.testing.assert_allclose(forward(joints, 1.0) * [1.0, -1.0, 1.0], forward(mirrored, -1.0), atol=1e-12)
+    np.testing.assert_allclose(
+        KINEMATICS.forward(joints, 1.0) * [1.0, -1.0, 1.0], KINEMATICS.forward(mirrored, -1.0), atol=1e-12
+    )
+
+
+def test_the_robot_stands_with_its_feet_on_the_floor_at_the_corners_of_the_rectangle() -> None:
+    joints = KINEMATICS.standing_joints_rad()
+    tips = KINEMATICS.hips_b + KINEMATICS.forward(joints, SIDE)
+    np.testing.assert_allclose(tips[:, :2], ROBOT.stance.foot_rectangle_b(), atol=1e-12)
+    np.testing.assert_allclose(tips[:, 2] + ROBOT.stance.height_m, ROBOT.legs.foot_radius_m)
+    assert ((joints > KINEMATICS.lower_limits_rad) & (joints < KINEMATICS.upper_limits_rad)).all()

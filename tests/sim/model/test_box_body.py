@@ -8,11 +8,11 @@ from msgspec.structs import replace
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.names import BoxShape
-from legpush.scene.robot import FOOT_RADIUS_M
 from legpush.scene.scenario import Box, PoseDeg, Scenario
 from sim_proc.control.push_cycle import contact_point
 from sim_proc.model.world import build_model
 from sim_proc.simulator import Simulator
+from tests.robots import ROBOT
 
 SHAPES: tuple[BoxShape, ...] = ("cuboid", "cylinder", "wedge", "l_shape")
 LENGTH_M, WIDTH_M, HEIGHT_M = 0.4, 0.5, 0.3
@@ -70,10 +70,12 @@ def test_a_shape_rests_on_the_floor_and_is_pushed_forward(at_the_box: Scenario, 
 
 def test_the_curve_ends_where_the_surface_of_the_shape_is(at_the_box: Scenario) -> None:
     pose = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
-    flat, round_ = (contact_point(pose, shaped(at_the_box, shape).box, "FL", 0.05) for shape in ("cuboid", "cylinder"))
+    flat, round_ = (
+        contact_point(ROBOT, pose, shaped(at_the_box, shape).box, "FL", 0.05) for shape in ("cuboid", "cylinder")
+    )
 
-    assert flat[0] == pytest.approx(-LENGTH_M / 2 + 0.05 - FOOT_RADIUS_M)
-    on_surface = np.hypot(round_[0] - 0.05 + FOOT_RADIUS_M, round_[1])
+    assert flat[0] == pytest.approx(-LENGTH_M / 2 + 0.05 - ROBOT.legs.foot_radius_m)
+    on_surface = np.hypot(round_[0] - 0.05 + ROBOT.legs.foot_radius_m, round_[1])
     assert on_surface == pytest.approx(LENGTH_M / 2)
 
 

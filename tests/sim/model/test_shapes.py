@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.scene.robot import JOINT_QPOS, LEGS
+from legpush.scene.conventions import JOINT_QPOS, LEGS
 from legpush.scene.scenario import Scenario
 from sim_proc.model.shapes import FLOOR_GREY, Part, parts_of
 

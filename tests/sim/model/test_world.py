@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEG_JOINTS, TRUNK_QPOS
 from legpush.scene.names import BoxShape
-from legpush.scene.robot import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from legpush.scene.scenario import Rectangle, Scenario
-from sim_proc.kinematics.body import LEG_JOINTS
 from sim_proc.model.world import build_model, model_xml
 
 

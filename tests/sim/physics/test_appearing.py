@@ -9,11 +9,12 @@ from msgspec.structs import replace
 
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Reset, Walk
-from legpush.scene.robot import CONTROL_PERIOD_S, JOINT_QPOS
+from legpush.scene.conventions import CONTROL_PERIOD_S, JOINT_QPOS
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from sim_proc.physics.appearing import BOX_CLEARANCE_M, NEVER, ROBOT_CLEARANCE_M, Waiting
+from sim_proc.physics.appearing import BOX_CLEARANCE_M, NEVER, Waiting, robot_clearance_m
 from sim_proc.physics.physics import Physics
 from sim_proc.simulator import Simulator
+from tests.robots import ROBOT
 
 AWAY = Pose2(x_m=9.0, y_m=9.0, yaw_rad=0.0)
 BLOCK = Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=4.0, y_max_m=6.0, appears_at_s=1.0)
@@ -53,7 +54,7 @@ def test_an_obstacle_is_due_at_the_first_tick_at_or_after_its_time(
     at_the_box: Scenario, appears_at_s: float, tick: int
 ) -> None:
     room = with_obstacles(at_the_box, replace(BLOCK, appears_at_s=appears_at_s)).room
-    waiting = Waiting(room, at_the_box.box)
+    waiting = Waiting(room, at_the_box.box, ROBOT)
 
     first = next(t for t in range(1, 100) if waiting.take_due(t, AWAY, AWAY))
 
@@ -63,25 +64,25 @@ def test_an_obstacle_is_due_at_the_first_tick_at_or_after_its_time(
 
 def test_an_obstacle_waits_while_robot_or_box_is_near_its_place(at_the_box: Scenario) -> None:
     room = with_obstacles(at_the_box, BLOCK).room
-    waiting = Waiting(room, at_the_box.box)
+    waiting = Waiting(room, at_the_box.box, ROBOT)
 
     def at_x(x_m: float) -> Pose2:
         return Pose2(x_m=x_m, y_m=5.0, yaw_rad=0.0)
 
     half_length_m = at_the_box.box.size_m[0] / 2
     assert waiting.take_due(60, at_x(4.2), AWAY) == []
-    assert waiting.take_due(61, at_x(4.0 - ROBOT_CLEARANCE_M + 0.001), AWAY) == []
+    assert waiting.take_due(61, at_x(4.0 - robot_clearance_m(ROBOT) + 0.001), AWAY) == []
     assert waiting.take_due(62, AWAY, at_x(4.2)) == []
     assert waiting.take_due(63, AWAY, at_x(4.0 - half_length_m - BOX_CLEARANCE_M + 0.001)) == []
     near = at_x(4.0 - half_length_m - BOX_CLEARANCE_M - 0.001)
-    assert waiting.take_due(64, at_x(4.0 - ROBOT_CLEARANCE_M - 0.001), near) == [0]
+    assert waiting.take_due(64, at_x(4.0 - robot_clearance_m(ROBOT) - 0.001), near) == [0]
     assert waiting.take_due(65, AWAY, AWAY) == []
 
 
 def test_each_obstacle_appears_by_itself_and_those_from_the_start_never_do(at_the_box: Scenario) -> None:
     later = [replace(BLOCK, appears_at_s=at_s) for at_s in (3.0, 1.0)]
     room = with_obstacles(at_the_box, later[0], replace(BLOCK, appears_at_s=0.0), later[1]).room
-    waiting = Waiting(room, at_the_box.box)
+    waiting = Waiting(room, at_the_box.box, ROBOT)
 
     assert waiting.indices == (0, 2)
     assert waiting.next_tick == 50
@@ -151,7 +152,7 @@ def test_the_observation_says_what_has_appeared_and_when_and_it_stays(at_the_box
     _, second = outcomes[-1].world.appeared
     assert second.obstacle == 0
     ticks = {tick: qpos for o in outcomes if o.trace for tick, qpos in zip(o.trace.tick, o.trace.qpos, strict=True)}
-    assert ticks[second.tick][0] <= 2.0 - ROBOT_CLEARANCE_M < ticks[second.tick - 1][0]
+    assert ticks[second.tick][0] <= 2.0 - robot_clearance_m(ROBOT) < ticks[second.tick - 1][0]
 
 
 def test_equal_actions_lead_to_equal_states_and_a_reset_puts_everything_back(at_the_box: Scenario) -> None:

@@ -8,10 +8,10 @@ import pytest
 
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
-from legpush.scene.robot import JOINT_QPOS
+from legpush.scene.conventions import JOINT_QPOS
 from legpush.scene.scenario import Scenario
-from sim_proc.kinematics.body import STANDING_HEIGHT_M
 from sim_proc.physics.physics import Physics
+from tests.robots import ROBOT
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def test_robot_and_box_begin_at_their_poses_at_rest(at_the_box: Scenario) -> Non
     physics = Physics(at_the_box, trunk, box)
     for measured, expected in ((physics.trunk_pose(), trunk), (physics.box_pose(), box)):
         np.testing.assert_allclose([*measured.xy(), measured.yaw_rad], [*expected.xy(), expected.yaw_rad])
-    assert physics.data.qpos[2] == STANDING_HEIGHT_M
+    assert physics.data.qpos[2] == ROBOT.stance.height_m
     np.testing.assert_array_equal(physics.data.qvel, np.zeros(24))
     assert (physics.tick, physics.fallen) == (0, False)
 

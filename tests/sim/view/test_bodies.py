@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Appearance
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from legpush.scene.scenario import Rectangle, Room, Scenario
 from sim_proc.view.bodies import Bodies
 

@@ -9,7 +9,7 @@ from legpush.history.run_history import RunHistory
 from legpush.history.timeline import BOX, Timeline
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Outcome, Push
-from legpush.scene.robot import LEGS
+from legpush.scene.conventions import LEGS
 from sim_proc.control.balance import support_margin
 from sim_proc.view import overlays
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from legpush.history.timeline import Timeline
-from legpush.scene.robot import CONTROL_PERIOD_S
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.view.player import Player
 
 

@@ -1,0 +1,145 @@
+"""How the robot stands, walks and pushes, and when it has fallen. A tick is 0.02 s."""
+
+from math import hypot
+
+import numpy as np
+from msgspec import Struct
+
+from legpush.arrays import Floats
+from legpush.bounds import BodyDistance, BodyLength, FallTilt, SideShare, StationTurn, StepTurn, Ticks, Unit
+
+
+class Stance(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot stands: its feet at the corners of a rectangle about the trunk's ground projection."""
+
+    foot_rectangle_length_m: BodyLength = 0.5963
+    foot_rectangle_width_m: BodyLength = 0.3346
+    """The paper's rectangle."""
+    height_m: BodyLength = 0.48
+    """Height of the trunk's centre above the floor."""
+    com_below_trunk_m: BodyDistance = 0.05
+    """How far the centre of mass is below the trunk's centre, because the legs hang down."""
+    body_length_m: BodyLength = 0.76
+    """Length of the floor that trunk and stance cover, about the trunk's ground projection."""
+    body_width_m: BodyLength = 0.44
+    """Width of that floor."""
+
+    def __post_init__(self) -> None:
+        """Check that the centre of mass is above the floor.
+
+        Raises:
+            ValueError: It is not.
+        """
+        if not self.com_below_trunk_m < self.height_m:
+            raise ValueError(f"Expected com_below_trunk_m < height_m, got {self.com_below_trunk_m} and {self.height_m}")
+
+    @property
+    def foot_circle_m(self) -> float:
+        """Radius of the circle through the four feet."""
+        return hypot(self.foot_rectangle_length_m, self.foot_rectangle_width_m) / 2
+
+    @property
+    def com_height_m(self) -> float:
+        """Height of the centre of mass."""
+        return self.height_m - self.com_below_trunk_m
+
+    def foot_rectangle_b(self) -> Floats:
+        """Return the corners in the ground-projected body frame, (4, 2), in the order of `LEGS`."""
+        half_length, half_width = self.foot_rectangle_length_m / 2, self.foot_rectangle_width_m / 2
+        return np.array(
+            [
+                [half_length, half_width],
+                [half_length, -half_width],
+                [-half_length, half_width],
+                [-half_length, -half_width],
+            ]
+        )
+
+
+class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot walks."""
+
+    stride_m: BodyLength = 0.4
+    """Largest advance of the trunk in a gait cycle."""
+    max_step_m: BodyLength = 0.48
+    """Largest step of a foot."""
+    max_turn_rad: StepTurn = 0.6
+    """Largest change of heading in a gait cycle."""
+    step_height_m: BodyLength = 0.05
+    """How high a foot is lifted."""
+    press_m: BodyDistance = 0.001
+    """How far a landing foot is commanded into the floor."""
+    shift_ticks: Ticks = 6
+    """Time to shift the weight before a foot is lifted."""
+    swing_ticks: Ticks = 13
+    """Time that a foot is in the air."""
+    first_shift_ticks: Ticks = 16
+    """Shift before the first step of a path. A quicker start from standing would unload a standing foot."""
+    settle_ticks: Ticks = 24
+    """Time after the last step to bring the weight back to the middle."""
+    ramp_ticks: Ticks = 5
+    """Time to load or unload a foot."""
+    margin_m: BodyDistance = 0.055
+    """Wanted distance of the zero-moment point inside the support polygon while a foot is in the air."""
+    least_margin_m: BodyDistance = 0.01
+    """A foot is lifted once the projection of the centre of mass is planned to stay this far inside the polygon."""
+    max_off_m: BodyLength = 0.35
+    """Largest distance from the trunk to the start of a path, or to the place to push from. The first steps to a place
+    farther away would be out of reach."""
+    max_off_deg: StationTurn = 45.0
+    """Largest turn from the trunk to such a place."""
+
+    def __post_init__(self) -> None:
+        """Check that a foot can step as far as the trunk advances.
+
+        Raises:
+            ValueError: It cannot.
+        """
+        if not self.stride_m <= self.max_step_m:
+            raise ValueError(f"Expected stride_m <= max_step_m, got {self.stride_m} and {self.max_step_m}")
+
+
+class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot stands at the box and pushes it."""
+
+    gap_m: BodyDistance = 0.12
+    """Distance from the hips of the front legs to the rear face of the box when the robot stands ready to push."""
+    stand_off_m: BodyLength = 0.75
+    """Distance from the trunk centre to that face at the end of the walk: there the box can still count as an
+    obstacle."""
+    contact_height_share: Unit = 0.5
+    """Height of the contact point, as a share of the height of the box."""
+    contact_side_share: SideShare = 0.3
+    """Distance of the contact point from the middle of the face, to the left (FL) or right (FR), as a share of the
+    width of the box."""
+    at_station_m: BodyLength = 0.15
+    """Largest distance from the station at which the robot may push; each push cycle ends at the station."""
+    at_station_deg: StationTurn = 15.0
+    """Largest turn from the station at which it may push."""
+    least_back_m: BodyDistance = 0.2
+    """Least distance that the robot steps back from a face before it walks to another one."""
+    most_back_m: BodyDistance = 1.2
+    """Largest distance that it steps back."""
+    calibration_push_m: BodyLength = 0.06
+    """Largest distance by which one push of a calibration moves the box."""
+    margin_m: BodyDistance = 0.06
+    """Wanted distance of the zero-moment point inside the support polygon while a foot is in the air."""
+    shift_ticks: Ticks = 14
+    """Time to shift the weight before the push."""
+    push_ticks: Ticks = 48
+    """Time of the push."""
+    return_ticks: Ticks = 16
+    """Time to return the foot to the floor."""
+    restep_shift_ticks: Ticks = 8
+    """Time to shift the weight before each step to the box."""
+    restep_swing_ticks: Ticks = 11
+    """Time of each of these steps."""
+
+
+class FallLimits(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When the robot has fallen."""
+
+    tilt_deg: FallTilt = 30.0
+    """A robot that is tilted more has fallen."""
+    height_share: Unit = 0.625
+    """A robot whose trunk is lower than this share of its standing height has fallen."""

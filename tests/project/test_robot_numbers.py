@@ -1,0 +1,64 @@
+"""Numbers of the robot are in its record alone: no module keeps one of its own, and none assumes the default robot."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+from tests.project.test_layout import PACKAGES, modules
+
+BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/model", "sim_proc/physics")
+"""Folders of the robot's body and motion."""
+OF_NO_ROBOT = {
+    "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
+    "control/footsteps.py": {"ADVANCES", "SAME_M", "STRIDE_SHARES"},
+    "control/steps.py": {"SHIFT_WEIGHT", "LIFTED_SHARE", "CAUTION"},
+    "control/swing.py": {"LOCUS_RANGE_RAD"},
+    "kinematics/leg.py": {"SIDE"},
+    "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M"},
+    "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES"},
+    "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN"},
+    "model/shapes.py": {"FLOOR_GREY"},
+    "model/world.py": {"PHYSICS_STEP_S", "WALL_FRICTION", "NET_FORCE"},
+    "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
+    "physics/physics.py": {"PARKED_M", "JOINT_QVEL"},
+}
+"""Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""
+MAKE_THE_DEFAULT = {"shared/legpush/scene/scenario.py", "shared/legpush/scenarios/file.py"}
+"""Modules that may make the default robot: as the default of a scenario, and to leave its numbers out of a file."""
+RECORDS = tuple(f"shared/legpush/scene/{name}.py" for name in ("robot", "robot_body", "robot_motion"))
+
+
+def assigned_numbers(path: Path) -> Iterator[str]:
+    """Names at the top of a module whose values are written with numbers."""
+    for node in ast.parse(path.read_text()).body:
+        if not isinstance(node, (ast.Assign, ast.AnnAssign)) or node.value is None:
+            continue
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        constants = [part.value for part in ast.walk(node.value) if isinstance(part, ast.Constant)]
+        if any(type(constant) in (int, float) for constant in constants):
+            yield from (target.id for target in targets if isinstance(target, ast.Name))
+
+
+def makes_a_default_robot(path: Path) -> bool:
+    """Whether a module calls `RobotSpec` or one of its parts without arguments."""
+    parts = ("RobotSpec", "Trunk", "Legs", "Joints", "Stance", "Gait", "PushMotion", "FallLimits")
+    calls = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call))
+    return any(isinstance(call.func, ast.Name) and call.func.id in parts and not call.keywords for call in calls)
+
+
+def test_body_and_motion_have_no_numbers_of_the_robot_beside_its_record(root: Path) -> None:
+    found = {
+        str(path.relative_to(root / "sim_proc")): names
+        for path in modules(root, *BODY_AND_MOTION)
+        if (names := set(assigned_numbers(path)))
+    }
+    assert found == OF_NO_ROBOT
+
+
+def test_the_records_of_the_robot_have_no_numbers_to_import(root: Path) -> None:
+    assert [list(assigned_numbers(root / path)) for path in RECORDS] == [[], [], []]
+
+
+def test_no_module_assumes_the_default_robot(root: Path) -> None:
+    makers = {str(path.relative_to(root)) for path in modules(root, *PACKAGES) if makes_a_default_robot(path)}
+    assert makers == {*MAKE_THE_DEFAULT, "shared/legpush/scene/robot.py"}
