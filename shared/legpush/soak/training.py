@@ -205,4 +205,11 @@ def _end(learner: "subprocess.Popen[bytes]") -> None:
 
 
 def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else os.fspath(path)
+    """The hash of a file, a card without its command, which names the folder; the path of a file that is missing."""
+    if not path.exists():
+        return os.fspath(path)
+    data = path.read_bytes()
+    if path.suffix == ".json":
+        card = msgspec.json.decode(data)
+        data = msgspec.json.encode({key: value for key, value in card.items() if key != "command"})
+    return hashlib.sha256(data).hexdigest()

@@ -11,7 +11,7 @@ from legpush.soak import training
 from legpush.soak.training import COMPARED, TrainingSoak
 
 TRAIN = """
-import subprocess, sys, time
+import json, subprocess, sys, time
 from pathlib import Path
 words = dict(zip(sys.argv[2::2], sys.argv[3::2]))
 folder = Path(words.get("--resume") or words["--out"])
@@ -28,7 +28,7 @@ try:
         time.sleep(0.05 if folder.name == "disturbed" else 0.0)
     for name in NAMES:
         (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text(WEIGHTS)
+        (folder / name).write_text(json.dumps({"command": name[-4:] == "json" and str(folder), "weights": WEIGHTS}))
 finally:
     simulator.kill()
 """
