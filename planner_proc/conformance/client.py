@@ -41,7 +41,7 @@ class PlannerProcess:
         self._closing = ExitStack()
 
     def __enter__(self) -> Self:
-        directory = self._closing.enter_context(socket_directory("check-"))
+        directory = self._closing.enter_context(socket_directory())
         self.endpoints = Endpoints(connect=in_directory(directory, "planner").listen)
         self._closing.callback(self._crew.stop)
         self.start()

@@ -9,6 +9,8 @@ from typing import Any, Final, get_args, get_type_hints
 from agent_proc.mission.process import AgentConfig
 from legpush.cli import command as cli
 from legpush.messages.common import Role
+from legpush.options.bench import Bench
+from legpush.options.policies import Policies
 from legpush.options.scenarios import Scenarios
 from legpush.options.study import Studies
 from legpush.service import ServiceConfig, parse
@@ -36,7 +38,7 @@ def commands() -> Iterator[str]:
     yield ""
     for name in _names(cli.Command):
         yield name
-    for command, options in (("scenarios", Scenarios), ("study", Studies)):
+    for command, options in (("scenarios", Scenarios), ("study", Studies), ("policy", Policies), ("bench", Bench)):
         for name in _names(get_type_hints(options, include_extras=True)["action"]):
             yield f"{command} {name}"
 

@@ -66,9 +66,9 @@ class LiveRun(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         )
 
 
-def socket_directory(kind: str = "") -> AbstractContextManager[Path]:
+def socket_directory() -> AbstractContextManager[Path]:
     """A directory of mode 0700 for the sockets of a run, where `find_live_runs` looks."""
-    return temporary_folder(kind, socket_place())
+    return temporary_folder(parent=socket_place())
 
 
 def clear_killed_runs() -> list[str]:

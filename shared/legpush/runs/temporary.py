@@ -19,7 +19,7 @@ OWNER_FILE: Final = ".owner"
 """A file that the owner of the folder keeps locked. The kernel unlocks it when the owner ends, however it ends."""
 SHORT: Final = "/tmp"  # noqa: S108 - only the parent of a directory that is made for one run
 """Where the sockets are if `TMPDIR` is too long for them."""
-SPARE_BYTES: Final = len("/legpush-check-12345678/planner.sock") + 2
+SPARE_BYTES: Final = len("/legpush-12345678/planner.sock") + 2
 """Room for a directory of sockets and the longest name of one, behind a temporary directory."""
 NO_ENDPOINT: Final = frozenset("?#")
 """Characters that begin the parameters of an endpoint."""

@@ -100,7 +100,7 @@ def test_an_interrupted_evaluation_goes_on_to_the_result_of_an_undisturbed_one(
 
     with monkeypatch.context() as patch:
         patch.setattr(evaluate, "simulators", stopping(stop, n_finished))
-        words = f"interrupted: {n_finished} of 4 episodes are kept; to go on: legpush evaluate "
+        words = f"interrupted: {n_finished} of 4 episodes are kept; to go on: legpush evaluate"
         with pytest.raises(StopRequestedError, match=words):
             run(options, Console(file=io.StringIO()))
     assert {path.name for path in folder.iterdir()} == {"finished.jsonl", "logs"}
