@@ -15,14 +15,16 @@ MODULES = sorted(
 ALLOWED = {
     ("agent_proc/policies/sb3/model_file.py", "pickle"): "a normalizer that the command line names and trusts",
     ("agent_proc/policies/sb3/old_folder.py", "pickle"): "the error of PyTorch's loader, which loads weights alone",
-    ("agent_proc/policies/registry.py", "import_module"): "a policy that the command line names",
-    ("shared/legpush/study/cells.py", "import_module"): "a kind of cell that the command line names",
+    ("agent_proc/policies/registry.py", "load_address"): "a policy that the command line names",
+    ("shared/legpush/study/cells.py", "load_address"): "a kind of cell that the command line names",
+    ("shared/legpush/plugins.py", "import_module"): "`load_address`, whose callers are listed here",
+    ("shared/legpush/entry/program.py", "import_module"): "the program that the command line of this process names",
     ("shared/legpush/__init__.py", "import_module"): "names of the package itself",
 }
 CODE_MODULES = {"pickle", "cloudpickle", "dill", "joblib", "shelve", "marshal", "code", "codeop", "runpy"}
 CODE_CALLS = {
     *("eval", "exec", "compile", "__import__", "import_module", "spec_from_file_location", "run_path", "run_module"),
-    *("system", "popen", "unsafe_load", "full_load", "load_all", "from_xml_path"),
+    *("load_address", "system", "popen", "unsafe_load", "full_load", "load_all", "from_xml_path"),
 }
 METHODS_ALLOWED = {"compile"}
 """Methods with the name of a dangerous function, such as `re.compile`."""

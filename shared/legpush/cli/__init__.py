@@ -9,9 +9,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     For the command line of this process, signals are handled as `legpush.entry` describes.
     """
     if argv is None:
-        from legpush.entry.program import run_module
+        from legpush.entry.program import run_main
 
-        return run_module("legpush.cli.command")
+        return run_main("legpush.cli.command")
     from legpush.cli.command import main as run_command
 
     return run_command(argv)

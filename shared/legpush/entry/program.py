@@ -21,7 +21,7 @@ def enter_profile_quietly() -> None:
     release()
 
 
-def run_module(module: str, *arguments: str, profile: bool = False) -> int:
+def run_main(module: str, *arguments: str, profile: bool = False) -> int:
     """Import the module, call its `main` with the arguments, and return the exit code.
 
     With `profile`, the process first starts itself again under the numerics profile, unless it is under it already. An

@@ -8,9 +8,9 @@ from pathlib import Path
 
 MAIN = """
 import sys
-from legpush.entry.program import run_module
+from legpush.entry.program import run_main
 print("begins", flush=True)
-sys.exit(run_module("work"))
+sys.exit(run_main("work"))
 """
 
 

@@ -97,9 +97,9 @@ def main():
 SECOND = '''
 import time
 time.sleep(0.2)
-from legpush.entry.program import run_module
+from legpush.entry.program import run_main
 print("handles it", flush=True)
-run_module("work")
+run_main("work")
 '''
 """
     assert run(tmp_path, work) == Ended(130, "handles it\n", "")

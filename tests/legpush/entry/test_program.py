@@ -30,7 +30,7 @@ def test_a_fault_is_a_traceback_and_code_3(tmp_path: Path) -> None:
 
 def test_arguments_are_those_of_main_or_of_the_command_line(tmp_path: Path) -> None:
     work = "def main(*words):\n    print(words, sys.argv[1:])\n    return 0\n"
-    called = "import sys; from legpush.entry.program import run_module; sys.exit(run_module('work', 'a', 'b'))"
+    called = "import sys; from legpush.entry.program import run_main; sys.exit(run_main('work', 'a', 'b'))"
     assert run(tmp_path, work, called) == Ended(0, "('a', 'b') []\n", "")
     by_name = "import os, sys; os.execv(sys.executable, [sys.executable, '-m', 'legpush.entry', 'work', '--flag', 'x'])"
     assert run(tmp_path, work, by_name) == Ended(0, "() ['--flag', 'x']\n", "")
