@@ -47,7 +47,7 @@ def why_not_loaded(error: BaseException) -> str:
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
     library = error.name.partition(".")[0]
-    if library in LIBRARIES and library not in sys.modules:
+    if library in LIBRARIES and sys.modules.get(library) is None:
         remedy = f"pip install 'legpush[{LIBRARIES[library]}]' installs it"
         return f"ModuleNotFoundError: it needs {library}, which is not installed; {remedy}"
     return f"ModuleNotFoundError: it needs the module {error.name}, which is not on the Python path"

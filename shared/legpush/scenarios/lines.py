@@ -35,7 +35,7 @@ def line_of(path: str, lines: Lines) -> int | None:
     while path:
         if path in lines:
             return lines[path]
-        path = re.sub(r"(?:^|\.)[^.\[\]]*$|\[\d+\]$", "", path)
+        path = path[: max(path.rfind("."), path.rfind("["), 0)]
     return None
 
 

@@ -126,3 +126,15 @@ def test_every_key_of_any_file_is_found(plain: dict[str, Any]) -> None:
         assert all(1 <= line <= n_lines for line in lines.values())
         arrays = {path for path in paths(plain) if f"{path}[0]" in lines}
         assert set(paths(plain)) == set(lines) | arrays
+
+
+@given(st.text(max_size=30))
+def test_any_path_has_a_line_or_none(path: str) -> None:
+    assert line_of(path, {}) is None
+    assert line_of(path, {"": 1}) is None
+
+
+@given(st.dictionaries(st.text(max_size=4), VALUES, max_size=4))
+def test_keys_of_any_characters_are_walked_through(plain: dict[str, Any]) -> None:
+    n_lines = {text: text.count("\n") + 1 for text in (tomli_w.dumps(plain), json.dumps(plain, indent=1))}
+    assert all(1 <= line <= n for text, n in n_lines.items() for line in lines_of(text).values())
