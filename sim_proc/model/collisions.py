@@ -4,8 +4,6 @@ from typing import Final
 
 _ROBOT_BIT, _SURROUNDINGS_BIT, _LOWER_LEG_BIT = 1, 2, 4
 
-NOTHING: Final = {"contype": 0, "conaffinity": 0}
-"""Something that people look at, or that touches by listed pairs only."""
 ROBOT: Final = {"contype": _ROBOT_BIT, "conaffinity": _SURROUNDINGS_BIT}
 LOWER_LEG: Final = {"contype": _ROBOT_BIT | _LOWER_LEG_BIT, "conaffinity": _SURROUNDINGS_BIT | _LOWER_LEG_BIT}
 SURROUNDINGS: Final = {"contype": _SURROUNDINGS_BIT, "conaffinity": _ROBOT_BIT}

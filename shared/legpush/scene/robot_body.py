@@ -8,7 +8,7 @@ the knee (RAI Institute, `relic`, `TORQUE_SPEED_LIMIT`). For the hips no such li
 
 from itertools import pairwise
 from math import radians
-from typing import Annotated, Final
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
@@ -105,26 +105,6 @@ class Joint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         return radians(self.min_deg), radians(self.max_deg)
 
 
-KNEE_TORQUES: Final = (
-    (14.16, 30.60),
-    (22.91, 49.18),
-    (31.66, 66.06),
-    (40.41, 80.78),
-    (50.62, 94.73),
-    (60.83, 104.86),
-    (71.04, 111.01),
-    (82.71, 113.24),
-    (94.38, 110.69),
-    (106.05, 103.94),
-    (117.72, 93.66),
-    (129.39, 80.55),
-    (141.06, 65.27),
-    (151.27, 50.54),
-    (160.02, 37.17),
-)
-"""Every sixth or seventh row of the measured table, as flexion; between them it is within 1 N m of the table."""
-
-
 class HipX(Joint, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The joint that spreads the leg, about the x axis."""
 
@@ -146,7 +126,24 @@ class Knee(Joint, frozen=True, kw_only=True, forbid_unknown_fields=True):
     max_deg: KneeAngle = 130.0
     max_torque_n_m: Torque = 96.9972
     max_speed_rad_s: JointSpeed = 14.0
-    torque_by_angle: Annotated[tuple[tuple[JointAngle, Torque], ...], Meta(max_length=MAX_TORQUE_POINTS)] = KNEE_TORQUES
+    torque_by_angle: Annotated[tuple[tuple[JointAngle, Torque], ...], Meta(max_length=MAX_TORQUE_POINTS)] = (
+        (14.16, 30.60),
+        (22.91, 49.18),
+        (31.66, 66.06),
+        (40.41, 80.78),
+        (50.62, 94.73),
+        (60.83, 104.86),
+        (71.04, 111.01),
+        (82.71, 113.24),
+        (94.38, 110.69),
+        (106.05, 103.94),
+        (117.72, 93.66),
+        (129.39, 80.55),
+        (141.06, 65.27),
+        (151.27, 50.54),
+        (160.02, 37.17),
+    )
+    """Every sixth or seventh row of the measured table, as flexion; between them it is within 1 N m of the table."""
 
 
 class Joints(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -6,11 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
+from legpush.messages.stepping import Reset
 from legpush.scene.conventions import JOINT_QPOS
 from legpush.scene.scenario import Scenario
+from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.physics.physics import Physics
+from sim_proc.simulator import Simulator
 from tests.robots import ROBOT
 from tests.sim.commands import held
 
@@ -94,3 +98,32 @@ def test_a_state_that_is_not_finite_ends_the_episode(physics: Physics) -> None:
     targets = np.full((1, 12), np.nan)
     with pytest.raises(LegpushError, match=r"between ticks 0 and 1: the episode cannot go on"):
         physics.run(held(targets))
+
+
+def test_torques_stay_within_the_limits_at_each_angle_and_speed(physics: Physics) -> None:
+    targets = np.repeat(physics.data.qpos[JOINT_QPOS][None], 10, axis=0)
+    targets[:, 2] += np.linspace(0.1, 1.0, 10)
+    limits = ActuatorLimits(ROBOT)
+    seen: list[bool] = []
+    step = physics._run_limited_tick
+
+    def run_limited_tick(controls: Floats, sensors: Floats) -> None:
+        step(controls, sensors)
+        columns = (sensors[:, columns] for columns in physics._joint_sensors)
+        seen.append(bool(limits.beyond(*columns).any()))
+
+    physics._run_limited_tick = run_limited_tick  # type: ignore[method-assign]
+    physics.run(held(targets))
+    assert len(seen) == 10
+    assert not any(seen)
+
+
+def test_an_episode_begins_in_its_places_at_rest_with_the_weight_on_the_feet(at_the_box: Scenario) -> None:
+    simulator = Simulator()
+    world = simulator.perform(Reset(scenario=at_the_box, seed=0), with_trace=False).world
+    assert simulator.episode is not None
+    physics = simulator.episode.physics
+    assert (world.tick, physics.data.time) == (0, 0.0)
+    assert sum(world.foot_forces_n) == pytest.approx(physics.mass_kg * 9.81, rel=0.01)
+    assert min(world.foot_forces_n) > 0.2 * physics.mass_kg * 9.81
+    np.testing.assert_array_equal(physics.data.qvel, 0.0)
