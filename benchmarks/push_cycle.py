@@ -17,6 +17,7 @@ from experiments.tables.parts import plain
 from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
+from sim_proc.control.joint_commands import JointCommands
 from sim_proc.control.plant import TickLog
 from sim_proc.headless import mujoco
 from sim_proc.physics import physics
@@ -55,9 +56,9 @@ def main(config: Config) -> None:
         cycle_s.append(time.perf_counter() - began)
         mujoco.mj_setState(world.model, bare_data, state, STATE)
         began = time.perf_counter()
-        for control in np.concatenate(controls):
+        for control in np.concatenate(controls).reshape(-1, world.model.nu):
             bare_data.ctrl[:] = control
-            mujoco.mj_step(world.model, bare_data, physics.STEPS_PER_TICK)
+            mujoco.mj_step(world.model, bare_data)
         bare_s.append(time.perf_counter() - began)
         if not np.array_equal(bare_data.qpos, world.data.qpos):
             raise RuntimeError("The bare steps ended in another state: the comparison is void")
@@ -83,12 +84,12 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
     """Make `Physics.run` append its servo commands to the list from now on."""
     run = physics.Physics.run
 
-    def run_and_collect(self: physics.Physics, commands: np.ndarray, torques: np.ndarray) -> TickLog:
-        recording = run(self, commands, torques)
+    def run_and_collect(self: physics.Physics, commands: JointCommands) -> TickLog:
+        recording = run(self, commands)
         controls.append(recording.ctrl)
         return recording
 
-    physics.Physics.run = run_and_collect  # type: ignore[method-assign, assignment]
+    physics.Physics.run = run_and_collect  # type: ignore[method-assign]
 
 
 if __name__ == "__main__":

@@ -11,7 +11,8 @@ from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, T
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LOADED_N, TRUNK_QPOS
 from sim_proc.control.balance import support_margin
 from sim_proc.control.plant import TickLog
-from sim_proc.physics.physics import JOINT_QVEL, Physics
+from sim_proc.model.world import JOINT_QVEL
+from sim_proc.physics.physics import Physics
 
 
 def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, push: PushReport | None) -> WorldState:

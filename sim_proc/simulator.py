@@ -1,6 +1,7 @@
 """The simulator: carries out motions one by one and reports their outcomes. Without a motion nothing moves."""
 
 from math import radians
+from typing import Final
 
 import numpy as np
 from msgspec.structs import replace
@@ -17,6 +18,9 @@ from sim_proc.control.push_cycle import Pusher
 from sim_proc.control.steps import Steps
 from sim_proc.observation import trace, world_state
 from sim_proc.physics.physics import Physics
+
+SETTLE_TICKS: Final = 25
+"""How long robot and box stand before an episode begins, until the floor carries them."""
 
 
 class Simulator:
@@ -56,6 +60,9 @@ class SimulatedEpisode:
         trunk, box = drawn_poses(reset.scenario, reset.seed)
         self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
+        self.physics.tick = -SETTLE_TICKS
+        Posture(self.physics).stand(SETTLE_TICKS)
+        self.physics.begin()
         self._steps = Steps(Posture(self.physics))
         self._pusher = Pusher(self._steps, reset.scenario.box)
         self._walk: PathWalk | None = None

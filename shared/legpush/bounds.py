@@ -93,6 +93,13 @@ MAX_STEP_TURN_RAD: Final = 1.5
 LEAST_TILT_DEG: Final = 1.0
 MAX_TILT_DEG: Final = 90.0
 """Tilt of a robot that has fallen: at the least it may not sway, and at the most it lies on its side."""
+LEAST_JOINT_SPEED_RAD_S: Final = 0.1
+MAX_JOINT_SPEED_RAD_S: Final = 1e3
+"""Largest speed of a joint."""
+MAX_TORQUE_POINTS: Final = 200
+"""Most rows of a table of torques by angle."""
+MAX_LANDING_SPEED_M_S: Final = 1.0
+"""Fastest landing of a foot: a fall from 5 cm."""
 MAX_STATION_TURN_DEG: Final = 90.0
 """Largest turn from the robot to a place that it can still step to."""
 MAX_SIDE_SHARE: Final = 0.5
@@ -185,6 +192,8 @@ PositionGain = Annotated[float, Meta(ge=LEAST_GAIN_N_M_RAD, le=MAX_GAIN_N_M_RAD)
 VelocityGain = Annotated[float, Meta(ge=0.0, le=MAX_VELOCITY_GAIN_N_M_S_RAD)]
 Damping = Annotated[float, Meta(ge=0.0, le=MAX_VELOCITY_GAIN_N_M_S_RAD)]
 Torque = Annotated[float, Meta(ge=LEAST_TORQUE_N_M, le=MAX_TORQUE_N_M)]
+JointSpeed = Annotated[float, Meta(ge=LEAST_JOINT_SPEED_RAD_S, le=MAX_JOINT_SPEED_RAD_S)]
+LandingSpeed = Annotated[float, Meta(ge=0.0, le=MAX_LANDING_SPEED_M_S)]
 Armature = Annotated[float, Meta(ge=0.0, le=MAX_ARMATURE_KG_M2)]
 Ticks = Annotated[int, Meta(ge=LEAST_TICKS, le=MAX_TICKS)]
 StepTurn = Annotated[float, Meta(ge=LEAST_LENGTH_M, le=MAX_STEP_TURN_RAD)]

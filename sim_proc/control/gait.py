@@ -16,7 +16,7 @@ from legpush.scene.robot_motion import Gait
 from sim_proc.control.footsteps import GAIT_ORDER, CycleTargets, PosePath, next_cycle
 from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing
-from sim_proc.control.swing import parabola
+from sim_proc.control.swing import landing_swing
 
 
 class PathWalk:
@@ -121,6 +121,6 @@ def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
 
 
 def swing_to(robot: RobotSpec, target_m: Floats, n_ticks: int) -> Swing:
-    """A parabolic swing that lands at `target_m` (2,)."""
+    """A swing that lands slowly at `target_m` (2,)."""
     end_m = [*target_m, robot.touchdown_m]
-    return lambda start_m: parabola(start_m, end_m, robot.gait.step_height_m, n_ticks)
+    return lambda start_m: landing_swing(start_m, end_m, robot.gait.step_height_m, n_ticks, robot.gait)

@@ -6,6 +6,7 @@ from typing import Protocol
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.robot import RobotSpec
+from sim_proc.control.joint_commands import JointCommands, Knots
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +28,7 @@ class TickLog:
     com_m: Floats
     """Centre of mass of the robot, (n, 3)."""
     ctrl: Floats
-    """Positions commanded to the servos, (n, 12)."""
+    """Positions commanded to the servos, with all feed-forward, (n, COMMANDS_PER_TICK, 12)."""
 
 
 class Plant(Protocol):
@@ -66,5 +67,11 @@ class Plant(Protocol):
     def com_m(self) -> Floats:
         """Centre of mass of the robot, (3,)."""
 
-    def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
-        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stop early at a fall."""
+    def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
+        """Torques at all knots but the first, (n, 12): what a motion of the joints takes.
+
+        The trunk is level and at rest, turned by `yaw_rad` (n,), and nothing touches the feet.
+        """
+
+    def run(self, commands: JointCommands) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall."""

@@ -3,9 +3,10 @@
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS
 from sim_proc.control.balance import foot_forces
+from sim_proc.control.joint_commands import interpolated, knots
 from sim_proc.control.plant import Plant, TickLog
+from sim_proc.control.swing import minimum_jerk
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
 
@@ -19,14 +20,16 @@ class Posture:
         robot = plant.robot
         self._kinematics = LegKinematics(robot)
         self._height_m = robot.stance.height_m
-        gains = [joint.velocity_gain_n_m_s_rad for joint in robot.joints.in_order()]
-        self._velocity_gains = np.array(len(LEGS) * gains)
+        self._reanchor_ticks = robot.gait.reanchor_ticks
         trunk = plant.trunk_pose()
         self.trunk_xy_m: Floats = trunk.xy()
         self.yaw_rad = trunk.yaw_rad
         self.yaw_rate_rad_s = 0.0
         self.feet_m: Floats = plant.tips_m().copy()
         self.joints_rad: Floats = plant.joints_rad()
+        self._joint_velocities_rad_s: Floats = np.zeros(12)
+        self._joint_torques_n_m: Floats | None = None
+        """Velocities and torques that were commanded last; no torques yet while the robot stands at its start."""
         self.com_state: Floats = np.zeros((3, 2))
         """Planned position, velocity and acceleration of the centre of mass over the ground, (3, 2)."""
         self.com_offset_m: Floats = np.zeros(2)
@@ -52,6 +55,17 @@ class Posture:
         self.com_offset_m = plant.com_m()[:2] - plant.trunk_pose().xy()
         self.com_state[0] = self.trunk_xy_m + self.com_offset_m
 
+    def stand(self, n_ticks: int) -> TickLog:
+        """Stand still with the load on all feet."""
+        return self.track(
+            np.repeat(self.trunk_xy_m[None], n_ticks, axis=0),
+            np.full(n_ticks, self.yaw_rad),
+            np.repeat(self.feet_m[None], n_ticks, axis=0),
+            np.ones((n_ticks, 4)),
+            np.repeat(self.com_state[:1], n_ticks, axis=0),
+            np.zeros((n_ticks, 2)),
+        )
+
     def track(
         self,
         trunk_xy_m: Floats,
@@ -65,27 +79,40 @@ class Posture:
 
         `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet.
 
-        Joint targets come from inverse kinematics. Their velocities and the torques of the planned foot forces are fed
-        forward.
+        Joint targets come from inverse kinematics. Their velocities, and the torques of the planned foot forces and of
+        the planned motion, are fed forward. A correction by measured feet is spread over the first ticks.
         """
         n = len(yaw_rad)
         from_world = _rotations(-yaw_rad)
+        joints = self._inverse(trunk_xy_m, from_world, feet_m)
+        against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
+        forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg)
+        forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
+        torques = -np.einsum("nlij,nli->nlj", self._kinematics.jacobian(joints, SIDE), forces).reshape(n, 12)
+        planned = joints.reshape(n, 12)
+        left = 1.0 - minimum_jerk(self._reanchor_ticks)[:n]
+        planned[: len(left)] += left[:, None] * (self.joints_rad - self._present_joints_rad())
+        motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
+        torques += self.plant.inverse_dynamics_n_m(motion, yaw_rad)
+        before = torques[0] if self._joint_torques_n_m is None else self._joint_torques_n_m
+        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])))
+        self.joints_rad, self._joint_velocities_rad_s = motion.positions_rad[-1], motion.velocities_rad_s[-1]
+        self._joint_torques_n_m = torques[-1]
+        self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
+        return log
+
+    def _present_joints_rad(self) -> Floats:
+        """Joint angles of the commanded trunk and feet, (12,); measured feet move them away from the last commands."""
+        from_world = _rotations(np.array([-self.yaw_rad]))
+        return self._inverse(self.trunk_xy_m[None], from_world, self.feet_m[None]).reshape(12)
+
+    def _inverse(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
+        """Joint angles, (n, 4, 3), of trunks (n, 2) with rotations (n, 2, 2) into their frames, and feet (n, 4, 3)."""
         tips_b = feet_m.copy()
         tips_b[:, :, :2] -= trunk_xy_m[:, None]
         tips_b[:, :, 2] -= self._height_m
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
-        kinematics = self._kinematics
-        joints = kinematics.inverse(tips_b - kinematics.hips_b, SIDE, saturate=True)
-        against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
-        forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg)
-        forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
-        torques = -np.einsum("nlij,nli->nlj", kinematics.jacobian(joints, SIDE), forces).reshape(n, 12)
-        commands = joints.reshape(n, 12)
-        velocities = np.diff(commands, axis=0, prepend=self.joints_rad[None]) / CONTROL_PERIOD_S
-        log = self.plant.run(commands, torques + self._velocity_gains * velocities)
-        self.joints_rad = commands[-1]
-        self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
-        return log
+        return self._kinematics.inverse(tips_b - self._kinematics.hips_b, SIDE, saturate=True)
 
 
 def _rotations(yaw_rad: Floats) -> Floats:

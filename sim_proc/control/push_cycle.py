@@ -23,7 +23,7 @@ from legpush.scene.scenario import Box
 from sim_proc.control.gait import require_within_reach, rest, swing_to
 from sim_proc.control.plant import TickLog
 from sim_proc.control.steps import Step, Steps, Swing
-from sim_proc.control.swing import bezier, control_points, gentle_stop, parabola
+from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
@@ -34,11 +34,24 @@ def contact_point(robot: RobotSpec, pose: Pose2, box: Box, leg: FrontLeg, depth_
 
     `pose` is the frame of the box in which its pushed face is the rear one, and `box` has the size in that frame.
     """
-    length, width, height = box.size_m
+    length, width, _ = box.size_m
     side = robot.pushing.contact_side_share * width * (1 if leg == "FL" else -1)
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
     x, y = pose.apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
-    return np.array([x, y, robot.pushing.contact_height_share * height])
+    return np.array([x, y, contact_height_m(robot, box)])
+
+
+def contact_height_m(robot: RobotSpec, box: Box) -> float:
+    """Height of the contact point: within reach of the leg, and low enough that a sliding box does not tip.
+
+    `box` has the size in the frame in which the pushed face is the rear one. A box that friction holds back at the
+    floor tips over its front edge if it is pushed above half its length divided by the friction coefficient.
+    """
+    length, _, height = box.size_m
+    motion = robot.pushing
+    tips_m = motion.tip_share * length / (2 * box.friction)
+    reach_m = motion.reach_height_share * robot.stance.height_m
+    return max(min(motion.contact_height_share * height, tips_m, reach_m), 2 * robot.legs.foot_radius_m)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,10 +164,11 @@ class Pusher:
         return curve
 
     def _return_swing(self, target_m: Floats) -> Swing:
-        """A swing straight from the box down to the marker."""
+        """A swing from the box back and down to the marker."""
         end_m, return_ticks = [*target_m, self._robot.touchdown_m], self._robot.pushing.return_ticks
+        gait = self._robot.gait
 
         def curve(start_m: Floats) -> Floats:
-            return parabola(start_m, end_m, 0.0, return_ticks)
+            return landing_swing(start_m, end_m, 0.0, return_ticks, gait)
 
         return curve

@@ -18,8 +18,8 @@ from sim_proc.control.posture import Posture
 
 SHIFT_WEIGHT: Final = 0.02
 """Weight of the ZMP reference while four feet stand; it is 1 while three do."""
-LIFTED_SHARE: Final = 0.05
-"""Share of its full load planned for a foot in the air. A foot planned without any load bounces when it lands."""
+LIFTED_SHARE: Final = 1e-4
+"""Share of its full load planned for a foot in the air: nothing, but the forces stay determined."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
 """Ticks to lengthen the shift, and multiples of the robot's least margin to widen the ZMP's margin by.
 
@@ -86,13 +86,15 @@ class Steps:
         load_share = np.ones((n, 4))
         if self.landed is not None and not airborne:
             ramp = min(self._gait.ramp_ticks, step.shift_ticks)
-            load_share[:ramp, self.landed] = np.linspace(LIFTED_SHARE, 1.0, ramp + 1)[1:]
+            load_share[:ramp, self.landed] = np.linspace(self._gait.landed_share, 1.0, ramp + 1)[1:]
         if leg is not None and swing is not None:
             feet[step.shift_ticks :, leg] = swing(posture.feet_m[leg])
             ramp = min(self._gait.ramp_ticks, step.shift_ticks)
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
             np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
+            if lands:
+                load_share[-1, leg] = self._gait.landed_share
         yaw, end_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
         log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,

@@ -1,4 +1,4 @@
-"""Curves of a foot in the air: the parabolic step (Table 2) and the Bezier push (Eqs. 13, 14)."""
+"""Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 13, 14)."""
 
 from math import pi
 from typing import Final, Literal
@@ -7,16 +7,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from legpush.arrays import Floats
+from legpush.scene.conventions import CONTROL_PERIOD_S
+from legpush.scene.robot_motion import Gait
 
 Locus = Literal["swing", "published"]
 
 LOCUS_RANGE_RAD: Final[dict[Locus, tuple[float, float]]] = {"swing": (-pi / 2, pi / 2), "published": (0.0, pi)}
 """theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the one in the paper."""
 
+APEX_SHARE: Final = 0.45
+"""When a foot is highest: share of the flight before the landing."""
+SETTLED_SHARE: Final = 0.75
+"""Share of the landing in which the foot only moves down."""
+
 
 def minimum_jerk(n_ticks: int) -> Floats:
     """Progress from 0 to 1 at the end of each of `n_ticks` ticks, (n,), at rest at both ends."""
-    u = np.arange(1, n_ticks + 1) / n_ticks
+    return quintic(np.arange(1, n_ticks + 1) / n_ticks)
+
+
+def quintic(u: Floats) -> Floats:
+    """Minimum-jerk progress from 0 to 1 at shares of its time, (n,)."""
     progress: Floats = u**3 * (10 - 15 * u + 6 * u**2)
     return progress
 
@@ -32,12 +43,26 @@ def gentle_stop(n_ticks: int) -> Floats:
     return progress
 
 
-def parabola(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int) -> Floats:
-    """A step from `start_m` to `end_m`, (3,) each, that rises by `height_m` half way; one point per tick, (n, 3)."""
+def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int, gait: Gait) -> Floats:
+    """A step from `start_m` to `end_m`, (3,) each, that touches down slowly; one point per tick, (n, 3).
+
+    The foot rises by `height_m` above the higher end. It comes down to the landing speed, with which it moves on for
+    the landing ticks. Along the floor it is at its place a little earlier.
+    """
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
-    progress = minimum_jerk(n_ticks)
-    curve: Floats = start + progress[:, None] * (end - start)
-    curve[:, 2] += 4 * height_m * progress * (1 - progress)
+    tick = np.arange(1, n_ticks + 1)
+    landing, speed = min(gait.landing_ticks, n_ticks - 2), gait.landing_speed_m_s * CONTROL_PERIOD_S
+    flight = n_ticks - landing
+    apex, apex_m = APEX_SHARE * flight, max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
+    along = quintic(np.clip(tick / (n_ticks - SETTLED_SHARE * landing), 0.0, 1.0))
+    curve: Floats = start + along[:, None] * (end - start)
+    rising = start[2] + (apex_m - start[2]) * quintic(np.clip(tick / apex, 0.0, 1.0))
+    falls = flight - apex
+    u = np.clip((tick - apex) / falls, 0.0, 1.0)
+    drop, slope = end[2] + speed * landing - apex_m, -speed * falls
+    falling = apex_m + (10 * drop - 4 * slope) * u**3 + (7 * slope - 15 * drop) * u**4 + (6 * drop - 3 * slope) * u**5
+    lands = end[2] + speed * (n_ticks - tick)
+    curve[:, 2] = np.where(tick <= apex, rising, np.where(tick <= flight, falling, lands))
     return curve
 
 

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from legpush.scene.scenario import Box
 from sim_proc.headless import mujoco
+from sim_proc.model.collisions import SURROUNDINGS
 
 CARDBOARD: Final = (0.72, 0.53, 0.35, 1.0)
 MARK: Final = (0.13, 0.14, 0.16, 1.0)
@@ -18,7 +19,7 @@ def add_box(spec: mujoco.MjSpec, box: Box) -> tuple[str, ...]:
     names = []
     for index, geom in enumerate(_geoms(spec, box)):
         names.append("box" if index == 0 else f"box_{index}")
-        body.add_geom(name=names[-1], rgba=CARDBOARD, contype=0, conaffinity=0, **geom)
+        body.add_geom(name=names[-1], rgba=CARDBOARD, **SURROUNDINGS, **geom)
     body.add_geom(
         name="box_heading",
         type=mujoco.mjtGeom.mjGEOM_BOX,

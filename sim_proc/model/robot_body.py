@@ -7,9 +7,15 @@ from legpush.scene.conventions import JOINTS, LEGS
 from legpush.scene.robot import RobotSpec
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.leg import LegKinematics
+from sim_proc.model.collisions import LOWER_LEG, ROBOT
 
 BODYWORK: Final = (0.93, 0.72, 0.11, 1.0)
 DARK: Final = (0.13, 0.14, 0.16, 1.0)
+ANKLE_SHARE: Final = 1.5
+"""Where the capsule of the lower leg ends above the centre of the foot, in radii of the foot.
+
+If it ended in the centre, it would touch the floor with the foot.
+"""
 CAP_SHARES: Final = (0.034, 0.864, 0.824)
 """Half sizes of head and tail, as shares of those of the trunk."""
 
@@ -25,8 +31,7 @@ def add_robot(spec: mujoco.MjSpec, robot: RobotSpec) -> None:
         size=half,
         mass=0.0,
         rgba=BODYWORK,
-        contype=0,
-        conaffinity=0,
+        **ROBOT,
     )
     trunk.explicitinertial = True
     trunk.mass = robot.trunk.mass_kg
@@ -42,8 +47,7 @@ def add_robot(spec: mujoco.MjSpec, robot: RobotSpec) -> None:
             size=[share * side for share, side in zip(CAP_SHARES, half, strict=True)],
             mass=0.0,
             rgba=DARK,
-            contype=0,
-            conaffinity=0,
+            **ROBOT,
         )
     for leg in LEGS:
         _add_leg(spec, trunk, leg, robot)
@@ -81,13 +85,19 @@ def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str, robot: RobotS
         )
         actuator = spec.add_actuator(name=f"{leg}_{joint}", target=f"{leg}_{joint}", trntype=mujoco.mjtTrn.mjTRN_JOINT)
         actuator.set_to_position(kp=numbers.position_gain_n_m_rad, kv=numbers.velocity_gain_n_m_s_rad)
-        if numbers.max_torque_n_m is not None:
-            actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
-            actuator.forcerange = [-numbers.max_torque_n_m, numbers.max_torque_n_m]
+        actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+        actuator.forcerange = [-numbers.max_torque_n_m, numbers.max_torque_n_m]
     links = [
         (hip, "hip", [0, 0, 0, 0, side * legs.hip_offset_m, 0], legs.hip_radius_m, legs.hip_mass_kg, DARK),
         (upper, "upper", [0, 0, 0, 0, 0, -legs.upper_length_m], legs.upper_radius_m, legs.upper_mass_kg, BODYWORK),
-        (lower, "lower", [0, 0, 0, 0, 0, -legs.lower_length_m], legs.lower_radius_m, legs.lower_mass_kg, DARK),
+        (
+            lower,
+            "lower",
+            [0, 0, 0, 0, 0, ANKLE_SHARE * legs.foot_radius_m - legs.lower_length_m],
+            legs.lower_radius_m,
+            legs.lower_mass_kg,
+            DARK,
+        ),
     ]
     for body, part, fromto, radius, mass, rgba in links:
         body.add_geom(
@@ -97,8 +107,7 @@ def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str, robot: RobotS
             size=[radius, 0, 0],
             mass=mass,
             rgba=rgba,
-            contype=0,
-            conaffinity=0,
+            **(LOWER_LEG if body is lower else ROBOT),
         )
     lower.add_geom(
         name=f"{leg}_foot",
@@ -107,7 +116,6 @@ def _add_leg(spec: mujoco.MjSpec, trunk: mujoco.MjsBody, leg: str, robot: RobotS
         size=[legs.foot_radius_m, 0, 0],
         mass=0.0,
         rgba=(0.85, 0.24, 0.18, 1.0) if leg.startswith("F") else DARK,
-        contype=0,
-        conaffinity=0,
+        **LOWER_LEG,
     )
     lower.add_site(name=f"{leg}_tip", pos=[0, 0, -legs.lower_length_m])

@@ -5,6 +5,7 @@ from typing import Final
 
 from legpush.scene.scenario import Box, Goal, Room, Scenario
 from sim_proc.headless import mujoco
+from sim_proc.model.collisions import SURROUNDINGS
 
 WALL_GREY: Final = (0.62, 0.65, 0.69, 1.0)
 APPEARED_OCHRE: Final = (0.80, 0.58, 0.30, 1.0)
@@ -21,6 +22,7 @@ def add_scenery(spec: mujoco.MjSpec, scenario: Scenario) -> None:
         size=[floor_x / 2, floor_y / 2, 0.1],
         pos=[floor_x / 2, floor_y / 2, 0.0],
         material="floor",
+        **SURROUNDINGS,
     )
     _add_walls(spec, scenario.room)
     _add_goal(spec, scenario.goal, scenario.box)
@@ -88,8 +90,7 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
             size=half,
             pos=[0.0, 0.0, 0.0] if later else centre,
             rgba=APPEARED_OCHRE if later else WALL_GREY,
-            contype=0,
-            conaffinity=0,
+            **SURROUNDINGS,
         )
 
 

@@ -1,12 +1,13 @@
 """The MuJoCo model of a scenario: the robot, the box and the room, which of them collide, and the sensors.
 
-Only the listed contact pairs collide, so that each friction coefficient is stated once.
+Every link of the robot collides with floor, walls and box, and its lower legs collide with each other. Contacts that
+are meant are listed as pairs, so that each friction coefficient is stated once.
 """
 
 from collections.abc import Sequence
 from typing import Final
 
-from legpush.scene.conventions import LEGS
+from legpush.scene.conventions import JOINTS, LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.headless import mujoco
@@ -15,6 +16,10 @@ from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery, wall_name
 
 PHYSICS_STEP_S: Final = 0.002
+JOINT_QVEL: Final = slice(6, 18)
+"""Columns of the joints in `qvel`."""
+SOLREF: Final = (0.008, 1.0)
+"""Time constant and damping ratio of listed contacts. A foot sinks in by less than 1 mm; stiffer contacts bounce."""
 WALL_FRICTION: Final = 0.5
 NET_FORCE: Final = 3
 """Reduction `netforce` of MuJoCo's contact sensor: the sum of all contacts as one."""
@@ -87,7 +92,9 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
 
     def pair(first: str, second: str, friction: float) -> None:
         coefficients = [friction, friction, 0.005, 0.0001, 0.0001]
-        spec.add_pair(name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3)
+        spec.add_pair(
+            name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3, solref=SOLREF
+        )
 
     box_friction = scenario.box.friction
     feet = [f"{leg}_foot" for leg in LEGS]
@@ -127,6 +134,19 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
     spec.add_sensor(name="imu_orientation", type=mujoco.mjtSensor.mjSENS_FRAMEQUAT, **imu)
     spec.add_sensor(name="imu_angular_velocity", type=mujoco.mjtSensor.mjSENS_GYRO, **imu)
     spec.add_sensor(name="imu_acceleration", type=mujoco.mjtSensor.mjSENS_ACCELEROMETER, **imu)
+    trunk = {"objtype": mujoco.mjtObj.mjOBJ_BODY, "objname": "trunk"}
+    spec.add_sensor(name="com_velocity", type=mujoco.mjtSensor.mjSENS_SUBTREELINVEL, **trunk)
+    for leg in LEGS:
+        tip = {"objtype": mujoco.mjtObj.mjOBJ_SITE, "objname": f"{leg}_tip"}
+        spec.add_sensor(name=f"{leg}_tip", type=mujoco.mjtSensor.mjSENS_FRAMEPOS, **tip)
+    joints = [f"{leg}_{joint}" for leg in LEGS for joint in JOINTS]
+    for what, kind, sensed in (
+        ("position", mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtObj.mjOBJ_JOINT),
+        ("velocity", mujoco.mjtSensor.mjSENS_JOINTVEL, mujoco.mjtObj.mjOBJ_JOINT),
+        ("torque", mujoco.mjtSensor.mjSENS_ACTUATORFRC, mujoco.mjtObj.mjOBJ_ACTUATOR),
+    ):
+        for name in joints:
+            spec.add_sensor(name=f"{name}_{what}", type=kind, objtype=sensed, objname=name)
     spec.add_sensor(
         name="com", type=mujoco.mjtSensor.mjSENS_SUBTREECOM, objtype=mujoco.mjtObj.mjOBJ_BODY, objname="trunk"
     )

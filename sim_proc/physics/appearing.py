@@ -1,5 +1,6 @@
 """Obstacles that appear later: when each of them is due, and whether its place is clear."""
 
+from copy import copy
 from math import ceil
 from typing import Final
 
@@ -35,6 +36,12 @@ class Waiting:
         """All obstacles of the room that appear later, also those that have appeared."""
         self.next_tick = self._next_tick()
         """When the first waiting obstacle is due; `NEVER` if none is left."""
+
+    def copy(self) -> "Waiting":
+        """Return the same obstacles, waiting apart from these."""
+        other = copy(self)
+        other._due = dict(self._due)
+        return other
 
     def take_due(self, tick: int, trunk: Pose2, box: Pose2) -> list[int]:
         """Remove and return the obstacles that appear at the end of a tick.

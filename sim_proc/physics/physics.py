@@ -1,6 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 import zlib
+from collections.abc import Callable
 from math import cos, radians, sin
 from typing import Final
 
@@ -10,20 +11,22 @@ from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
-from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEGS, TRUNK_QPOS
+from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
+from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog
 from sim_proc.headless import mujoco
+from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.scenery import wall_name
-from sim_proc.model.world import PHYSICS_STEP_S, build_model
+from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
+from sim_proc.physics.inverse_dynamics import InverseDynamics
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
-STEPS_PER_TICK: Final = round(CONTROL_PERIOD_S / PHYSICS_STEP_S)
-JOINT_QVEL: Final = slice(6, 18)
-"""Columns of the joints in `qvel`."""
+STATE: Final = mujoco.mjtState.mjSTATE_INTEGRATION
+"""All that the next step depends on."""
 
 
 class Physics:
@@ -46,12 +49,21 @@ class Physics:
         self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
         self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
         self._com = self._sensors["com"]
-        self._position_gains = np.array(len(LEGS) * [joint.position_gain_n_m_rad for joint in robot.joints.in_order()])
-        self._compliances = 1.0 / self._position_gains
+        self._tips = slice(self._sensors["FL_tip"].start, self._sensors["RR_tip"].stop)
+        self._joint_sensors = [
+            slice(self._sensors[f"FL_hip_x_{what}"].start, self._sensors[f"RR_knee_{what}"].stop)
+            for what in ("position", "velocity", "torque")
+        ]
+        joints = robot.joints.in_order()
+        self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
+        self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
+        self._limits = ActuatorLimits(robot)
+        self._dynamics = InverseDynamics(model, robot)
         self._upright = cos(radians(robot.fall.tilt_deg))
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
+        self._places = trunk, box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._waiting = Waiting(scenario.room, scenario.box, robot)
         for index in self._waiting.indices:
@@ -62,49 +74,88 @@ class Physics:
         self.tick = 0
         self.fallen = False
 
-    def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
-        """Track joint commands (n, 12) with feed-forward torques (n, 12), one row per tick; stop early at a fall.
+    def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
+        """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
+        return self._dynamics.torques_n_m(motion, yaw_rad)
 
-        Each servo is commanded `q + (torque + qfrc_bias) / Kp`. The bias forces of gravity and motion are cancelled
-        with their present values; the rest of the feed-forward was planned. Tips, forces and the CoM are those at the
-        beginning of the last physics step. An obstacle that is due is put in its place at the end of a tick.
+    def run(self, commands: JointCommands) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall.
+
+        A servo is commanded `q + (torque + Kv velocity) / Kp`, and its torque stays within its limits. Tips,
+        forces and the CoM are those at the beginning of the last physics step. An obstacle that is due is put in its
+        place at the end of a tick.
 
         Raises:
             LegpushError: MuJoCo warned, or the state stopped being finite.
         """
-        model, data = self.model, self.data
-        n = len(joint_commands_rad)
-        qpos, tips = np.empty((n, model.nq)), np.empty((n, 4, 3))
-        sensors, ctrls = np.empty((n, model.nsensordata)), np.empty((n, model.nu))
-        commands = joint_commands_rad + joint_torques_n_m / self._position_gains
-        bias, ctrl = data.qfrc_bias[JOINT_QVEL], data.ctrl
-        compliances, upright, lowest_m = self._compliances, self._upright, self.robot.fall_height_m
-        done = 0
+        feed_forward = commands.torques_n_m + self._velocity_gains * commands.velocities_rad_s
+        controls = commands.positions_rad + self._compliances * feed_forward
+        before = np.empty(mujoco.mj_stateSize(self.model, STATE))
+        mujoco.mj_getState(self.model, self.data, before, STATE)
+        waiting, appeared, tick = self._waiting.copy(), self.appeared, self.tick
+        qpos, sensors = self._simulate(controls, self._run_tick)
+        if self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any():
+            # Limits at angles and speeds cost much and are met rarely: only then is the motion simulated with them.
+            mujoco.mj_setState(self.model, self.data, before, STATE)
+            self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
+            qpos, sensors = self._simulate(controls, self._run_limited_tick)
+        self._check(qpos)
+        last, n = sensors[:, -1], len(qpos)
+        return TickLog(
+            qpos=qpos,
+            tips_m=last[:, self._tips].reshape(n, 4, 3),
+            floor_forces_n=-last[:, self._floor_forces].reshape(n, 4, 3),
+            box_forces_n=-last[:, self._box_forces].reshape(n, 4, 3),
+            com_m=last[:, self._com],
+            ctrl=controls[:n],
+        )
+
+    def _simulate(self, controls: Floats, run_tick: Callable[[Floats, Floats], None]) -> tuple[Floats, Floats]:
+        """Run ticks with controls (n, steps, 12) up to a fall; return `qpos` of each, and the sensors of all steps."""
+        n, data, upright, lowest_m = len(controls), self.data, self._upright, self.robot.fall_height_m
+        qpos, sensors = np.empty((n, self.model.nq)), np.empty((n, COMMANDS_PER_TICK, self.model.nsensordata))
         for k in range(n):
-            np.multiply(bias, compliances, out=ctrl)
-            ctrl += commands[k]
-            ctrls[k] = ctrl
-            mujoco.mj_step(model, data, STEPS_PER_TICK)
-            qpos[k] = data.qpos
-            data.site_xpos.take(self._tip_sites, axis=0, out=tips[k])
-            sensors[k] = data.sensordata
-            done = k + 1
-            if self._waiting.next_tick <= self.tick + done:
-                self._let_appear(self.tick + done)
+            run_tick(controls[k], sensors[k])
             row = qpos[k]
+            row[:] = data.qpos
+            self.tick += 1
+            if self._waiting.next_tick <= self.tick:
+                self._let_appear(self.tick)
             if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < lowest_m:
                 self.fallen = True
-                break
-        self._check(qpos[:done])
-        self.tick += done
-        return TickLog(
-            qpos=qpos[:done],
-            tips_m=tips[:done],
-            floor_forces_n=-sensors[:done, self._floor_forces].reshape(done, 4, 3),
-            box_forces_n=-sensors[:done, self._box_forces].reshape(done, 4, 3),
-            com_m=sensors[:done, self._com],
-            ctrl=ctrls[:done],
-        )
+                return qpos[: k + 1], sensors[: k + 1]
+        return qpos, sensors
+
+    def _run_tick(self, controls: Floats, sensors: Floats) -> None:
+        """Run one tick with controls (steps, 12), up to the largest torques, and fill in the sensors of its steps."""
+        model, data, ctrl, sensordata = self.model, self.data, self.data.ctrl, self.data.sensordata
+        for control, row in zip(controls, sensors, strict=True):
+            ctrl[:] = control
+            mujoco.mj_step(model, data)
+            row[:] = sensordata
+
+    def _run_limited_tick(self, controls: Floats, sensors: Floats) -> None:
+        """Run one tick with the limits of torque at the angles and speeds of each step."""
+        model, data = self.model, self.data
+        bounds = model.actuator_forcerange
+        for control, row in zip(controls, sensors, strict=True):
+            bounds[:, 0], bounds[:, 1] = self._limits.bounds_n_m(data.qpos[JOINT_QPOS], data.qvel[JOINT_QVEL])
+            data.ctrl[:] = control
+            mujoco.mj_step(model, data)
+            row[:] = data.sensordata
+        bounds[:, 0], bounds[:, 1] = -self._limits.peak_n_m, self._limits.peak_n_m
+
+    def begin(self) -> None:
+        """Begin the episode at tick 0, with robot and box at rest in their places on the floor.
+
+        The robot may have stood before, until the floor carried it.
+        """
+        data = self.data
+        for columns, place in zip((TRUNK_QPOS, BOX_QPOS), self._places, strict=True):
+            data.qpos[columns][:2] = place.xy()
+        data.qvel[:], data.time = 0.0, 0.0
+        mujoco.mj_forward(self.model, data)
+        self.tick = 0
 
     def alter(self, scenario: Scenario) -> None:
         """Go on with a scenario that differs from the present one only in mass or friction of the box."""
@@ -126,7 +177,7 @@ class Physics:
         Raises:
             LegpushError: MuJoCo warned, or the state stopped being finite.
         """
-        when = f"between ticks {self.tick} and {self.tick + len(qpos)}: the episode cannot go on"
+        when = f"between ticks {self.tick - len(qpos)} and {self.tick}: the episode cannot go on"
         for warning in mujoco.mjtWarning.__members__.values():
             if warning != mujoco.mjtWarning.mjNWARNING and self.data.warning[warning].number:
                 raise LegpushError(f"MuJoCo warned of {warning.name} {when}")

@@ -104,7 +104,7 @@ def test_a_fresh_simulator_that_computes_other_bits_is_told_as_other_numerics(fo
     assert done.stderr == ""
     if done.returncode == 1:
         assert "\nother numerics: recorded with numerics that were not noted, here x86-64-v3/" in done.stdout
-        assert "; first difference at episode 0, step 1, field " in done.stdout
+        assert "; first difference at episode 0, step 0, field " in done.stdout
     else:
         assert "identical: 3 steps, 5.5 s simulated" in done.stdout
 

@@ -53,7 +53,7 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
         case inspect.StructType(cls=cls, fields=fields) if cls is Box:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_box)
         case inspect.StructType(cls=cls) if cls is RobotSpec:
-            return st.builds(_robot, st.floats(0.2, 3.0), st.one_of(st.none(), st.floats(1.0, 100.0)))
+            return st.builds(_robot, st.floats(0.2, 3.0), st.floats(1.0, 100.0))
         case inspect.StructType(cls=cls, fields=fields) if cls is Sine:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_sine)
         case inspect.StructType(cls=cls, fields=fields) if cls is Arcs:
@@ -77,7 +77,7 @@ def _box(fields: dict[str, Any]) -> Box:
     return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
 
 
-def _robot(scale: float, max_torque_n_m: float | None) -> RobotSpec:
+def _robot(scale: float, max_torque_n_m: float) -> RobotSpec:
     """One whose legs reach its stance."""
     robot = scaled_robot(scale)
     knee = replace(robot.joints.knee, max_torque_n_m=max_torque_n_m)

@@ -11,16 +11,18 @@ BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/model", 
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
     "control/footsteps.py": {"ADVANCES", "SAME_M", "STRIDE_SHARES"},
+    "control/joint_commands.py": {"COMMAND_PERIOD_S"},
     "control/steps.py": {"SHIFT_WEIGHT", "LIFTED_SHARE", "CAUTION"},
-    "control/swing.py": {"LOCUS_RANGE_RAD"},
+    "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
+    "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M"},
-    "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES"},
+    "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES", "ANKLE_SHARE"},
     "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN"},
     "model/shapes.py": {"FLOOR_GREY"},
-    "model/world.py": {"PHYSICS_STEP_S", "WALL_FRICTION", "NET_FORCE"},
+    "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "SOLREF", "WALL_FRICTION", "NET_FORCE"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
-    "physics/physics.py": {"PARKED_M", "JOINT_QVEL"},
+    "physics/physics.py": {"PARKED_M"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""
 MAKE_THE_DEFAULT = {"shared/legpush/scene/scenario.py", "shared/legpush/scenarios/file.py"}

@@ -15,6 +15,7 @@ from legpush.scene.conventions import FRONT_LEGS, JOINT_QPOS, FrontLeg
 from legpush.scene.scenario import Randomization, Rectangle, Room, Scenario
 from sim_proc.simulator import Simulator, drawn_poses
 from tests.robots import ROBOT
+from tests.sim.commands import held
 
 
 def pose(x: float, y: float, yaw: float) -> Pose2:
@@ -254,7 +255,7 @@ def test_the_floor_slows_the_box_down_alike_in_every_direction(at_the_box: Scena
     heading = np.radians(heading_deg)
     physics.data.qvel[18:20] = [cos(heading), sin(heading)]
     targets = np.repeat(physics.data.qpos[JOINT_QPOS][None], 5, axis=0)
-    physics.run(targets, np.zeros_like(targets))
+    physics.run(held(targets))
     speed = float(np.hypot(*physics.data.qvel[18:20]))
     assert (1.0 - speed) / (5 * 0.02 * 9.81) == pytest.approx(0.5, rel=0.1)
     assert degrees(np.arctan2(physics.data.qvel[19], physics.data.qvel[18])) == pytest.approx(heading_deg, abs=3.0)

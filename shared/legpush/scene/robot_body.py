@@ -1,19 +1,26 @@
 """The robot's body: trunk, legs and joints.
 
-Dimensions are Spot's public ones, and the limits of the joints are those of the paper (Table 1).
+Dimensions are Spot's public ones, and the limits of the joint angles are those of the paper (Table 1). The limits of
+torque and speed are those that Spot's simulations use: 45 N m for the hips, and a table for the knee, which the Boston
+Dynamics AI Institute measured (Isaac Lab, `isaaclab_assets/robots/spot.py`); 97 N m at rest and none at 14 rad/s for
+the knee (RAI Institute, `relic`, `TORQUE_SPEED_LIMIT`). For the hips no such line is published: 20 rad/s is assumed.
 """
 
+from itertools import pairwise
 from math import radians
+from typing import Annotated
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from legpush.bounds import (
+    MAX_TORQUE_POINTS,
     Armature,
     BodyDistance,
     BodyLength,
     Damping,
     Friction,
     JointAngle,
+    JointSpeed,
     KneeAngle,
     PartMass,
     PositionGain,
@@ -68,8 +75,13 @@ class Joint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     max_deg: JointAngle
     position_gain_n_m_rad: PositionGain = 1000.0
     velocity_gain_n_m_s_rad: VelocityGain = 30.0
-    max_torque_n_m: Torque | None = None
-    """Largest torque of the servo; without it, any torque is available."""
+    max_torque_n_m: Torque = 45.0
+    """Largest torque, at rest."""
+    max_speed_rad_s: JointSpeed = 20.0
+    """The speed at which no torque is left; in between it falls evenly."""
+    torque_by_angle: Annotated[tuple[tuple[JointAngle, Torque], ...], Meta(max_length=MAX_TORQUE_POINTS)] = ()
+    """Largest torque at angles of the joint, [degrees] and [N m], linear in between; empty if it does not depend on the
+    angle."""
     armature_kg_m2: Armature = 0.02
     """Rotor inertia behind the gear."""
     damping_n_m_s_rad: Damping = 0.5
@@ -83,6 +95,9 @@ class Joint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         """
         if not self.min_deg < self.max_deg:
             raise ValueError(f"Expected min_deg < max_deg, got {self.min_deg:g} and {self.max_deg:g}")
+        angles = [angle for angle, _ in self.torque_by_angle]
+        if any(second <= first for first, second in pairwise(angles)):
+            raise ValueError(f"Expected angles in torque_by_angle that rise, got {angles}")
 
     @property
     def limits_rad(self) -> tuple[float, float]:
@@ -109,6 +124,26 @@ class Knee(Joint, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     min_deg: KneeAngle = 15.0
     max_deg: KneeAngle = 130.0
+    max_torque_n_m: Torque = 96.9972
+    max_speed_rad_s: JointSpeed = 14.0
+    torque_by_angle: Annotated[tuple[tuple[JointAngle, Torque], ...], Meta(max_length=MAX_TORQUE_POINTS)] = (
+        (14.16, 30.60),
+        (22.91, 49.18),
+        (31.66, 66.06),
+        (40.41, 80.78),
+        (50.62, 94.73),
+        (60.83, 104.86),
+        (71.04, 111.01),
+        (82.71, 113.24),
+        (94.38, 110.69),
+        (106.05, 103.94),
+        (117.72, 93.66),
+        (129.39, 80.55),
+        (141.06, 65.27),
+        (151.27, 50.54),
+        (160.02, 37.17),
+    )
+    """Every sixth or seventh row of the measured table, as flexion; between them it is within 1 N m of the table."""
 
 
 class Joints(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

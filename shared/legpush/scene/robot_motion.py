@@ -6,7 +6,17 @@ import numpy as np
 from msgspec import Struct
 
 from legpush.arrays import Floats
-from legpush.bounds import BodyDistance, BodyLength, FallTilt, SideShare, StationTurn, StepTurn, Ticks, Unit
+from legpush.bounds import (
+    BodyDistance,
+    BodyLength,
+    FallTilt,
+    LandingSpeed,
+    SideShare,
+    StationTurn,
+    StepTurn,
+    Ticks,
+    Unit,
+)
 
 
 class Stance(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -67,6 +77,10 @@ class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Largest change of heading in a gait cycle."""
     step_height_m: BodyLength = 0.05
     """How high a foot is lifted."""
+    landing_speed_m_s: LandingSpeed = 0.1
+    """How fast a foot comes down at the end of a swing."""
+    landing_ticks: Ticks = 2
+    """Last part of the swing, in which it moves down at this speed."""
     press_m: BodyDistance = 0.001
     """How far a landing foot is commanded into the floor."""
     shift_ticks: Ticks = 6
@@ -79,6 +93,10 @@ class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Time after the last step to bring the weight back to the middle."""
     ramp_ticks: Ticks = 5
     """Time to load or unload a foot."""
+    landed_share: Unit = 0.15
+    """Share of its full load planned for a foot that lands."""
+    reanchor_ticks: Ticks = 6
+    """Time over which the joints follow a correction by measured feet."""
     margin_m: BodyDistance = 0.055
     """Wanted distance of the zero-moment point inside the support polygon while a foot is in the air."""
     least_margin_m: BodyDistance = 0.01
@@ -109,6 +127,10 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     obstacle."""
     contact_height_share: Unit = 0.5
     """Height of the contact point, as a share of the height of the box."""
+    reach_height_share: Unit = 0.65
+    """Greatest height of the contact point, as a share of the standing height."""
+    tip_share: Unit = 0.8
+    """Greatest height of the contact point, as a share of the height above which a box tips instead of sliding."""
     contact_side_share: SideShare = 0.3
     """Distance of the contact point from the middle of the face, to the left (FL) or right (FR), as a share of the
     width of the box."""
@@ -128,11 +150,11 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Time to shift the weight before the push."""
     push_ticks: Ticks = 48
     """Time of the push."""
-    return_ticks: Ticks = 16
+    return_ticks: Ticks = 18
     """Time to return the foot to the floor."""
     restep_shift_ticks: Ticks = 8
     """Time to shift the weight before each step to the box."""
-    restep_swing_ticks: Ticks = 11
+    restep_swing_ticks: Ticks = 13
     """Time of each of these steps."""
 
 

@@ -9,6 +9,7 @@ from legpush.geometry import Pose2
 from legpush.scene.conventions import N_QPOS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
+from sim_proc.control.joint_commands import COMMAND_PERIOD_S, JointCommands, Knots
 from sim_proc.control.plant import TickLog
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
@@ -52,11 +53,17 @@ class KinematicPlant:
     def com_m(self) -> Floats:
         return np.array([*self._trunk.xy(), self.robot.stance.height_m - COM_BELOW_TRUNK_M])
 
-    def run(self, joint_commands_rad: Floats, joint_torques_n_m: Floats) -> TickLog:
-        assert joint_torques_n_m.shape == joint_commands_rad.shape
+    def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
+        assert len(motion.positions_rad) == len(yaw_rad) + 1
+        return np.zeros_like(motion.positions_rad[1:])
+
+    def run(self, commands: JointCommands) -> TickLog:
+        assert commands.positions_rad.shape == commands.torques_n_m.shape
+        before, last = commands.velocities_rad_s[:, -2], commands.velocities_rad_s[:, -1]
+        ends = commands.positions_rad[:, -1] + COMMAND_PERIOD_S * (last + 0.5 * (last - before))
         rows: list[tuple[Floats, ...]] = []
-        for command in joint_commands_rad:
-            self._move(command.reshape(4, 3))
+        for command, end in zip(commands.positions_rad, ends, strict=True):
+            self._move(end.reshape(4, 3))
             rows.append((self._qpos(), self.tips_m(), self._floor_forces(), self._push_box(), self.com_m(), command))
             self.n_ticks += 1
             if self.n_ticks == self._falls_at_tick:

@@ -6,8 +6,10 @@ import pytest
 from legpush.geometry import Pose2
 from legpush.scene.conventions import N_QPOS
 from legpush.scene.scenario import Scenario
+from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.control.plant import Plant, TickLog
 from sim_proc.physics.physics import Physics
+from tests.sim.commands import held
 from tests.sim.control.kinematic_plant import KinematicPlant
 
 MEMBERS = {*Plant.__annotations__, *(name for name in vars(Plant) if not name.startswith("_"))}
@@ -17,7 +19,7 @@ SHAPES = {
     "floor_forces_n": (4, 3),
     "box_forces_n": (4, 3),
     "com_m": (3,),
-    "ctrl": (12,),
+    "ctrl": (COMMANDS_PER_TICK, 12),
 }
 """Shape of a row of each field of a `TickLog`."""
 
@@ -61,7 +63,7 @@ def test_a_plant_measures_a_robot_that_stands_at_the_box(plant: Plant, at_the_bo
 def test_a_plant_logs_one_row_for_each_command(plant: Plant) -> None:
     commands = np.repeat(plant.joints_rad()[None], 7, axis=0)
 
-    log = plant.run(commands, np.zeros_like(commands))
+    log = plant.run(held(commands))
 
     assert set(SHAPES) == set(TickLog.__dataclass_fields__)
     assert {name: getattr(log, name).shape for name in SHAPES} == {name: (7, *row) for name, row in SHAPES.items()}
@@ -75,7 +77,7 @@ def test_what_a_plant_measured_does_not_change_when_it_moves_on(plant: Plant) ->
     lifted[2] += 0.05
     commands = np.linspace(before, lifted, 5)
 
-    plant.run(commands, np.zeros_like(commands))
+    plant.run(held(commands))
 
     np.testing.assert_array_equal(before, kept)
     assert np.abs(plant.joints_rad() - kept).max() > 0.0

@@ -48,9 +48,9 @@ def test_a_tracked_motion_brings_the_trunk_where_it_is_commanded_while_the_feet_
     log = posture.track(trunk, yaw, feet, np.ones((n, 4)), trunk, np.zeros((n, 2)))
 
     moved = posture.plant.trunk_pose()
-    np.testing.assert_allclose([*moved.xy(), moved.yaw_rad], [2.03, 5.01, 0.45], atol=1e-9)
-    np.testing.assert_allclose(log.tips_m, feet, atol=1e-9)
-    np.testing.assert_allclose(posture.joints_rad, log.ctrl[-1])
+    np.testing.assert_allclose([*moved.xy(), moved.yaw_rad], [2.03, 5.01, 0.45], atol=1e-6)
+    np.testing.assert_allclose(log.tips_m, feet, atol=1e-6)
+    np.testing.assert_allclose(posture.joints_rad, posture.plant.joints_rad(), atol=1e-6)
 
 
 def test_a_foot_out_of_reach_is_stretched_for_and_commands_stay_finite(posture: Posture) -> None:

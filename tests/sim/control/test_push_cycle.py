@@ -50,12 +50,12 @@ def test_a_plant_without_physics_pushes_the_box_by_the_depth_and_follows_it(
 
 
 def test_a_push_stops_early_when_the_robot_falls(at_the_box: Scenario) -> None:
-    plant = KinematicPlant(at_the_box.start.pose(), at_the_box.box, falls_at_tick=80)
+    plant = KinematicPlant(at_the_box.start.pose(), at_the_box.box, falls_at_tick=90)
     steps = Steps(Posture(plant))
 
     push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05))
 
-    assert sum(len(log.ctrl) for log in push.logs) == 80
+    assert sum(len(log.ctrl) for log in push.logs) == 90
     assert len(push.logs) == 3
 
 
@@ -82,8 +82,9 @@ def test_a_push_moves_the_box_away_from_the_face_and_the_robot_follows(at_the_bo
     pose = pushed_pose(planar_pose(after.world.box), face)
     station = behind_box(pushed_box(at_the_box.box, face), pose, ROBOT.station_m)
     trunk = planar_pose(after.world.trunk)
-    assert abs(trunk.x_m - station.x_m) < 0.03
-    assert abs(trunk.y_m - station.y_m) < 0.03
+    # At the end of the cycle the weight is still over the three feet that stood last.
+    assert abs(trunk.x_m - station.x_m) < 0.035
+    assert abs(trunk.y_m - station.y_m) < 0.035
     assert abs(wrap_angle(trunk.yaw_rad - station.yaw_rad)) < 0.02
 
 

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
-from sim_proc.control.swing import bezier, control_points, gentle_stop, minimum_jerk, parabola
+from legpush.scene.conventions import CONTROL_PERIOD_S
+from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing, minimum_jerk
+from tests.robots import ROBOT
 
 unit = st.floats(0.0, 1.0)
 
@@ -27,11 +30,28 @@ def test_a_gentle_stop_never_decelerates_faster_than_it_says() -> None:
     assert (np.diff(minimum_jerk(n), 2) * n**2).min() < -5.7
 
 
-def test_a_parabola_starts_ends_and_peaks_where_it_should() -> None:
-    curve = parabola([1.0, 2.0, 0.02], [1.4, 2.1, 0.02], 0.05, 40)
-    np.testing.assert_allclose(curve[-1], [1.4, 2.1, 0.02])
-    np.testing.assert_allclose(curve[19], [1.2, 2.05, 0.07])
-    assert curve[:, 2].max() == pytest.approx(0.07)
+@given(st.floats(-0.3, 0.3), st.floats(0.02, 0.2), st.floats(0.02, 0.1), st.integers(11, 60))
+def test_a_swing_peaks_where_it_should_and_lands_slowly(
+    along_m: float, start_z_m: float, height_m: float, n: int
+) -> None:
+    gait = ROBOT.gait
+    start, end = np.array([1.0, 2.0, start_z_m]), np.array([1.0 + along_m, 2.1, 0.019])
+    curve = landing_swing(start, end, height_m, n, gait)
+    np.testing.assert_allclose(curve[-1], end)
+    lands_m = gait.landing_speed_m_s * gait.landing_ticks * CONTROL_PERIOD_S
+    highest_m = max(start_z_m + height_m, 0.019 + height_m, 0.019 + lands_m)
+    assert highest_m - 0.002 < curve[:, 2].max() < highest_m + 0.004
+    landing = np.diff(curve[-gait.landing_ticks - 1 :], axis=0) / CONTROL_PERIOD_S
+    np.testing.assert_allclose(landing[:, 2], -gait.landing_speed_m_s)
+    np.testing.assert_allclose(curve[-1, :2], curve[-2, :2], atol=0.02 * abs(along_m) + 0.01)
+
+
+def test_a_swing_is_smooth() -> None:
+    n = 1300
+    gait = replace(ROBOT.gait, landing_ticks=400, landing_speed_m_s=0.1 / 100)
+    curve = landing_swing([1.0, 2.0, 0.02], [1.4, 2.1, 0.019], 0.05, n, gait)
+    assert curve[:, 2].max() == pytest.approx(0.07, abs=1e-4)
+    assert np.abs(np.diff(curve, 2, axis=0)).max() < 1e-5
 
 
 def test_the_bezier_curve_of_equation_13_begins_at_p0_and_ends_at_p3_along_its_polygon() -> None:

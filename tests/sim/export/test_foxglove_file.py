@@ -133,7 +133,7 @@ def test_the_scene_has_every_shape_of_the_model_once(messages: list[Read], timel
     assert [0.5, 1.0, 0.6] in [np.round(size, 9).tolist() for size in cubes["world"]]
     lower = next(entity for entity in entities if entity.id == "FL_lower")
     assert len(lower.cylinders) == 1
-    assert sorted(round(sphere.pose.position.z, 9) for sphere in lower.spheres) == [-0.37, -0.37, 0.0]
+    assert sorted(round(sphere.pose.position.z, 9) for sphere in lower.spheres) == [-0.37, -0.34, 0.0]
 
 
 def test_every_shape_is_where_mujoco_has_it(messages: list[Read], timeline: Timeline) -> None:

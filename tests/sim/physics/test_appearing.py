@@ -15,6 +15,7 @@ from sim_proc.physics.appearing import BOX_CLEARANCE_M, NEVER, Waiting, robot_cl
 from sim_proc.physics.physics import Physics
 from sim_proc.simulator import Simulator
 from tests.robots import ROBOT
+from tests.sim.commands import held
 
 AWAY = Pose2(x_m=9.0, y_m=9.0, yaw_rad=0.0)
 BLOCK = Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=4.0, y_max_m=6.0, appears_at_s=1.0)
@@ -32,7 +33,7 @@ def perform(simulator: Simulator, scenario: Scenario, motions: Sequence[Motion])
 
 def stand(physics: Physics, n_ticks: int) -> None:
     targets = np.repeat(physics.data.qpos[JOINT_QPOS][None], n_ticks, axis=0)
-    physics.run(targets, np.zeros_like(targets))
+    physics.run(held(targets))
 
 
 def geom_below(physics: Physics, x_m: float, y_m: float) -> str:

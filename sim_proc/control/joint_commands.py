@@ -1,0 +1,72 @@
+"""Joint commands between the ticks of a plan: positions, velocities and torques for each step of the servos."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from legpush.arrays import Floats
+from legpush.scene.conventions import CONTROL_PERIOD_S
+
+COMMAND_PERIOD_S: Final = 0.002
+"""Period at which the servos get commands: 500 Hz, as on the robot."""
+COMMANDS_PER_TICK: Final = round(CONTROL_PERIOD_S / COMMAND_PERIOD_S)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointCommands:
+    """What the servos of the twelve joints are commanded, (n, COMMANDS_PER_TICK, 12), a row per tick."""
+
+    positions_rad: Floats
+    velocities_rad_s: Floats
+    torques_n_m: Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class Knots:
+    """Positions, velocities and accelerations of the joints at the ticks of a plan, (n + 1, 12).
+
+    The first row is where the joints are now.
+    """
+
+    positions_rad: Floats
+    velocities_rad_s: Floats
+    accelerations_rad_s2: Floats
+
+
+def knots(now_rad: Floats, velocity_rad_s: Floats, positions_rad: Floats) -> Knots:
+    """Knots from the present command (12,) and its velocity through planned positions (n, 12).
+
+    Velocities are central differences, and a one-sided difference of second order at the last tick.
+    """
+    dt = CONTROL_PERIOD_S
+    positions = np.concatenate([now_rad[None], positions_rad])
+    velocities = np.empty_like(positions)
+    velocities[0] = velocity_rad_s
+    velocities[1:-1] = (positions[2:] - positions[:-2]) / (2 * dt)
+    if len(positions) > 2:
+        velocities[-1] = (3 * positions[-1] - 4 * positions[-2] + positions[-3]) / (2 * dt)
+    else:
+        velocities[-1] = (positions[-1] - positions[-2]) / dt
+    accelerations = np.gradient(velocities, dt, axis=0)
+    return Knots(positions_rad=positions, velocities_rad_s=velocities, accelerations_rad_s2=accelerations)
+
+
+_U: Final = np.arange(COMMANDS_PER_TICK)[:, None] / COMMANDS_PER_TICK
+"""Share of the tick at the beginning of each servo step, (COMMANDS_PER_TICK, 1)."""
+
+
+def interpolated(at: Knots, torques_n_m: Floats) -> JointCommands:
+    """Commands between the knots: cubic Hermite positions with their velocities, and linear torques.
+
+    `torques_n_m` (n + 1, 12) are those at the knots. A command is the value at the beginning of its step.
+    """
+    dt, u = CONTROL_PERIOD_S, _U
+    p0, p1 = at.positions_rad[:-1, None], at.positions_rad[1:, None]
+    v0, v1 = at.velocities_rad_s[:-1, None] * dt, at.velocities_rad_s[1:, None] * dt
+    positions = (
+        (2 * u**3 - 3 * u**2 + 1) * p0 + (u**3 - 2 * u**2 + u) * v0 + (3 * u**2 - 2 * u**3) * p1 + (u**3 - u**2) * v1
+    )
+    velocities = (6 * u**2 - 6 * u) * (p0 - p1) + (3 * u**2 - 4 * u + 1) * v0 + (3 * u**2 - 2 * u) * v1
+    t0, t1 = torques_n_m[:-1, None], torques_n_m[1:, None]
+    return JointCommands(positions_rad=positions, velocities_rad_s=velocities / dt, torques_n_m=t0 + u * (t1 - t0))

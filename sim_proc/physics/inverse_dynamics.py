@@ -1,0 +1,43 @@
+"""Inverse dynamics of a planned motion of the joints, by MuJoCo's recursive Newton-Euler algorithm."""
+
+from math import cos, sin
+
+import numpy as np
+
+from legpush.arrays import Floats
+from legpush.scene.conventions import JOINT_QPOS, LEGS
+from legpush.scene.robot import RobotSpec
+from sim_proc.control.joint_commands import Knots
+from sim_proc.headless import mujoco
+from sim_proc.model.world import JOINT_QVEL
+
+
+class InverseDynamics:
+    """Torques of planned joint motions. The trunk is level and at rest, and nothing touches the feet."""
+
+    def __init__(self, model: mujoco.MjModel, robot: RobotSpec) -> None:
+        """Use the masses and the gravity of `model`."""
+        self._model, self._data = model, mujoco.MjData(model)
+        self._forces = np.empty(model.nv)
+        joints = robot.joints.in_order()
+        self._armature = np.array(len(LEGS) * [joint.armature_kg_m2 for joint in joints])
+        self._damping = np.array(len(LEGS) * [joint.damping_n_m_s_rad for joint in joints])
+
+    def torques_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
+        """Torques at all knots but the first, (n, 12), with the trunk turned by `yaw_rad` (n,)."""
+        model, data, forces = self._model, self._data, self._forces
+        positions, velocities, accelerations = (
+            rows[1:] for rows in (motion.positions_rad, motion.velocities_rad_s, motion.accelerations_rad_s2)
+        )
+        torques = np.empty_like(positions)
+        for k, yaw in enumerate(yaw_rad.tolist()):
+            data.qpos[3], data.qpos[6] = cos(yaw / 2), sin(yaw / 2)
+            data.qpos[JOINT_QPOS] = positions[k]
+            data.qvel[JOINT_QVEL] = velocities[k]
+            data.qacc[JOINT_QVEL] = accelerations[k]
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_comVel(model, data)
+            mujoco.mj_rne(model, data, 1, forces)
+            torques[k] = forces[JOINT_QVEL]
+        return torques + self._armature * accelerations + self._damping * velocities
