@@ -76,6 +76,9 @@ def deaf_children() -> Iterator[None]:
     On the main thread, a signal to this process comes afterwards, so that no process is started and then not known. A
     blocked signal alone is not enough for that, since another thread takes it.
     """
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # else the first process of `multiprocessing` starts it, which unblocks SIGINT
     came: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()
     handlers = {number: signal.signal(number, lambda n, _: came.append(n)) for number in SIGNALS} if is_main else {}

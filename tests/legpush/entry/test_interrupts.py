@@ -122,6 +122,24 @@ def main():
     assert run(tmp_path, work) == Ended(130, "deaf\n0\n", "")
 
 
+def test_the_first_process_of_multiprocessing_is_deaf_like_the_others(tmp_path: Path) -> None:
+    work = """
+import multiprocessing, os, signal
+from legpush.entry.interrupts import deaf_children
+
+def main():
+    for _ in range(2):
+        with deaf_children():
+            child = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(0.5,))
+            child.start()
+        blocked = next(line for line in open(f"/proc/{child.pid}/status") if line.startswith("SigBlk"))
+        print(int(blocked.split()[1], 16) >> (signal.SIGINT - 1) & 1)
+        child.join()
+    return 0
+"""
+    assert run(tmp_path, work) == Ended(0, "1\n1\n", "")
+
+
 def test_a_process_that_starts_is_known_before_its_parent_is_interrupted_even_beside_threads(tmp_path: Path) -> None:
     work = """
 import subprocess, threading
