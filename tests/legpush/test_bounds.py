@@ -139,8 +139,8 @@ JOINTS = ROBOT.joints
 TORQUE_LIMITED = replace(
     ROBOT,
     joints=Joints(
-        hip_x=replace(JOINTS.hip_x, max_torque_n_m=50.0),
-        hip_y=replace(JOINTS.hip_y, max_torque_n_m=50.0),
+        hip_x=replace(JOINTS.hip_x, torque_by_angle=((0.0, 50.0),)),
+        hip_y=replace(JOINTS.hip_y, torque_by_angle=((0.0, 50.0),)),
         knee=replace(JOINTS.knee, max_torque_n_m=60.0),
     ),
 )

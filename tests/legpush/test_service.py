@@ -136,7 +136,7 @@ def test_a_record_of_the_log_is_one_line_that_says_who_whatever_is_in_it(capsys:
 def test_help_needs_no_heavy_library(module: str) -> None:
     script = (
         f"import runpy, sys; sys.argv = ['x', '--help']\n"
-        f"try: runpy.run_main({module!r}, run_name='__main__')\n"
+        f"try: runpy.run_module({module!r}, run_name='__main__')\n"
         "except SystemExit as ending: assert ending.code == 0\n"
         "heavy = {'ompl', 'mujoco', 'torch', 'scipy'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"

@@ -48,6 +48,8 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
 }
 ENDLESS: Final = {"record": (0, 1), "view": (0,)}
 """Commands that go on until they are interrupted, and their exit codes then."""
+PYTORCH: Final = "torchinductor_"
+"""How PyTorch calls its own directory of compiled code, which it keeps in the temporary directory."""
 STUDY: Final = """
 name = "interrupted"
 cell = "push"
@@ -118,7 +120,7 @@ def left_in(folder: Path) -> tuple[str, ...]:
     """What an interrupted command should not leave: processes in its folder, temporary and unfinished files."""
     files = [str(path.relative_to(folder)) for path in folder.rglob("*") if path.name.endswith((".part", ".old"))]
     files += [str(path.relative_to(folder)) for path in folder.glob(".*-*")]
-    files += [f"tmp/{path.name}" for path in (folder / "tmp").iterdir()]
+    files += [f"tmp/{path.name}" for path in (folder / "tmp").iterdir() if not path.name.startswith(PYTORCH)]
     return (*files, *_processes_of(folder))
 
 

@@ -46,7 +46,7 @@ def whole(folder: Path) -> list[Path]:
 
 
 def split(folder: Path) -> list[Path]:
-    return write(folder / "a.mcap", *traffic(mission(60)), facts=FACTS, split=Split(n_bytes=60_000))
+    return write(folder / "a.mcap", *traffic(mission(60)), facts=FACTS, split=Split(n_bytes=100_000))
 
 
 def recovered(folder: Path) -> list[Path]:
