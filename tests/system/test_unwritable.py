@@ -40,7 +40,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(
 ) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "study.toml").write_text(STUDY)
-    # Nobody can make files in /proc, and none is made below a file, whoever runs the test.
+    # Even root cannot make files in /proc or below a file.
     folder = "/proc" if len(name) % 2 else "file"
     words = [str(push_mission.file) if word == RECORDING else word for word in COMMANDS[name]]
     command = [LEGPUSH, *(word.replace(OUT, f"{folder}/new") for word in words)]

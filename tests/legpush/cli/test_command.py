@@ -96,7 +96,10 @@ def test_the_version_is_that_of_the_package() -> None:
         ),
         (["run", "--record", "no-such-folder/a.mcap"], "error: Expected a new file in an existing folder for --record"),
         (["record"], "FILE"),
-        (["record", "no-such-folder/a.mcap"], "error: Expected a file in an existing folder for FILE, got"),
+        (
+            ["record", "no-such-folder/a.mcap"],
+            "error: Expected a file in an existing folder for FILE, got no-such-folder/a.mcap",
+        ),
         (["record", "a.mcap", "--split-mb", "0"], "error: Expected 0.001 to 1e+06 for --split-mb, got 0.0"),
         (["record", "a.mcap", "--about", "x"], "error: Expected NAME=VALUE for --about, got 'x'"),
         (["info", "no-such.mcap"], "error: no-such.mcap: expected a recording that can be read"),
