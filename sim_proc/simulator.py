@@ -16,6 +16,7 @@ from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
 from sim_proc.control.push_cycle import Pusher
 from sim_proc.control.steps import Steps
+from sim_proc.measures.motion import Meter
 from sim_proc.observation import trace, world_state
 from sim_proc.physics.physics import Physics
 
@@ -61,12 +62,15 @@ class SimulatedEpisode:
         self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
         self.physics.tick = -SETTLE_TICKS
-        Posture(self.physics).stand(SETTLE_TICKS)
+        self._meter = Meter(reset.scenario.robot, self.physics.downhill)
+        self._meter.measure([Posture(self.physics).stand(SETTLE_TICKS)], n_footsteps=0)
         self.physics.begin()
         self._steps = Steps(Posture(self.physics))
         self._pusher = Pusher(self._steps, reset.scenario.box)
         self._walk: PathWalk | None = None
         self._push: PushReport | None = None
+        self._n_footsteps = 0
+        """Number of steps of single feet that have been measured."""
 
     def perform(self, motion: Follow | Walk | Push | Alter, *, with_trace: bool) -> Outcome:
         """Carry out a motion other than a reset.
@@ -77,6 +81,7 @@ class SimulatedEpisode:
         if self.physics.fallen:
             raise MotionError("The robot has fallen: only `reset` is possible")
         logs: list[TickLog] = []
+        self.physics.contacts.expect(motion.leg if isinstance(motion, Push) else None)
         if isinstance(motion, Follow):
             self._walk = PathWalk(self._steps, motion.waypoints)
         elif isinstance(motion, Push):
@@ -107,11 +112,21 @@ class SimulatedEpisode:
     def outcome(self, logs: list[TickLog], *, with_trace: bool) -> Outcome:
         """The present state as the outcome of a motion, with the trace of its logs if asked for."""
         path = None if self._walk is None else self._walk.progress()
-        physics = self.physics
+        physics, contacts = self.physics, self.physics.contacts
+        measured = None
+        if logs:
+            n_before, self._n_footsteps = self._n_footsteps, self._steps.n_footsteps
+            measured = self._meter.measure(
+                logs,
+                n_footsteps=self._n_footsteps - n_before,
+                n_unexpected_steps=contacts.n_steps,
+                unexpected=contacts.found(),
+            )
         return Outcome(
             world=world_state(physics, self._steps.n_footsteps, path, self._push),
             state_crc=physics.state_crc(),
-            trace=trace(logs, physics.tick, physics.downhill) if with_trace else None,
+            trace=trace(logs, physics.tick, measured) if with_trace else None,
+            measures=None if measured is None else measured.measures,
         )
 
 

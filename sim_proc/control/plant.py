@@ -1,4 +1,5 @@
-"""`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks."""
+"""`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks and of their
+physics steps."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -7,6 +8,28 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.joint_commands import JointCommands, Knots
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepLog:
+    """Measurements at the beginning of each physics step of 2 ms: s steps in each of n ticks, world frame."""
+
+    tips_m: Floats
+    """Centres of the foot spheres, (n, s, 4, 3)."""
+    floor_forces_n: Floats
+    """Forces of the floor on the feet, (n, s, 4, 3)."""
+    box_forces_n: Floats
+    """Forces of the box on the feet, (n, s, 4, 3)."""
+    com_m: Floats
+    """Centre of mass of the robot, (n, s, 3)."""
+    com_velocity_m_s: Floats
+    """Its velocity, (n, s, 3)."""
+    joint_positions_rad: Floats
+    """Angles of the joints, (n, s, 12)."""
+    joint_velocities_rad_s: Floats
+    """Speeds of the joints, (n, s, 12)."""
+    joint_torques_n_m: Floats
+    """Torques of the servos, (n, s, 12)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +52,8 @@ class TickLog:
     """Centre of mass of the robot, (n, 3)."""
     ctrl: Floats
     """Positions commanded to the servos, with all feed-forward, (n, COMMANDS_PER_TICK, 12)."""
+    steps: StepLog
+    """The physics steps of these ticks."""
 
 
 class Plant(Protocol):

@@ -14,13 +14,14 @@ from legpush.messages.stepping import Appearance
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
-from sim_proc.control.plant import TickLog
+from sim_proc.control.plant import StepLog, TickLog
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
+from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 
 PARKED_M: Final = 1000.0
@@ -48,7 +49,7 @@ class Physics:
         self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
         self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
         self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
-        self._com = self._sensors["com"]
+        self._com, self._com_velocity = self._sensors["com"], self._sensors["com_velocity"]
         self._tips = slice(self._sensors["FL_tip"].start, self._sensors["RR_tip"].stop)
         self._joint_sensors = [
             slice(self._sensors[f"FL_hip_x_{what}"].start, self._sensors[f"RR_knee_{what}"].stop)
@@ -59,6 +60,8 @@ class Physics:
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
         self._limits = ActuatorLimits(robot)
         self._dynamics = InverseDynamics(model, robot)
+        self.contacts = ContactWatch(model)
+        """Counts the contacts that no plan asked for."""
         self._upright = cos(radians(robot.fall.tilt_deg))
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
@@ -92,22 +95,39 @@ class Physics:
         controls = commands.positions_rad + self._compliances * feed_forward
         before = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, before, STATE)
-        waiting, appeared, tick = self._waiting.copy(), self.appeared, self.tick
+        waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
         qpos, sensors = self._simulate(controls, self._run_tick)
         if self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any():
             # Limits at angles and speeds cost much and are met rarely: only then is the motion simulated with them.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
+            self.contacts = contacts
             qpos, sensors = self._simulate(controls, self._run_limited_tick)
         self._check(qpos)
-        last, n = sensors[:, -1], len(qpos)
+        steps = self._step_log(sensors)
         return TickLog(
             qpos=qpos,
-            tips_m=last[:, self._tips].reshape(n, 4, 3),
-            floor_forces_n=-last[:, self._floor_forces].reshape(n, 4, 3),
-            box_forces_n=-last[:, self._box_forces].reshape(n, 4, 3),
-            com_m=last[:, self._com],
-            ctrl=controls[:n],
+            tips_m=steps.tips_m[:, -1],
+            floor_forces_n=steps.floor_forces_n[:, -1],
+            box_forces_n=steps.box_forces_n[:, -1],
+            com_m=steps.com_m[:, -1],
+            ctrl=controls[: len(qpos)],
+            steps=steps,
+        )
+
+    def _step_log(self, sensors: Floats) -> StepLog:
+        """The measurements in the sensors (n, steps, nsensordata) of physics steps."""
+        feet = (*sensors.shape[:2], len(LEGS), 3)
+        positions, velocities, torques = (sensors[:, :, columns] for columns in self._joint_sensors)
+        return StepLog(
+            tips_m=sensors[:, :, self._tips].reshape(feet),
+            floor_forces_n=-sensors[:, :, self._floor_forces].reshape(feet),
+            box_forces_n=-sensors[:, :, self._box_forces].reshape(feet),
+            com_m=sensors[:, :, self._com],
+            com_velocity_m_s=sensors[:, :, self._com_velocity],
+            joint_positions_rad=positions,
+            joint_velocities_rad_s=velocities,
+            joint_torques_n_m=torques,
         )
 
     def _simulate(self, controls: Floats, run_tick: Callable[[Floats, Floats], None]) -> tuple[Floats, Floats]:
@@ -129,20 +149,27 @@ class Physics:
     def _run_tick(self, controls: Floats, sensors: Floats) -> None:
         """Run one tick with controls (steps, 12), up to the largest torques, and fill in the sensors of its steps."""
         model, data, ctrl, sensordata = self.model, self.data, self.data.ctrl, self.data.sensordata
+        contacts = self.contacts
+        contacts.begin_tick()
         for control, row in zip(controls, sensors, strict=True):
             ctrl[:] = control
             mujoco.mj_step(model, data)
             row[:] = sensordata
+            if data.ncon != contacts.n_known:
+                contacts.look(model, data)
 
     def _run_limited_tick(self, controls: Floats, sensors: Floats) -> None:
         """Run one tick with the limits of torque at the angles and speeds of each step."""
         model, data = self.model, self.data
         bounds = model.actuator_forcerange
+        self.contacts.begin_tick()
         for control, row in zip(controls, sensors, strict=True):
             bounds[:, 0], bounds[:, 1] = self._limits.bounds_n_m(data.qpos[JOINT_QPOS], data.qvel[JOINT_QVEL])
             data.ctrl[:] = control
             mujoco.mj_step(model, data)
             row[:] = data.sensordata
+            if data.ncon != self.contacts.n_known:
+                self.contacts.look(model, data)
         bounds[:, 0], bounds[:, 1] = -self._limits.peak_n_m, self._limits.peak_n_m
 
     def begin(self) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tests.project.test_layout import PACKAGES, modules
 
-BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/model", "sim_proc/physics")
+BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/measures", "sim_proc/model", "sim_proc/physics")
 """Folders of the robot's body and motion."""
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
@@ -16,12 +16,15 @@ OF_NO_ROBOT = {
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE"},
+    "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
+    "measures/support.py": {"_BITS"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M"},
     "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES", "ANKLE_SHARE"},
     "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN"},
     "model/shapes.py": {"FLOOR_GREY"},
     "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "SOLREF", "WALL_FRICTION", "NET_FORCE"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
+    "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
     "physics/physics.py": {"PARKED_M"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""
