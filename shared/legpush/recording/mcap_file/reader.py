@@ -167,7 +167,7 @@ class Scan:
         if version not in [str(each) for each in READABLE_VERSIONS]:
             versions = " or ".join(map(str, READABLE_VERSIONS))
             raise RecordingError(
-                f"{self.path}: expected a recording of protocol version {versions}, got one of {version}"
+                f"{self.path}: other version: expected a recording of protocol version {versions}, got one of {version}"
             )
         said = about.pop("part", "0")
         if not said.isdecimal():
