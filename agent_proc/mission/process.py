@@ -25,7 +25,8 @@ from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
 from legpush.fields import Name, Seed, require
-from legpush.history.journal import Journal, Opened
+from legpush.history.entries import Opened
+from legpush.history.journal import Journal
 from legpush.lockstep.client import SimLink
 from legpush.lockstep.episode import Episode
 from legpush.messages.common import PROTOCOL_VERSION

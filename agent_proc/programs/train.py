@@ -25,13 +25,13 @@ from agent_proc.simulators import simulators
 from agent_proc.task.config import Domain, TaskConfig
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
-from legpush.numerics.current import explained
+from legpush.numerics.computed_with import computed_with, told
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
-from legpush.versions import NUMERICS, installed_versions
+from legpush.versions import installed_versions
 
 if TYPE_CHECKING:
     from agent_proc.learning.training import Training
@@ -118,11 +118,13 @@ def _resume(job: "Training", plan: TrainingPlan) -> None:
 
     Raises:
         DivergedError: The simulators compute something else than before; says so if the numerics are others.
+        OtherVersionError: The training is of another version, whose motions were others.
     """
     try:
         job.resume()
     except DivergedError as error:
-        raise DivergedError(explained(str(error), plan.versions.get(NUMERICS))) from error
+        still = "the training cannot go on here, its best policy can be used; train again in another folder"
+        raise told(error, computed_with(plan.versions), still) from error
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
+from agent_proc.pushing.budget import PushBudget
 from agent_proc.task.reward_tuned import tuned_reward
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import Walker
@@ -31,6 +32,8 @@ class Pushes:
             for face in actor.faces()
         }
         """What pushes do, by the face that is pushed."""
+        self.budget = PushBudget(actor.scenario, self.estimates)
+        """How many pushes there may be."""
         self.n_cycles = 0
         """Number of pushes."""
         self._first: PushView | None = None

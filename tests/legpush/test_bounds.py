@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from legpush.bounds import MAX_APPEARING, MAX_OBSTACLES, MAX_OVERLAP
 from legpush.errors import MessageError, ScenarioError
 from legpush.fields import range_of
-from legpush.history.journal import Acted, Planned
+from legpush.history.entries import Acted, Planned
 from legpush.messages import codec
 from legpush.messages.schemas import MESSAGES
 from legpush.messages.stepping import Reset

@@ -9,8 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from legpush.errors import one_line
+from legpush.numerics.computed_with import computed_with
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
-from legpush.versions import NUMERICS
 
 
 def _recorded(recording: dict[str, Any]) -> str:
@@ -20,6 +20,12 @@ def _recorded(recording: dict[str, Any]) -> str:
 
 def _when(appeared: dict[str, Any]) -> str:
     return f"room.obstacles[{appeared['obstacle']}] at {appeared['time_s']:.1f} s"
+
+
+def _computed(versions: dict[str, str | None]) -> str:
+    """Return what a mission was computed with."""
+    motions, numerics = (each or "-" for each in computed_with(versions))
+    return f"numerics {numerics}, motion version {motions}"
 
 
 ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
@@ -45,7 +51,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
     "state_crc": ("state CRC", str),
     "seed": ("seed", str),
-    "versions": ("numerics", lambda versions: versions.get(NUMERICS, "-")),
+    "versions": ("computed with", _computed),
     "recording": ("recording", _recorded),
     "notes": ("note", "; ".join),
 }

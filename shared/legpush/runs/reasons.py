@@ -83,7 +83,7 @@ REASONS: Final[dict[Reason, Note]] = {
         remedy="widen the curves of `reference`, or measure the box first with `pushing.calibration_pushes`",
     ),
     "max_push_cycles": Note(
-        meaning="The push cycles of the mission are used up.",
+        meaning="The push cycles of the mission are used up, or cannot do, which is told before the robot walks.",
         keys=("mission.max_push_cycles",),
         remedy="raise `mission.max_push_cycles`, or leave it out: it then follows from the path of the box",
     ),

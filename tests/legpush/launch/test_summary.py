@@ -35,7 +35,7 @@ REPORT = {
     "seed": 3,
     "recording": {"file": "mission.mcap", "complete": True, "notes": []},
     "notes": ["no mission.png: it is too dark", "no video: it is too late"],
-    "versions": {"legpush": "0.1.0", "numerics": "x86-64-v3/1a2b3c4d"},
+    "versions": {"legpush": "0.1.0", "numerics": "x86-64-v3/1a2b3c4d", "motions": "2"},
 }
 
 

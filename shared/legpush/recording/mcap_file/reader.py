@@ -168,7 +168,7 @@ class Scan:
             *others, newest = map(str, READABLE_VERSIONS)
             versions = f"{', '.join(others)} or {newest}"
             raise RecordingError(
-                f"{self.path}: expected a recording of protocol version {versions}, got one of {version}"
+                f"{self.path}: other version: expected a recording of protocol version {versions}, got one of {version}"
             )
         said = about.pop("part", "0")
         if not said.isdecimal():
