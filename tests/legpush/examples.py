@@ -169,7 +169,7 @@ MESSAGES: Mapping[str, Message] = {
     "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
     "action_walk": _action(Walk(), 2),
     "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12, face="left"), 3),
-    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3), 4),
+    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3, box_foot_friction=0.6), 4),
     "observation": Observation(
         header=header("sim"),
         agent_incarnation="agent-0a1b2c",
