@@ -59,7 +59,7 @@ SCENARIO = Scenario(
         ),
     ),
     start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
-    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0)),
+    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0), foot_friction=0.8, com_offset_m=(0.05, -0.1, 0.02)),
     goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
 )
 RESET = Reset(scenario=SCENARIO, seed=3)
