@@ -104,7 +104,11 @@ class SimulatedEpisode:
 
     def _alter(self, motion: Alter) -> None:
         """Change mass or friction of the box and keep the state."""
-        changes = {"mass_kg": motion.box_mass_kg, "friction": motion.box_friction}
+        changes = {
+            "mass_kg": motion.box_mass_kg,
+            "friction": motion.box_friction,
+            "foot_friction": motion.box_foot_friction,
+        }
         box = replace(self._scenario.box, **{name: value for name, value in changes.items() if value is not None})
         self._scenario = replace(self._scenario, box=box)
         self.physics.alter(self._scenario)

@@ -111,7 +111,11 @@ def _name(cell: Cell) -> str:
 
 
 def _scenario(options: CalibrateOptions) -> Scenario:
-    changes = {"box.mass_kg": options.box_mass_kg, "box.friction": options.box_friction}
+    changes = {
+        "box.mass_kg": options.box_mass_kg,
+        "box.friction": options.box_friction,
+        "box.foot_friction": options.box_foot_friction,
+    }
     given = {field: value for field, value in changes.items() if value is not None}
     return override(load_scenario(options.scenario), given)
 

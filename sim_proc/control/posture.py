@@ -1,5 +1,7 @@
 """The commanded posture of the robot, its correction by measured feet, and the joint commands that track a motion."""
 
+from copy import copy
+
 import numpy as np
 
 from legpush.arrays import Floats
@@ -9,6 +11,7 @@ from sim_proc.control.plant import Plant, TickLog
 from sim_proc.control.swing import minimum_jerk
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
+from sim_proc.kinematics.reach import require_reach
 
 
 class Posture:
@@ -54,6 +57,25 @@ class Posture:
         self.feet_m[:, :2] = measured
         self.com_offset_m = plant.com_m()[:2] - plant.trunk_pose().xy()
         self.com_state[0] = self.trunk_xy_m + self.com_offset_m
+
+    def measured(self) -> "Posture":
+        """A copy of this posture, corrected by the measured feet. This one stays as it is."""
+        other = copy(self)
+        other.feet_m, other.com_state = self.feet_m.copy(), self.com_state.copy()
+        other.measure()
+        return other
+
+    def require_reach(self, what: str, leg: int, trunk_xy_m: Floats, yaw_rad: Floats, curve_m: Floats) -> None:
+        """Check that a leg reaches a curve (n, 3) from trunks (n, 2) and (n,), with the robot's margin.
+
+        `what` names the curve in the error.
+
+        Raises:
+            MotionError: A point is out of reach, or brings a joint too near to a limit.
+        """
+        feet = np.repeat(curve_m[:, None], len(SIDE), axis=1)
+        tips_h = self._tips_h(trunk_xy_m, _rotations(-yaw_rad), feet)[:, leg]
+        require_reach(self._kinematics, what, tips_h, float(SIDE[leg]), self.plant.robot.pushing.reach_margin_deg)
 
     def stand(self, n_ticks: int) -> TickLog:
         """Stand still with the load on all feet."""
@@ -108,11 +130,15 @@ class Posture:
 
     def _inverse(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
         """Joint angles, (n, 4, 3), of trunks (n, 2) with rotations (n, 2, 2) into their frames, and feet (n, 4, 3)."""
+        return self._kinematics.inverse(self._tips_h(trunk_xy_m, from_world, feet_m), SIDE, saturate=True)
+
+    def _tips_h(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
+        """Feet in their hip frames, (n, 4, 3)."""
         tips_b = feet_m.copy()
         tips_b[:, :, :2] -= trunk_xy_m[:, None]
         tips_b[:, :, 2] -= self._height_m
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
-        return self._kinematics.inverse(tips_b - self._kinematics.hips_b, SIDE, saturate=True)
+        return tips_b - self._kinematics.hips_b
 
 
 def _rotations(yaw_rad: Floats) -> Floats:

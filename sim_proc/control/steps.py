@@ -4,6 +4,7 @@ Walking and pushing are sequences of such steps.
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -109,6 +110,22 @@ class Steps:
         self.landed = leg if lands else None
         self.n_footsteps += int(lands and leg is not None)
         return log
+
+    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> None:
+        """Check that the leg of `ahead[0]` reaches its whole swing, with the trunk moving as planned. Nothing moves.
+
+        `what` names the swing in the error.
+
+        Raises:
+            MotionError: It does not.
+        """
+        other = copy(self)
+        other.posture = posture = self.posture.measured()
+        step, plan = other._plan(ahead)
+        leg, air = LEGS.index(step.leg or LEGS[0]), slice(step.shift_ticks, step.n_ticks)
+        yaw, _ = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
+        trunk = plan.position_m[air] - posture.com_offset_m
+        posture.require_reach(what, leg, trunk, yaw[air], swing(posture.feet_m[leg]))
 
     def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
         """The first step, with a shift long enough for a stable lift, and the planned motion of the CoM."""

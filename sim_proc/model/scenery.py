@@ -5,11 +5,13 @@ from typing import Final
 
 from legpush.scene.scenario import Box, Goal, Room, Scenario
 from sim_proc.headless import mujoco
-from sim_proc.model.collisions import SURROUNDINGS
+from sim_proc.model.collisions import FLOOR, WALL
 
 WALL_GREY: Final = (0.62, 0.65, 0.69, 1.0)
 APPEARED_OCHRE: Final = (0.80, 0.58, 0.30, 1.0)
 GOAL_GREEN: Final = (0.12, 0.65, 0.32, 0.9)
+WALL_GROUP_M: Final = 4.0
+"""Walls up to this length are grouped by squares of this side."""
 
 
 def add_scenery(spec: mujoco.MjSpec, scenario: Scenario) -> None:
@@ -22,7 +24,7 @@ def add_scenery(spec: mujoco.MjSpec, scenario: Scenario) -> None:
         size=[floor_x / 2, floor_y / 2, 0.1],
         pos=[floor_x / 2, floor_y / 2, 0.0],
         material="floor",
-        **SURROUNDINGS,
+        **FLOOR,
     )
     _add_walls(spec, scenario.room)
     _add_goal(spec, scenario.goal, scenario.box)
@@ -77,21 +79,36 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
     """Add the walls of a room.
 
     A wall that appears later is a mocap body, so that the physics can keep it out of the way until then. In the model
-    it stands in its final place.
+    it stands in its final place. The other walls are geoms of bodies that cannot move, one for each group of walls near
+    each other: MuJoCo passes over a body that is far away as a whole, so walls far from robot and box cost little.
     """
+    groups: dict[object, mujoco.MjsBody] = {}
     for index, wall in enumerate(room.obstacles):
         half = [(wall.x_max_m - wall.x_min_m) / 2, (wall.y_max_m - wall.y_min_m) / 2, room.wall_height_m / 2]
         centre = [wall.x_min_m + half[0], wall.y_min_m + half[1], half[2]]
         later = wall.appears_at_s > 0.0
-        body = _add_later_body(spec, wall_name(index), centre) if later else spec.worldbody
+        if later:
+            body = _add_later_body(spec, wall_name(index), centre)
+        else:
+            group = _group(index, centre, half)
+            if group not in groups:
+                groups[group] = spec.worldbody.add_body(name=f"walls_{len(groups)}")
+            body = groups[group]
         body.add_geom(
             name=wall_name(index),
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=half,
             pos=[0.0, 0.0, 0.0] if later else centre,
             rgba=APPEARED_OCHRE if later else WALL_GREY,
-            **SURROUNDINGS,
+            **WALL,
         )
+
+
+def _group(index: int, centre_m: list[float], half_m: list[float]) -> tuple[int, ...]:
+    """The square in which a wall's centre lies, or the wall alone if it is longer than a square."""
+    if 2 * max(half_m[:2]) > WALL_GROUP_M:
+        return (index,)
+    return int(centre_m[0] // WALL_GROUP_M), int(centre_m[1] // WALL_GROUP_M)
 
 
 def _add_later_body(spec: mujoco.MjSpec, name: str, centre: list[float]) -> mujoco.MjsBody:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from math import cos, radians, sin
 from typing import Final
 
+import msgspec
 import numpy as np
 
 from legpush.arrays import Floats
@@ -12,6 +13,7 @@ from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import StepLog, TickLog
@@ -37,6 +39,7 @@ class Physics:
         """Stand the robot at `trunk` and the box at `box`, at rest."""
         self.robot = robot = scenario.robot
         """The numbers of the robot."""
+        self._robot_crc = _crc_of(robot)
         self.model = build_model(scenario)
         self.data = mujoco.MjData(self.model)
         model, data = self.model, self.data
@@ -256,11 +259,15 @@ class Physics:
         return _planar(self.data.qpos[TRUNK_QPOS])
 
     def state_crc(self) -> int:
-        """CRC-32 of MuJoCo's integration state."""
-        signature = mujoco.mjtState.mjSTATE_INTEGRATION
-        state = np.empty(mujoco.mj_stateSize(self.model, signature))
-        mujoco.mj_getState(self.model, self.data, state, signature)
-        return zlib.crc32(state.tobytes())
+        """CRC-32 of the robot's numbers and MuJoCo's integration state."""
+        state = np.empty(mujoco.mj_stateSize(self.model, STATE))
+        mujoco.mj_getState(self.model, self.data, state, STATE)
+        return zlib.crc32(state.tobytes(), self._robot_crc)
+
+
+def _crc_of(robot: RobotSpec) -> int:
+    """CRC-32 of the robot as it is sent: in MessagePack, with every number of the type that it is read as."""
+    return zlib.crc32(msgspec.msgpack.encode(msgspec.convert(msgspec.to_builtins(robot), RobotSpec)))
 
 
 def _slice_of(model: mujoco.MjModel, sensor: int) -> slice:

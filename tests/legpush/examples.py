@@ -60,7 +60,7 @@ SCENARIO = Scenario(
         ),
     ),
     start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
-    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0)),
+    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0), foot_friction=0.8, com_offset_m=(0.05, -0.1, 0.02)),
     goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
 )
 RESET = Reset(scenario=SCENARIO, seed=3)
@@ -202,7 +202,7 @@ MESSAGES: Mapping[str, Message] = {
     "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
     "action_walk": _action(Walk(), 2),
     "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12, face="left"), 3),
-    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3), 4),
+    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3, box_foot_friction=0.6), 4),
     "observation": Observation(
         header=header("sim"),
         agent_incarnation="agent-0a1b2c",

@@ -54,7 +54,10 @@ class Alter(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_f
     box_mass_kg: BoxMass | None = None
     """The new mass; nil keeps it."""
     box_friction: Friction | None = None
-    """The new friction coefficient; nil keeps it."""
+    """The new friction coefficient with the floor; nil keeps it. It also holds with the robot, unless the scenario or
+    `box_foot_friction` states that one."""
+    box_foot_friction: Friction | None = None
+    """The new friction coefficient with the feet and all other parts of the robot; nil keeps it."""
 
 
 Motion = Reset | Follow | Walk | Push | Alter
@@ -189,7 +192,8 @@ class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     world: WorldState
     state_crc: Crc
-    """CRC-32 of the simulator's whole state: equal CRCs mean equal states, bit for bit."""
+    """CRC-32 of the robot's numbers and the simulator's whole state: equal CRCs mean equal states of equal robots, bit
+    for bit."""
     trace: Trace | None = None
     measures: Measures | None = None
     """Nil if nothing moved, and before protocol 8."""

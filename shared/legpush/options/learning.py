@@ -146,7 +146,9 @@ class CalibrateOptions(SimulatorOptions):
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Replaces the scenario's box mass."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Replaces the scenario's box friction."""
+    """Replaces the scenario's friction of box and floor."""
+    box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's friction of box and foot."""
     depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
     """Depths of the pushes."""
     curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = (0.5,)
@@ -162,6 +164,7 @@ class CalibrateOptions(SimulatorOptions):
         super().__post_init__()
         require(BoxMass, self.box_mass_kg, "--box-mass-kg")
         require(Friction, self.box_friction, "--box-friction")
+        require(Friction, self.box_foot_friction, "--box-foot-friction")
         require(Amount, self.series, "--series")
         require_seeds(self.first_seed, self.series, "--first-seed")
         if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):

@@ -50,9 +50,9 @@ REASONS: Final[dict[Reason, Note]] = {
     ),
     "box_tipped": Note(
         meaning="The box leans by more than 15°.",
-        keys=("box.size_m", "box.friction", "pushing.faces"),
-        remedy="lower the height in `box.size_m`, lower `box.friction`, or leave the narrow faces out of "
-        "`pushing.faces`",
+        keys=("box.size_m", "box.com_offset_m", "box.friction", "pushing.faces"),
+        remedy="lower the height in `box.size_m` or the centre of mass (`box.com_offset_m`), lower `box.friction`, or "
+        "leave the narrow faces out of `pushing.faces`",
     ),
     "no_path": Note(
         meaning="The planner found no path of the robot or of the box.",

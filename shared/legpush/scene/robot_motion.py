@@ -11,6 +11,7 @@ from legpush.bounds import (
     BodyLength,
     FallTilt,
     LandingSpeed,
+    ReachMargin,
     SideShare,
     StationTurn,
     StepTurn,
@@ -131,6 +132,8 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Greatest height of the contact point, as a share of the standing height."""
     tip_share: Unit = 0.8
     """Greatest height of the contact point, as a share of the height above which a box tips instead of sliding."""
+    reach_margin_deg: ReachMargin = 1.0
+    """Least distance of every joint from its limits over the whole curve of a push."""
     contact_side_share: SideShare = 0.3
     """Distance of the contact point from the middle of the face, to the left (FL) or right (FR), as a share of the
     width of the box."""

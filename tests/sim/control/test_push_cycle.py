@@ -62,7 +62,7 @@ def test_a_push_stops_early_when_the_robot_falls(at_the_box: Scenario) -> None:
 @pytest.mark.parametrize("leg", FRONT_LEGS)
 def test_the_contact_point_of_a_round_box_lies_on_its_circle(at_the_box: Scenario, leg: FrontLeg) -> None:
     box = replace(at_the_box.box, shape="cylinder", size_m=(0.4, 0.4, 0.3))
-    x, y, z = contact_point(ROBOT, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), box, leg, 0.0)
+    x, y, z = contact_point(ROBOT, box, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), "rear", leg, 0.0)
     assert np.hypot(x + ROBOT.legs.foot_radius_m, y) == pytest.approx(0.2)
     assert np.sign(y) == (1 if leg == "FL" else -1)
     assert z == pytest.approx(0.15)
