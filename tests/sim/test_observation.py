@@ -29,6 +29,7 @@ def log(n: int, load_n: Floats, com_m: tuple[float, float, float] = (0.0, 0.0, 0
         box_forces_n=np.ones((n, 4, 3)),
         com_m=np.tile(com_m, (n, 1)),
         ctrl=np.zeros((n, 12)),
+        touched_down=False,
     )
 
 
