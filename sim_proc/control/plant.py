@@ -1,8 +1,11 @@
 """`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks and of their
 physics steps."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Protocol
+
+import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
@@ -33,6 +36,25 @@ class StepLog:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Touchdown:
+    """The contact of a swinging foot with the floor, as the foot's force sensor feels it.
+
+    If it comes before the planned landing, the run ends with the tick.
+    """
+
+    leg: int
+    force_n: float
+    """Vertical force from which on the foot is down."""
+    first_tick: int
+    """Tick of the run from which on the force counts. Before, the foot is lifted."""
+    landing_tick: int
+    """Tick of the run in which the planned landing begins. From then on the run goes on to its end."""
+    stops_leg: bool
+    """Whether the leg stops within a physics step, because the foot moves fast, and does not go on to the end of the
+    tick."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class TickLog:
     """Measurements of a motion, one row per tick, world frame.
 
@@ -54,6 +76,25 @@ class TickLog:
     """Positions commanded to the servos, with all feed-forward, (n, COMMANDS_PER_TICK, 12)."""
     steps: StepLog
     """The physics steps of these ticks."""
+    touched_down: bool
+    """Whether the motion ended with the touchdown that was to end it."""
+
+
+def joined(logs: Sequence[TickLog]) -> TickLog:
+    """The log of motions that followed one another. It touched down if the last one did."""
+    rows = [field.name for field in fields(TickLog) if field.name not in ("steps", "touched_down")]
+    return TickLog(
+        **{name: np.concatenate([getattr(log, name) for log in logs]) for name in rows},
+        steps=joined_steps([log.steps for log in logs]),
+        touched_down=logs[-1].touched_down,
+    )
+
+
+def joined_steps(logs: Sequence[StepLog]) -> StepLog:
+    """The physics steps of motions that followed one another."""
+    return StepLog(
+        **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
+    )
 
 
 class Plant(Protocol):
@@ -98,5 +139,5 @@ class Plant(Protocol):
         The trunk is level and at rest, turned by `yaw_rad` (n,), and nothing touches the feet.
         """
 
-    def run(self, commands: JointCommands) -> TickLog:
-        """Track joint commands, one row per tick; stop early at a fall."""
+    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown."""

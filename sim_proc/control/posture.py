@@ -5,9 +5,10 @@ from copy import copy
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.scene.conventions import CONTROL_PERIOD_S, JOINTS
 from sim_proc.control.balance import foot_forces
 from sim_proc.control.joint_commands import interpolated, knots
-from sim_proc.control.plant import Plant, TickLog
+from sim_proc.control.plant import Plant, TickLog, Touchdown
 from sim_proc.control.swing import minimum_jerk
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
@@ -23,7 +24,8 @@ class Posture:
         robot = plant.robot
         self._kinematics = LegKinematics(robot)
         self._height_m = robot.stance.height_m
-        self._reanchor_ticks = robot.gait.reanchor_ticks
+        self._reanchor_ticks, self._press_m = robot.gait.reanchor_ticks, robot.gait.press_m
+        self._tolerance_m = robot.gait.landing_speed_m_s * robot.gait.landing_ticks * CONTROL_PERIOD_S
         trunk = plant.trunk_pose()
         self.trunk_xy_m: Floats = trunk.xy()
         self.yaw_rad = trunk.yaw_rad
@@ -96,8 +98,11 @@ class Posture:
         load_share: Floats,
         zmp_m: Floats,
         acceleration_m_s2: Floats,
+        until: Touchdown | None = None,
     ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
+
+        It ends early at a touchdown.
 
         `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet.
 
@@ -117,11 +122,32 @@ class Posture:
         motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
         torques += self.plant.inverse_dynamics_n_m(motion, yaw_rad)
         before = torques[0] if self._joint_torques_n_m is None else self._joint_torques_n_m
-        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])))
-        self.joints_rad, self._joint_velocities_rad_s = motion.positions_rad[-1], motion.velocities_rad_s[-1]
-        self._joint_torques_n_m = torques[-1]
-        self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
+        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])), until)
+        last = len(log.qpos) - 1
+        self.joints_rad, self._joint_velocities_rad_s = (
+            motion.positions_rad[last + 1],
+            motion.velocities_rad_s[last + 1],
+        )
+        self._joint_torques_n_m = torques[last]
+        self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[last].copy(), float(yaw_rad[last]), feet_m[last].copy()
+        if until is not None and until.stops_leg and log.touched_down and last < until.landing_tick:
+            self._stop_leg(until.leg)
         return log
+
+    def put_down(self, leg: int, planned_m: float) -> None:
+        """Take over the measured height of a foot that is down, or the planned one if that is nearly the same.
+
+        A foot is pressed a little into the floor.
+        """
+        height_m = self.plant.tips_m()[leg, 2] - self._press_m
+        self.feet_m[leg, 2] = planned_m if abs(height_m - planned_m) <= self._tolerance_m else height_m
+
+    def _stop_leg(self, leg: int) -> None:
+        """Command a leg that met the floor on its way to stay where it is."""
+        joints = slice(leg * len(JOINTS), (leg + 1) * len(JOINTS))
+        self.joints_rad[joints] = self.plant.joints_rad()[joints]
+        self._joint_velocities_rad_s[joints] = 0.0
+        self.feet_m[leg] = self.plant.tips_m()[leg]
 
     def _present_joints_rad(self) -> Floats:
         """Joint angles of the commanded trunk and feet, (12,); measured feet move them away from the last commands."""

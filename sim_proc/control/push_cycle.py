@@ -20,9 +20,9 @@ from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
-from sim_proc.control.gait import require_within_reach, rest, swing_to
+from sim_proc.control.gait import require_within_reach, swing_to
 from sim_proc.control.plant import TickLog
-from sim_proc.control.steps import Step, Steps, Swing
+from sim_proc.control.steps import Step, Steps, Swing, rest
 from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
@@ -71,7 +71,7 @@ class Pusher:
         self._box = box
 
     def cycle(self, push: Push) -> PushLog:
-        """Push, return the foot, and step to the box. Stop early at a fall.
+        """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
 
         Raises:
             MotionError: The face cannot be pushed, the robot does not stand at it, or the leg does not reach the whole
@@ -102,6 +102,9 @@ class Pusher:
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(robot, step.target_m, ticks)
                 logs.append(self._steps.take_step(follow[index : index + 4], swing))
                 if plant.fallen:
+                    break
+                if self._steps.without_floor is not None:
+                    logs.append(self._steps.stop())
                     break
         return PushLog(logs=logs, peak_force_n=peak)
 

@@ -1,12 +1,13 @@
 """Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 13, 14)."""
 
-from math import pi
+from math import ceil, pi
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from legpush.arrays import Floats
+from legpush.bounds import MAX_TICKS
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.robot_motion import Gait
 
@@ -43,6 +44,25 @@ def gentle_stop(n_ticks: int) -> Floats:
     return progress
 
 
+def flight_ticks(n_ticks: int, gait: Gait) -> int:
+    """Ticks of a step before its landing, in which the foot may move fast."""
+    return n_ticks - min(gait.landing_ticks, n_ticks - 2)
+
+
+def search_swing(start_m: Floats, gait: Gait) -> Floats:
+    """A foot that goes straight down from `start_m`, (3,), at the landing speed; one point per tick, (n, 3)."""
+    n_ticks = search_ticks(gait)
+    curve = np.repeat(start_m[None], n_ticks, axis=0)
+    curve[:, 2] -= gait.landing_speed_m_s * CONTROL_PERIOD_S * np.arange(1, n_ticks + 1)
+    return curve
+
+
+def search_ticks(gait: Gait) -> int:
+    """How long a foot looks for a floor that is not where it was expected."""
+    depth_m = gait.landing_speed_m_s * CONTROL_PERIOD_S
+    return min(ceil(gait.search_depth_m / depth_m), MAX_TICKS) if depth_m > 0.0 else MAX_TICKS
+
+
 def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int, gait: Gait) -> Floats:
     """A step from `start_m` to `end_m`, (3,) each, that touches down slowly; one point per tick, (n, 3).
 
@@ -51,8 +71,8 @@ def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks
     """
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
     tick = np.arange(1, n_ticks + 1)
-    landing, speed = min(gait.landing_ticks, n_ticks - 2), gait.landing_speed_m_s * CONTROL_PERIOD_S
-    flight = n_ticks - landing
+    flight, speed = flight_ticks(n_ticks, gait), gait.landing_speed_m_s * CONTROL_PERIOD_S
+    landing = n_ticks - flight
     apex, apex_m = APEX_SHARE * flight, max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
     along = quintic(np.clip(tick / (n_ticks - SETTLED_SHARE * landing), 0.0, 1.0))
     curve: Floats = start + along[:, None] * (end - start)

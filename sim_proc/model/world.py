@@ -105,7 +105,7 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
-    """Add force sensors of the feet, against floor and box, an IMU, and the robot's centre of mass."""
+    """Add force sensors of the feet, against floor, box and everything, an IMU, and the robot's centre of mass."""
 
     def contact_force(name: str, foot: str, other: str, kind: mujoco.mjtObj) -> None:
         """Net force of a geom or body on a foot: MuJoCo's contact sensor with data `force` and reduction `netforce`."""
@@ -143,3 +143,11 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
     spec.add_sensor(
         name="com", type=mujoco.mjtSensor.mjSENS_SUBTREECOM, objtype=mujoco.mjtObj.mjOBJ_BODY, objname="trunk"
     )
+    for leg in LEGS:
+        spec.add_sensor(
+            name=f"{leg}_foot_force",
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=mujoco.mjtObj.mjOBJ_GEOM,
+            objname=f"{leg}_foot",
+            intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), NET_FORCE, 1],
+        )

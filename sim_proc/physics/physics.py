@@ -1,7 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import cos, radians, sin
 from typing import Final
 
@@ -16,7 +16,7 @@ from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
-from sim_proc.control.plant import StepLog, TickLog
+from sim_proc.control.plant import StepLog, TickLog, Touchdown
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
@@ -25,6 +25,7 @@ from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.inverse_dynamics import InverseDynamics
+from sim_proc.physics.landing import Landing
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
@@ -84,8 +85,8 @@ class Physics:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
         return self._dynamics.torques_n_m(motion, yaw_rad)
 
-    def run(self, commands: JointCommands) -> TickLog:
-        """Track joint commands, one row per tick; stop early at a fall.
+    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown.
 
         A servo is commanded `q + (torque + Kv velocity) / Kp`, and its torque stays within its limits. Tips,
         forces and the CoM are those at the beginning of the last physics step. An obstacle that is due is put in its
@@ -95,17 +96,20 @@ class Physics:
             LegpushError: MuJoCo warned, or the state stopped being finite.
         """
         feed_forward = commands.torques_n_m + self._velocity_gains * commands.velocities_rad_s
-        controls = commands.positions_rad + self._compliances * feed_forward
+        planned = commands.positions_rad + self._compliances * feed_forward
+        landing = None if until is None else self._landing(until, commands)
         before = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, before, STATE)
         waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
-        qpos, sensors = self._simulate(controls, self._run_tick)
+        controls = planned.copy()
+        qpos, sensors = self._simulate(controls, self._run_tick, landing)
         if self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any():
             # Limits at angles and speeds cost much and are met rarely: only then is the motion simulated with them.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
             self.contacts = contacts
-            qpos, sensors = self._simulate(controls, self._run_limited_tick)
+            controls = planned.copy()
+            qpos, sensors = self._simulate(controls, self._run_limited_tick, landing)
         self._check(qpos)
         steps = self._step_log(sensors)
         return TickLog(
@@ -116,6 +120,7 @@ class Physics:
             com_m=steps.com_m[:, -1],
             ctrl=controls[: len(qpos)],
             steps=steps,
+            touched_down=landing is not None and landing.touched_down(len(qpos) - 1, sensors[-1]),
         )
 
     def _step_log(self, sensors: Floats) -> StepLog:
@@ -133,12 +138,21 @@ class Physics:
             joint_torques_n_m=torques,
         )
 
-    def _simulate(self, controls: Floats, run_tick: Callable[[Floats, Floats], None]) -> tuple[Floats, Floats]:
-        """Run ticks with controls (n, steps, 12) up to a fall; return `qpos` of each, and the sensors of all steps."""
+    def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
+        holds = commands.positions_rad + self._compliances * commands.torques_n_m
+        return Landing(touchdown, self._sensors[f"{LEGS[touchdown.leg]}_foot_force"].stop - 1, holds)
+
+    def _simulate(
+        self, controls: Floats, run_tick: Callable[[Iterable[Floats], Floats], None], landing: Landing | None
+    ) -> tuple[Floats, Floats]:
+        """Run ticks with controls (n, steps, 12) up to a fall or a touchdown.
+
+        Return `qpos` of each tick and the sensors of all steps. The controls become those that were commanded.
+        """
         n, data, upright, lowest_m = len(controls), self.data, self._upright, self.robot.fall_height_m
         qpos, sensors = np.empty((n, self.model.nq)), np.empty((n, COMMANDS_PER_TICK, self.model.nsensordata))
         for k in range(n):
-            run_tick(controls[k], sensors[k])
+            run_tick(controls[k] if landing is None else landing.controls(k, controls[k], sensors[k]), sensors[k])
             row = qpos[k]
             row[:] = data.qpos
             self.tick += 1
@@ -147,9 +161,11 @@ class Physics:
             if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < lowest_m:
                 self.fallen = True
                 return qpos[: k + 1], sensors[: k + 1]
+            if landing is not None and landing.ends(k, sensors[k]):
+                return qpos[: k + 1], sensors[: k + 1]
         return qpos, sensors
 
-    def _run_tick(self, controls: Floats, sensors: Floats) -> None:
+    def _run_tick(self, controls: Iterable[Floats], sensors: Floats) -> None:
         """Run one tick with controls (steps, 12), up to the largest torques, and fill in the sensors of its steps."""
         model, data, ctrl, sensordata = self.model, self.data, self.data.ctrl, self.data.sensordata
         contacts = self.contacts
@@ -161,7 +177,7 @@ class Physics:
             if data.ncon != contacts.n_known:
                 contacts.look(model, data)
 
-    def _run_limited_tick(self, controls: Floats, sensors: Floats) -> None:
+    def _run_limited_tick(self, controls: Iterable[Floats], sensors: Floats) -> None:
         """Run one tick with the limits of torque at the angles and speeds of each step."""
         model, data = self.model, self.data
         bounds = model.actuator_forcerange

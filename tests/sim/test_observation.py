@@ -41,6 +41,7 @@ def log(n: int, load_n: Floats, com_m: tuple[float, float, float] = (0.0, 0.0, 0
             joint_velocities_rad_s=joints + 0.5,
             joint_torques_n_m=joints + 2.0,
         ),
+        touched_down=False,
     )
 
 

@@ -82,6 +82,10 @@ class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How fast a foot comes down at the end of a swing."""
     landing_ticks: Ticks = 2
     """Last part of the swing, in which it moves down at this speed."""
+    contact_share: Unit = 0.05
+    """A swinging foot that feels this share of the robot's weight is down, and its swing ends."""
+    search_depth_m: BodyDistance = 0.05
+    """How far below the end of its swing a foot looks for the floor."""
     press_m: BodyDistance = 0.001
     """How far a landing foot is commanded into the floor."""
     shift_ticks: Ticks = 6

@@ -25,13 +25,12 @@ def is_inside(shape: BoxShape, points: np.ndarray) -> np.ndarray:
     within: np.ndarray = (np.abs(x) < length / 2) & (np.abs(y) < width / 2) & (np.abs(z) < height / 2)
     match shape:
         case "cylinder":
-            return within & (np.hypot(x, y) < length / 2)
+            within &= np.hypot(x, y) < length / 2
         case "wedge":
-            return within & (x / length + z / height < 0.0)
+            within &= x / length + z / height < 0.0
         case "l_shape":
-            return within & ~((x > 0.0) & (y < 0.0))
-        case _:
-            return within
+            within &= ~((x > 0.0) & (y < 0.0))
+    return within
 
 
 @pytest.mark.parametrize("shape", SIZES)

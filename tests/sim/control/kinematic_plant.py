@@ -10,7 +10,7 @@ from legpush.scene.conventions import N_QPOS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
 from sim_proc.control.joint_commands import COMMAND_PERIOD_S, COMMANDS_PER_TICK, JointCommands, Knots
-from sim_proc.control.plant import StepLog, TickLog
+from sim_proc.control.plant import StepLog, TickLog, Touchdown
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
 from tests.robots import ROBOT
@@ -57,18 +57,23 @@ class KinematicPlant:
         assert len(motion.positions_rad) == len(yaw_rad) + 1
         return np.zeros_like(motion.positions_rad[1:])
 
-    def run(self, commands: JointCommands) -> TickLog:
+    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
         assert commands.positions_rad.shape == commands.torques_n_m.shape
         before, last = commands.velocities_rad_s[:, -2], commands.velocities_rad_s[:, -1]
         ends = commands.positions_rad[:, -1] + COMMAND_PERIOD_S * (last + 0.5 * (last - before))
         rows: list[tuple[Floats, ...]] = []
-        for command, end in zip(commands.positions_rad, ends, strict=True):
+        touched_down = False
+        for tick, (command, end) in enumerate(zip(commands.positions_rad, ends, strict=True)):
             self._move(end.reshape(4, 3))
             rows.append((self._qpos(), self.tips_m(), self._floor_forces(), self._push_box(), self.com_m(), command))
             self.n_ticks += 1
             if self.n_ticks == self._falls_at_tick:
                 self.fallen = True
                 break
+            if until is not None and tick >= until.first_tick:
+                touched_down = bool(rows[-1][2][until.leg, 2] >= until.force_n)
+                if touched_down and tick < until.landing_tick:
+                    break
         qpos, tips, floor, box, com, ctrl = (np.array(column) for column in zip(*rows, strict=True))
         n = len(qpos)
         steps = StepLog(
@@ -82,7 +87,14 @@ class KinematicPlant:
             joint_torques_n_m=commands.torques_n_m[:n],
         )
         return TickLog(
-            qpos=qpos, tips_m=tips, floor_forces_n=floor, box_forces_n=box, com_m=com, ctrl=ctrl, steps=steps
+            qpos=qpos,
+            tips_m=tips,
+            floor_forces_n=floor,
+            box_forces_n=box,
+            com_m=com,
+            ctrl=ctrl,
+            steps=steps,
+            touched_down=touched_down,
         )
 
     def _move(self, joints_rad: Floats) -> None:

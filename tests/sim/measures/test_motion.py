@@ -90,8 +90,8 @@ def watched(scenario: Scenario, motions: list[Any]) -> tuple[Outcome, Seen]:
     mujoco.mj_getState(physics.model, physics.data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
     controls, run = [], physics.run
 
-    def run_and_keep(commands: Any) -> Any:
-        done = run(commands)
+    def run_and_keep(commands: Any, until: Any = None) -> Any:
+        done = run(commands, until)
         controls.append(done.ctrl.reshape(-1, 12))
         return done
 

@@ -1,5 +1,6 @@
 """The running world: what it measures, and what ends an episode."""
 
+from collections.abc import Iterable
 from math import radians
 from pathlib import Path
 
@@ -107,7 +108,7 @@ def test_torques_stay_within_the_limits_at_each_angle_and_speed(physics: Physics
     seen: list[bool] = []
     step = physics._run_limited_tick
 
-    def run_limited_tick(controls: Floats, sensors: Floats) -> None:
+    def run_limited_tick(controls: Iterable[Floats], sensors: Floats) -> None:
         step(controls, sensors)
         columns = (sensors[:, columns] for columns in physics._joint_sensors)
         seen.append(bool(limits.beyond(*columns).any()))
