@@ -1,16 +1,13 @@
 """The simulator: carries out motions one by one and reports their outcomes. Without a motion nothing moves."""
 
-from math import radians
 from typing import Final
 
-import numpy as np
 from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
 
 from legpush.errors import MotionError
-from legpush.geometry import Pose2
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
-from legpush.scene.scenario import Scenario
+from legpush.scenarios.start import drawn_poses
 from sim_proc.control.gait import PathWalk
 from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
@@ -132,23 +129,3 @@ class SimulatedEpisode:
             trace=trace(logs, physics.tick, measured) if with_trace else None,
             measures=None if measured is None else measured.measures,
         )
-
-
-def drawn_poses(scenario: Scenario, seed: int) -> tuple[Pose2, Pose2]:
-    """Poses of robot and box at the start: the nominal ones plus uniform offsets drawn from the seed."""
-    spread = scenario.randomization
-    half_widths = np.array(
-        [
-            *[spread.start_xy_m] * 2,
-            radians(spread.start_yaw_deg),
-            *[spread.box_xy_m] * 2,
-            radians(spread.box_yaw_deg),
-        ]
-    )
-    offsets = np.random.default_rng(seed).uniform(-half_widths, half_widths).tolist()
-    nominal = (scenario.start.pose(), scenario.box.pose.pose())
-    start, box = (
-        Pose2(x_m=pose.x_m + dx, y_m=pose.y_m + dy, yaw_rad=pose.yaw_rad + turn)
-        for pose, (dx, dy, turn) in zip(nominal, (offsets[:3], offsets[3:]), strict=True)
-    )
-    return start, box

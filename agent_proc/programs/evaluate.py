@@ -74,6 +74,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
         record = {
             "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),
             "policy": options.policy,
+            "world": options.world,
             "scenario": scenario,
             "first_seed": options.first_seed,
             "episodes": options.episodes,
@@ -135,6 +136,7 @@ def _work(options: EvaluateOptions) -> dict[str, str]:
         "policy_sha256": policy_sha256(options.policy),
         "normalizer_sha256": normalizer,
         "scenario_sha256": sha256(scenario).hexdigest(),
+        "world": options.world,
         "legpush": version("legpush"),
         "numerics": current().name,
     }

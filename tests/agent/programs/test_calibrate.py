@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from agent_proc.programs import calibrate
+from agent_proc.programs import measure_parts
 from agent_proc.programs.calibrate import run
 from agent_proc.push_model.map import load_push_map
 from agent_proc.push_model.model import NOMINAL
@@ -71,7 +71,7 @@ def test_an_interrupted_calibration_goes_on_to_the_map_of_an_undisturbed_one(
     options = replace(options, simulators=1)
     assert run(replace(options, out=tmp_path / "whole.json"), Console(file=io.StringIO())) == 0
     with monkeypatch.context() as patch:
-        patch.setattr(calibrate, "simulators", stopping(stop, n_finished))
+        patch.setattr(measure_parts, "simulators", stopping(stop, n_finished))
         words = (
             rf"interrupted: {n_finished} of 4 series are kept in .*push_map\.json\.unfinished; the same command goes on"
         )
