@@ -10,6 +10,7 @@ from rich.text import Text
 
 from legpush.errors import one_line
 from legpush.numerics.computed_with import computed_with
+from legpush.launch.phases_table import phases_table
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
 
@@ -83,6 +84,8 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
         if (folder / name).exists():
             files.add_row(Text(name, style="cyan"), Text(what, style="dim"))
     console.print("", numbers, "", sep="\n")
+    if (phases := phases_table(report)) is not None:
+        console.print(phases, "", sep="\n")
     console.print(Text(f"In {folder}:"), soft_wrap=True)
     console.print(files)
 
