@@ -16,7 +16,6 @@ OF_NO_ROBOT = {
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
-    "kinematics/reach.py": {"SAME_M"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},
     "model/collisions.py": {"SOLREF", "WALL_FRICTION", "TURNING_FRICTION_M", "ROLLING_FRICTION_M", "WALL"},
     "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES", "ANKLE_SHARE"},
