@@ -68,16 +68,23 @@ class Posture:
         return other
 
     def require_reach(self, what: str, leg: int, trunk_xy_m: Floats, yaw_rad: Floats, curve_m: Floats) -> None:
-        """Check that a leg reaches a curve (n, 3) from trunks (n, 2) and (n,), with the robot's margin.
+        """Check that a leg follows a curve (n, 3) to a radius of the foot from trunks (n, 2) and (n,).
 
         `what` names the curve in the error.
 
         Raises:
-            MotionError: A point is out of reach, or brings a joint too near to a limit.
+            MotionError: The limits of the joints, with the robot's margin, do not allow it.
         """
         feet = np.repeat(curve_m[:, None], len(SIDE), axis=1)
         tips_h = self._tips_h(trunk_xy_m, _rotations(-yaw_rad), feet)[:, leg]
-        require_reach(self._kinematics, what, tips_h, float(SIDE[leg]), self.plant.robot.pushing.reach_margin_deg)
+        require_reach(
+            self._kinematics,
+            what,
+            tips_h,
+            float(SIDE[leg]),
+            margin_deg=self.plant.robot.pushing.reach_margin_deg,
+            within_m=self.plant.robot.legs.foot_radius_m,
+        )
 
     def stand(self, n_ticks: int) -> TickLog:
         """Stand still with the load on all feet."""

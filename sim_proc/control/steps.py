@@ -166,7 +166,7 @@ class Steps:
         return log
 
     def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> None:
-        """Check that the leg of `ahead[0]` reaches its whole swing, with the trunk moving as planned. Nothing moves.
+        """Check that the leg of `ahead[0]` follows its whole swing, with the trunk moving as planned. Nothing moves.
 
         `what` names the swing in the error.
 

@@ -7,27 +7,26 @@ from legpush.errors import MotionError
 from legpush.scene.conventions import JOINTS
 from sim_proc.kinematics.leg import LegKinematics
 
-SAME_M = 1e-6
-"""A leg reaches a point if its tip comes this near to it."""
 
+def require_reach(
+    kinematics: LegKinematics, what: str, tips_h: Floats, side: float, *, margin_deg: float, within_m: float
+) -> None:
+    """Check that a leg comes within `within_m` of points (n, 3) in its hip frame.
 
-def require_reach(kinematics: LegKinematics, what: str, tips_h: Floats, side: float, margin_deg: float) -> None:
-    """Check that a leg reaches points (n, 3) in its hip frame, with `margin_deg` left to the limits of its joints.
-
-    `side` is +1 for a left leg and -1 for a right one. `what` names the points in the error.
+    Its joints keep `margin_deg` to their limits. `side` is +1 for a left leg and -1 for a right one. `what` names the
+    points in the error.
 
     Raises:
-        MotionError: A point is out of reach, or brings a joint too near to a limit.
+        MotionError: It does not come so near to a point.
     """
-    joints = kinematics.inverse(tips_h, side, saturate=True)
+    margin = np.radians(margin_deg)
+    wanted = kinematics.inverse(tips_h, side, saturate=True)
+    joints = np.clip(wanted, kinematics.lower_limits_rad + margin, kinematics.upper_limits_rad - margin)
     off_m = np.linalg.norm(kinematics.forward(joints, side) - tips_h, axis=-1)
-    if not (off_m <= SAME_M).all():
-        raise MotionError(f"Expected {what} within reach of the leg, got a point {off_m.max():.2f} m beyond")
-    left = np.minimum(joints - kinematics.lower_limits_rad, kinematics.upper_limits_rad - joints).min(axis=0)
-    joint = int(left.argmin())
-    left_deg = float(np.degrees(left[joint]))
-    if left_deg < margin_deg:
+    worst = int(off_m.argmax())
+    if off_m[worst] > within_m:
+        left_rad = np.minimum(joints - kinematics.lower_limits_rad, kinematics.upper_limits_rad - joints)[worst]
         raise MotionError(
-            f"Expected {what} at least {margin_deg:g}° away from the limits of the joints, "
-            f"got {left_deg:.1f}° at {JOINTS[joint]}"
+            f"Expected {what} that the leg follows to {within_m:g} m, with {margin_deg:g}° left to the limits of its "
+            f"joints, got {off_m[worst]:.2f} m, at the limit of {JOINTS[int(left_rad.argmin())]}"
         )

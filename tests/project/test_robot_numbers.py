@@ -16,7 +16,6 @@ OF_NO_ROBOT = {
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
-    "kinematics/reach.py": {"SAME_M"},
     "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
     "measures/support.py": {"_BITS"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},

@@ -132,12 +132,13 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     obstacle."""
     contact_height_share: Unit = 0.5
     """Height of the contact point, as a share of the height of the box."""
-    reach_height_share: Unit = 0.65
+    reach_height_share: Unit = 0.42
     """Greatest height of the contact point, as a share of the standing height."""
     tip_share: Unit = 0.8
     """Greatest height of the contact point, as a share of the height above which a box tips instead of sliding."""
     reach_margin_deg: ReachMargin = 1.0
-    """Least distance of every joint from its limits over the whole curve of a push."""
+    """A push is refused if the pushing leg, with all its joints this far from their limits, would leave the curve by
+    more than the radius of its foot."""
     contact_side_share: SideShare = 0.3
     """Distance of the contact point from the middle of the face, to the left (FL) or right (FR), as a share of the
     width of the box."""

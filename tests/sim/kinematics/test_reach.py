@@ -14,21 +14,23 @@ BELOW = np.array([0.0, 0.5, 1.2])
 
 def test_points_within_the_joint_range_are_reached() -> None:
     joints = BELOW + 0.1 * np.random.default_rng(0).uniform(-1, 1, (100, 3))
-    require_reach(KINEMATICS, "the curve", KINEMATICS.forward(joints, 1.0), 1.0, 5.0)
+    tips = KINEMATICS.forward(joints, 1.0)
+    require_reach(KINEMATICS, "a curve", tips, 1.0, margin_deg=5.0, within_m=1e-9)
 
 
 def test_a_point_too_far_away_is_refused_with_its_distance() -> None:
     tips = np.array([[0.0, 0.111, -0.5], [0.0, 0.111, -1.0]])
-    with pytest.raises(MotionError, match=r"Expected the curve within reach of the leg, got a point 0\.3\d m beyond"):
-        require_reach(KINEMATICS, "the curve", tips, 1.0, 1.0)
+    with pytest.raises(MotionError, match=r"Expected a curve that the leg follows to 0\.1 m, .* got 0\.33 m"):
+        require_reach(KINEMATICS, "a curve", tips, 1.0, margin_deg=1.0, within_m=0.1)
+    require_reach(KINEMATICS, "a curve", tips, 1.0, margin_deg=1.0, within_m=0.4)
 
 
-@pytest.mark.parametrize(("joint", "lower"), [(0, True), (0, False), (1, False), (2, True), (2, False)])
-def test_a_joint_near_its_limit_is_refused_by_name(joint: int, lower: bool) -> None:
-    joints, near = BELOW.copy(), np.radians(2.0)
-    limits = KINEMATICS.lower_limits_rad + near, KINEMATICS.upper_limits_rad - near
-    joints[joint] = limits[0 if lower else 1][joint]
-    tips = KINEMATICS.forward(joints, -1.0)[None]
-    require_reach(KINEMATICS, "the curve", tips, -1.0, 1.9)
-    with pytest.raises(MotionError, match=rf"at least 2\.1° away from .*, got 2\.0° at {JOINTS[joint]}"):
-        require_reach(KINEMATICS, "the curve", tips, -1.0, 2.1)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("joint", "limit"), [(0, 0), (0, 1), (1, 1), (2, 0), (2, 1)])
+def test_a_joint_nearer_to_its_limit_than_the_margin_is_named(joint: int, limit: int, side: float) -> None:
+    joints, near = BELOW.copy(), np.radians(5.0)
+    joints[joint] = (KINEMATICS.lower_limits_rad + near, KINEMATICS.upper_limits_rad - near)[limit][joint]
+    tips = KINEMATICS.forward(joints, side)[None]
+    require_reach(KINEMATICS, "a curve", tips, side, margin_deg=4.99, within_m=1e-6)
+    with pytest.raises(MotionError, match=rf"with 8° left .* got 0\.0\d m, at the limit of {JOINTS[joint]}"):
+        require_reach(KINEMATICS, "a curve", tips, side, margin_deg=8.0, within_m=1e-3)

@@ -4,14 +4,17 @@ from collections.abc import Iterable
 from math import radians
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Reset
 from legpush.scene.conventions import JOINT_QPOS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.physics.physics import Physics
@@ -68,6 +71,18 @@ def test_the_crc_is_that_of_the_state(physics: Physics) -> None:
     assert physics.state_crc() == before
     physics.data.qpos[0] = np.nextafter(physics.data.qpos[0], 10.0)
     assert physics.state_crc() != before
+
+
+def test_equal_states_of_other_robots_have_other_crcs_and_equal_robots_equal_ones(at_the_box: Scenario) -> None:
+    def crc(robot: RobotSpec) -> int:
+        scenario = replace(at_the_box, robot=robot)
+        return Physics(scenario, at_the_box.start.pose(), at_the_box.box.pose.pose()).state_crc()
+
+    gait = at_the_box.robot.gait
+    as_sent = msgspec.msgpack.decode(msgspec.msgpack.encode(at_the_box.robot), type=RobotSpec)
+    whole = replace(at_the_box.robot, legs=replace(at_the_box.robot.legs, foot_friction=1))
+    assert crc(at_the_box.robot) == crc(as_sent) == crc(whole)
+    assert crc(replace(at_the_box.robot, gait=replace(gait, stride_m=gait.stride_m / 2))) != crc(at_the_box.robot)
 
 
 def test_the_angular_velocity_of_the_trunk_is_in_the_world_frame(at_the_box: Scenario) -> None:
