@@ -70,7 +70,7 @@ def draw_torques(axes: Axes, record: MissionRecord) -> None:
 def draw_box_error(axes: Axes, record: MissionRecord) -> None:
     """Errors of the box over the push cycles in tolerances, so that one line means success."""
     goal = record.scenario.goal
-    errors = [record.box_error(step) for step in record.pushing()]
+    errors = [record.box_error(step) for step in record.push_cycles()]
     cycles = range(len(errors))
     position = [error.position_m / goal.position_tolerance_m for error in errors]
     angle = [degrees(error.angle_rad) / goal.angle_tolerance_deg for error in errors]

@@ -75,9 +75,14 @@ class MissionRecord:
         return _join(step.ticks for step in self.steps)
 
     def pushing(self) -> list[MissionStep]:
-        """The push cycles with the step before the first one; empty if there was no push."""
+        """All steps from the one before the first push cycle on; empty if there was no push."""
         first = next((index for index, step in enumerate(self.steps) if isinstance(step.motion, Push)), None)
         return [] if first is None else self.steps[first - 1 :]
+
+    def push_cycles(self) -> list[MissionStep]:
+        """The step before the first push cycle, then the push cycles; empty if there was no push."""
+        steps = self.pushing()
+        return steps[:1] + [step for step in steps[1:] if isinstance(step.motion, Push)]
 
     def box_error(self, step: MissionStep) -> BoxError:
         """Error of the box at the end of a step."""

@@ -26,7 +26,7 @@ def _when(appeared: dict[str, Any]) -> str:
 def _computed(versions: dict[str, str | None]) -> str:
     """Return what a mission was computed with."""
     motions, numerics = (each or "-" for each in computed_with(versions))
-    return f"numerics {numerics}, motion version {motions}"
+    return f"{numerics}, motions {motions}"
 
 
 ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {

@@ -74,8 +74,9 @@ REASONS: Final[dict[Reason, Note]] = {
     ),
     "missed_station": Note(
         meaning="The robot walked to the box, but ended too far from the place to push from.",
-        keys=("planning.margin_m", "mission.handover_distance_m"),
-        remedy="raise `planning.margin_m`, or measure the box from nearer by with `mission.handover_distance_m`",
+        keys=("planning.margin_m", "mission.handover_distance_m", "box.friction"),
+        remedy="raise `planning.margin_m`, or measure the box from nearer by with `mission.handover_distance_m`; raise "
+        "`box.friction` if the box slid away",
     ),
     "left_reference": Note(
         meaning="The box deviates from the reference by more than 10 cm or 25°.",
