@@ -17,7 +17,6 @@ OF_NO_ROBOT = {
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE"},
     "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
-    "measures/support.py": {"_BITS"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M"},
     "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES", "ANKLE_SHARE"},
     "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN"},
