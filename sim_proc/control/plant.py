@@ -1,8 +1,11 @@
 """`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks and of their
 physics steps."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Protocol
+
+import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
@@ -30,6 +33,13 @@ class StepLog:
     """Speeds of the joints, (n, s, 12)."""
     joint_torques_n_m: Floats
     """Torques of the servos, (n, s, 12)."""
+
+
+def joined_steps(logs: Sequence[StepLog]) -> StepLog:
+    """The steps of motions that followed one another."""
+    return StepLog(
+        **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

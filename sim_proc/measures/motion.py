@@ -1,7 +1,7 @@
 """The measures of a motion, from the logs of its physics steps."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from legpush.arrays import Floats
 from legpush.messages.measures import MAX_LANDINGS, Measures, UnexpectedContact
 from legpush.scene.conventions import LOADED_N
 from legpush.scene.robot import RobotSpec
-from sim_proc.control.plant import StepLog, TickLog
+from sim_proc.control.plant import TickLog, joined_steps
 from sim_proc.measures.joints import JointMeter
 from sim_proc.measures.loads import LoadWatch
 from sim_proc.measures.stability import Margins, foot_moments_n_m, margins
@@ -44,7 +44,7 @@ class Meter:
         unexpected: tuple[UnexpectedContact, ...] = (),
     ) -> Measured:
         """Measure a motion with at least one log."""
-        steps = _joined([log.steps for log in logs])
+        steps = joined_steps([log.steps for log in logs])
         shape = steps.com_m.shape[:2]
         tips, floor, box = (
             values.reshape(-1, 4, 3) for values in (steps.tips_m, steps.floor_forces_n, steps.box_forces_n)
@@ -95,10 +95,3 @@ class Meter:
             ),
             moments_n_m=moments.reshape(*shape, 3)[:, -1],
         )
-
-
-def _joined(logs: Sequence[StepLog]) -> StepLog:
-    """The steps of all logs in one."""
-    return StepLog(
-        **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
-    )
