@@ -35,6 +35,13 @@ class StepLog:
     """Torques of the servos, (n, s, 12)."""
 
 
+def joined_steps(logs: Sequence[StepLog]) -> StepLog:
+    """The steps of motions that followed one another."""
+    return StepLog(
+        **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Touchdown:
     """The contact of a swinging foot with the floor, as the foot's force sensor feels it.

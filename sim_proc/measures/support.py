@@ -8,7 +8,8 @@ from legpush.arrays import Flags, Floats
 from legpush.scene.conventions import LEGS
 
 TINY: Final = float(np.finfo(np.float64).tiny)
-_BITS: Final = 1 << np.arange(len(LEGS))
+AROUND: Final = tuple(LEGS.index(leg) for leg in ("FL", "FR", "RR", "RL"))
+"""The feet in their order around the robot, as long as no legs cross."""
 
 
 def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
@@ -18,55 +19,68 @@ def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
     The polygon of two feet is a segment, and that of one foot a point, so that no point is inside. If no foot is
     loaded, the distance is that to the mean of all feet.
     """
-    x, y = points_m.transpose(2, 0, 1)
-    feet_x, feet_y = np.ascontiguousarray(feet_m.transpose(2, 1, 0))
-    margins = np.empty(x.shape)
-    sets = loaded @ _BITS
+    margins = np.empty(points_m.shape[:2])
+    sets = loaded @ (1 << np.arange(len(LEGS)))
     for code in np.flatnonzero(np.bincount(sets)).tolist():
         steps = np.flatnonzero(sets == code)
-        legs = [leg for leg in range(len(LEGS)) if code >> leg & 1]
-        ring_x, ring_y = (values[legs][:, steps] for values in (feet_x, feet_y))
-        if not legs:
-            ring_x, ring_y = (values[:, steps].mean(axis=0, keepdims=True) for values in (feet_x, feet_y))
-        elif len(legs) > 3:
-            ring_x, ring_y = _hull(ring_x, ring_y)
-        margins[:, steps] = _margins(x[:, steps], y[:, steps], ring_x, ring_y)
+        legs = [leg for leg in AROUND if code >> leg & 1]
+        # Coordinates and corners come first, so that NumPy goes through the steps in its innermost loops.
+        points = points_m[:, steps].transpose(2, 0, 1).copy()
+        feet = feet_m[steps].transpose(2, 1, 0)
+        corners = feet[:, legs] if legs else feet.mean(axis=1, keepdims=True)
+        if len(legs) > 3:
+            corners = _hulls(corners)
+        margins[:, steps] = _margins(points, corners)
     return margins
 
 
-def _hull(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Four corners (4, n) in counterclockwise order about their mean.
+def _cross(one: Floats, other: Floats) -> Floats:
+    """Products of vectors in the plane, (2, ...)."""
+    product: Floats = one[0] * other[1] - one[1] * other[0]
+    return product
 
-    If one lies inside the triangle of the others, the middle of its neighbours takes its place.
+
+def _turns(corners: Floats) -> Floats:
+    """At each corner (2, k, n), twice the area of the triangle with its neighbours: positive to the left."""
+    after = np.roll(corners, -1, axis=1) - corners
+    return _cross(np.roll(after, 1, axis=1), after)
+
+
+def _hulls(corners: Floats) -> Floats:
+    """Corners of the convex hulls of four feet (2, 4, n), in their order around it.
+
+    If a foot lies inside the triangle of the others, the middle of its neighbours takes its place.
     """
-    order = np.arctan2(y - y.mean(axis=0), x - x.mean(axis=0)).argsort(axis=0)
-    x, y = (np.take_along_axis(values, order, axis=0) for values in (x, y))
-    before, after = (
-        [np.roll(values, 1, axis=0) for values in (x, y)],
-        [np.roll(values, -1, axis=0) for values in (x, y)],
-    )
-    turn = (x - before[0]) * (after[1] - y) - (y - before[1]) * (after[0] - x)
-    hollow = turn < 0.0
-    if hollow.any():
-        x, y = (np.where(hollow, (b + a) / 2, own) for own, b, a in zip((x, y), before, after, strict=True))
-    return x, y
+    turns = _turns(corners)
+    crossed = np.flatnonzero((turns.min(axis=0) < 0.0) & (turns.max(axis=0) > 0.0))
+    if len(crossed):
+        some = corners[:, :, crossed]
+        away = some - some.mean(axis=1, keepdims=True)
+        order = np.arctan2(away[1], away[0]).argsort(axis=0)
+        some = np.take_along_axis(some, order[None], axis=1)
+        middles = (np.roll(some, 1, axis=1) + np.roll(some, -1, axis=1)) / 2
+        corners[:, :, crossed] = np.where(_turns(some) < 0.0, middles, some)
+    return corners
 
 
-def _margins(x: Floats, y: Floats, corners_x: Floats, corners_y: Floats) -> Floats:
-    """Margins of points (p, n) in polygons whose k corners are in order, (k, n), for any k from 1 on."""
-    edge_x, edge_y = (np.roll(corners, -1, axis=0) - corners for corners in (corners_x, corners_y))
-    away_x, away_y = x[:, None] - corners_x, y[:, None] - corners_y
-    inside = np.full(x.shape, -1.0)
-    if len(corners_x) > 2:
-        # Two of the edges lie in one line if one of four corners does not count.
-        turn = edge_x[0] * edge_y[1] - edge_y[0] * edge_x[1] + edge_x[-2] * edge_y[-1] - edge_y[-2] * edge_x[-1]
-        lengths = np.maximum(np.hypot(edge_x, edge_y), TINY)
-        inside = ((edge_x * away_y - edge_y * away_x) * (np.sign(turn) / lengths)).min(axis=1)
-        inside[:, turn == 0.0] = -1.0
-    outside = inside < 0.0
+def _margins(points: Floats, corners: Floats) -> Floats:
+    """Margins of points (2, p, n) in polygons whose k corners are in order, (2, k, n), for any k from 1 on: (p, n)."""
+    edges = np.roll(corners, -1, axis=1) - corners
+    n_corners = corners.shape[1]
+    margins = np.full(points.shape[1:], -1.0)
+    if n_corners > 2:
+        # Twice the area of a triangle; of four corners in order, one of which may lie between its neighbours.
+        turn = _cross(edges[:, 0], edges[:, 1]) + (_cross(edges[:, 2], edges[:, 3]) if n_corners > 3 else 0.0)
+        lengths = np.sqrt(edges[0] * edges[0] + edges[1] * edges[1])
+        along = edges * (np.sign(turn) / np.maximum(lengths, TINY))
+        offsets = _cross(along, corners)
+        np.minimum.reduce([_cross(along[:, k, None], points) - offsets[k] for k in range(n_corners)], out=margins)
+        margins[:, turn == 0.0] = -1.0
+    outside = margins < 0.0
     if outside.any():
         of, at = outside.nonzero()
-        ex, ey, ax, ay = edge_x[:, at], edge_y[:, at], away_x[of, :, at].T, away_y[of, :, at].T
-        share = np.clip((ax * ex + ay * ey) / np.maximum(ex * ex + ey * ey, TINY), 0.0, 1.0)
-        inside[of, at] = -np.hypot(ax - share * ex, ay - share * ey).min(axis=0)
-    return inside
+        edge, away = edges[:, :, at], points[:, None, of, at] - corners[:, :, at]
+        share = np.clip((edge * away).sum(axis=0) / np.maximum((edge * edge).sum(axis=0), TINY), 0.0, 1.0)
+        off = away - share * edge
+        margins[of, at] = -np.sqrt((off * off).sum(axis=0).min(axis=0))
+    return margins
