@@ -223,11 +223,9 @@ def load_push_map(path: Path, box: Box) -> PushMap:
     if faults := schema_faults(plain, PushMap, convert):
         raise ConfigError(*located_faults(faults, str(path), lines_of(text)))
     push_map = convert(plain, PushMap)
-    of = (push_map.box.shape, push_map.box.size_m)
-    if of != (box.shape, box.size_m):
+    if (of := _solid(push_map.box)) != (expected := _solid(box)):
         raise ConfigError(
-            f"{path}: expected the push map of a {box.shape} of {_size(box)}, got that of a {push_map.box.shape} of "
-            f"{_size(push_map.box)}; `legpush calibrate` makes one"
+            f"{path}: expected the push map of {expected}, got that of {of}; `legpush calibrate` makes one"
         )
     have, need = {effect.face for effect in push_map.effects}, measured_faces(box)
     if missing := [face for face in need if face not in have]:
@@ -242,5 +240,7 @@ def load_push_map(path: Path, box: Box) -> PushMap:
     return push_map
 
 
-def _size(box: Box) -> str:
-    return " x ".join(f"{side:g}" for side in box.size_m) + " m"
+def _solid(box: Box) -> str:
+    """The box in words, but for mass and friction."""
+    words = f"a {box.shape} of " + " x ".join(f"{side:g}" for side in box.size_m) + " m"
+    return f"{words} with com_offset_m {list(box.com_offset_m)}" if any(box.com_offset_m) else words

@@ -58,7 +58,7 @@ MAX_APPEARING: Final = 100
 """
 LEAST_BOX_SIDE_M: Final = 0.01
 MAX_BOX_SIDE_M: Final = 10.0
-"""Side of the box: a quarter of the diameter of a foot, or so high that the foot cannot reach the contact point."""
+"""Side of the box: a quarter of the diameter of a foot, or so wide that the foot cannot reach the contact point."""
 LARGEST_LOAD: Final = 0.9
 """Largest share of the mass of a box that lies in one place, so that the rest has a mass and an inertia of its own."""
 LEAST_BOX_MASS_KG: Final = 0.001

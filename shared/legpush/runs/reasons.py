@@ -102,8 +102,8 @@ REASONS: Final[dict[Reason, Note]] = {
     "motion_refused": Note(
         meaning="The simulator refused a motion in the state that it was in.",
         keys=("--planner-command", "box.size_m"),
-        remedy="the motion came from a path of the planner (`--planner-command`), or `box.size_m` puts the box out of "
-        "reach",
+        remedy="the motion came from a path of the planner (`--planner-command`), or `box.size_m` puts the contact "
+        "point or the curve of a push out of reach",
     ),
     "episode_broken": Note(
         meaning="The simulator failed in a motion, such as at numbers that physics cannot carry.",

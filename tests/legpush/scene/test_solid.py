@@ -22,15 +22,15 @@ def is_inside(shape: BoxShape, points: np.ndarray) -> np.ndarray:
     """Whether points (n, 3) in the frame of the box are within its solid."""
     x, y, z = points.T
     length, width, height = SIZES[shape]
-    within: np.ndarray = (np.abs(x) < length / 2) & (np.abs(y) < width / 2) & (np.abs(z) < height / 2)
+    solid: np.ndarray = (np.abs(x) < length / 2) & (np.abs(y) < width / 2) & (np.abs(z) < height / 2)
     match shape:
         case "cylinder":
-            within &= np.hypot(x, y) < length / 2
+            solid &= np.hypot(x, y) < length / 2
         case "wedge":
-            within &= x / length + z / height < 0.0
+            solid &= x / length + z / height < 0.0
         case "l_shape":
-            within &= ~((x > 0.0) & (y < 0.0))
-    return within
+            solid &= ~((x > 0.0) & (y < 0.0))
+    return solid
 
 
 @pytest.mark.parametrize("shape", SIZES)

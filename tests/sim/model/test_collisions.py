@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from legpush.geometry import Pose2
 from legpush.scene.conventions import JOINT_QPOS
 from legpush.scene.scenario import Rectangle, Room, Scenario
+from sim_proc.model import scenery
 from sim_proc.model.collisions import WALL_FRICTION
 from sim_proc.physics.physics import Physics
 
@@ -97,3 +98,22 @@ def test_the_box_has_a_friction_with_the_floor_and_one_with_all_parts_of_the_rob
     assert touched.pop("floor") == {0.9}
     assert {"head", "trunk", "FL_upper", "FL_lower"} <= set(touched)
     assert set().union(*touched.values()) == {with_robot}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_grouping_of_walls_changes_no_contact(
+    at_the_box: Scenario, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = np.random.default_rng(seed)
+    places = random.uniform(0.0, 12.0, (60, 2)).tolist()
+    sizes = random.uniform(0.1, 3.0, (60, 2)).tolist()
+    walls = tuple(
+        Rectangle(x_min_m=x, x_max_m=x + length, y_min_m=y, y_max_m=y + width)
+        for (x, y), (length, width) in zip(places, sizes, strict=True)
+    )
+    scenario = replace(at_the_box, room=Room(size_m=(12.0, 10.0), obstacles=walls))
+    trunk, box = (Pose2(x_m=x, y_m=y, yaw_rad=yaw) for x, y, yaw in random.uniform(0.0, 10.0, (2, 3)).tolist())
+    grouped = contacts(scenario, trunk, box)
+    monkeypatch.setattr(scenery, "wall_groups", lambda room: {index: (index,) for index in range(len(room.obstacles))})
+    assert contacts(scenario, trunk, box) == grouped
+    assert any(name.startswith("wall_") for pair in grouped for name in pair)

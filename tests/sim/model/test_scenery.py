@@ -5,6 +5,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.scene.scenario import Goal, PoseDeg, Rectangle, Room, Scenario
+from sim_proc.model.scenery import wall_groups
 from sim_proc.model.world import build_model
 
 
@@ -29,6 +30,17 @@ def test_walls_near_each_other_are_one_body_and_far_ones_are_others(at_the_box: 
     bodies = [model.body(model.geom(f"wall_{index}").bodyid[0]).name for index in range(5)]
     assert bodies == ["walls_0", "walls_0", "walls_0", "walls_1", "walls_2"]
     assert all(model.body(name).weldid[0] == 0 for name in bodies)
+
+
+@pytest.mark.parametrize(
+    ("n", "long_m", "extent_m"), [(1, 1.0, 10.0), (300, 1.0, 30.0), (300, 9.0, 30.0), (50, 1.0, 1e6)]
+)
+def test_there_are_few_groups_however_many_walls_a_room_has(n: int, long_m: float, extent_m: float) -> None:
+    places = np.random.default_rng(0).uniform(0.0, extent_m, (n, 2)).tolist()
+    walls = tuple(Rectangle(x_min_m=x, x_max_m=x + long_m, y_min_m=y, y_max_m=y + 0.1) for x, y in places)
+    groups = wall_groups(Room(size_m=(30.0, 30.0), obstacles=walls))
+    assert sorted(groups) == list(range(n))
+    assert len(set(groups.values())) <= min(n, 6 * 6 + 16)
 
 
 def test_a_wall_that_appears_later_is_a_body_of_its_own_in_its_place(at_the_box: Scenario) -> None:
