@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -22,6 +22,10 @@ class Touchdown:
     leg: int
     force_n: float
     """Vertical force from which on the foot is down."""
+    lift_tick: int
+    """Tick of the run in which the foot is lifted. If then another foot is not down, the run ends before it."""
+    carried: tuple[int, ...]
+    """Legs that were found to be carried, if not by their feet. They may be off the floor at the lift."""
     first_tick: int
     """Tick of the run from which on the force counts. Before, the foot is lifted."""
     landing_tick: int
@@ -53,15 +57,16 @@ class TickLog:
     """Positions commanded to the servos, with all feed-forward, (n, COMMANDS_PER_TICK, 12)."""
     touched_down: bool
     """Whether the motion ended with the touchdown that was to end it."""
+    not_down: int | None = None
+    """The leg whose foot was not down when another one was to be lifted. It ended the motion."""
 
 
 def joined(logs: Sequence[TickLog]) -> TickLog:
-    """The log of motions that followed one another. It touched down if the last one did."""
-    rows = [field.name for field in fields(TickLog) if field.name != "touched_down"]
-    return TickLog(
-        **{name: np.concatenate([getattr(log, name) for log in logs]) for name in rows},
-        touched_down=logs[-1].touched_down,
-    )
+    """The log of motions that followed one another. It ended as the last one did."""
+    ends: dict[str, Any] = {"touched_down": logs[-1].touched_down, "not_down": logs[-1].not_down}
+    names = [field.name for field in fields(TickLog) if field.name not in ends]
+    rows: dict[str, Any] = {name: np.concatenate([getattr(log, name) for log in logs]) for name in names}
+    return TickLog(**rows, **ends)
 
 
 class Plant(Protocol):

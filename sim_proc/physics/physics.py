@@ -22,7 +22,7 @@ from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.inverse_dynamics import InverseDynamics
-from sim_proc.physics.landing import Landing
+from sim_proc.physics.landing import BLOCKED_SHARE, Landing
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
@@ -113,11 +113,15 @@ class Physics:
             com_m=last[:, self._com],
             ctrl=controls[:n],
             touched_down=landing is not None and landing.touched_down(n - 1, sensors[-1]),
+            not_down=None if landing is None else landing.not_down(n - 1, sensors[-1]),
         )
 
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
-        return Landing(touchdown, self._sensors[f"{LEGS[touchdown.leg]}_foot_force"].stop - 1, holds)
+        first, last = (self._sensors[f"{leg}_foot_force"] for leg in (LEGS[0], LEGS[-1]))
+        allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
+        lag = self._joint_sensors[0], commands.positions_rad, allowed_rad
+        return Landing(touchdown, slice(first.start + 2, last.stop, 3), holds, lag)
 
     def _simulate(
         self, controls: Floats, run_tick: Callable[[Iterable[Floats], Floats], None], landing: Landing | None

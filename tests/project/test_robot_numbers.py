@@ -22,6 +22,7 @@ OF_NO_ROBOT = {
     "model/shapes.py": {"FLOOR_GREY"},
     "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "SOLREF", "WALL_FRICTION", "NET_FORCE"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
+    "physics/landing.py": {"BLOCKED_SHARE"},
     "physics/physics.py": {"PARKED_M"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""
