@@ -3,7 +3,7 @@ physics steps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -52,6 +52,10 @@ class Touchdown:
     leg: int
     force_n: float
     """Vertical force from which on the foot is down."""
+    lift_tick: int
+    """Tick of the run in which the foot is lifted. If then another foot is not down, the run ends before it."""
+    carried: tuple[int, ...]
+    """Legs that were found to be carried, if not by their feet. They may be off the floor at the lift."""
     first_tick: int
     """Tick of the run from which on the force counts. Before, the foot is lifted."""
     landing_tick: int
@@ -85,23 +89,16 @@ class TickLog:
     """The physics steps of these ticks."""
     touched_down: bool
     """Whether the motion ended with the touchdown that was to end it."""
+    not_down: int | None = None
+    """The leg whose foot was not down when another one was to be lifted. It ended the motion."""
 
 
 def joined(logs: Sequence[TickLog]) -> TickLog:
-    """The log of motions that followed one another. It touched down if the last one did."""
-    rows = [field.name for field in fields(TickLog) if field.name not in ("steps", "touched_down")]
-    return TickLog(
-        **{name: np.concatenate([getattr(log, name) for log in logs]) for name in rows},
-        steps=joined_steps([log.steps for log in logs]),
-        touched_down=logs[-1].touched_down,
-    )
-
-
-def joined_steps(logs: Sequence[StepLog]) -> StepLog:
-    """The physics steps of motions that followed one another."""
-    return StepLog(
-        **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
-    )
+    """The log of motions that followed one another. It ended as the last one did."""
+    ends: dict[str, Any] = {"touched_down": logs[-1].touched_down, "not_down": logs[-1].not_down}
+    names = [field.name for field in fields(TickLog) if field.name not in ("steps", *ends)]
+    rows: dict[str, Any] = {name: np.concatenate([getattr(log, name) for log in logs]) for name in names}
+    return TickLog(**rows, steps=joined_steps([log.steps for log in logs]), **ends)
 
 
 class Plant(Protocol):

@@ -19,7 +19,7 @@ from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.control.plant import TickLog, Touchdown, joined
 from sim_proc.control.posture import Posture
-from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing, search_ticks
+from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
 from sim_proc.gravity import GRAVITY_M_S2
 
 SHIFT_WEIGHT: Final = 0.02
@@ -76,8 +76,10 @@ class Steps:
         """Index of the leg that the last step put down."""
         self.without_floor: Leg | None = None
         """Leg that found no floor in the last step, and went back to where it stood."""
-        self._foothold_m: Floats = np.zeros(3)
-        """Where the foot of the present step stood, (3,)."""
+        self._carried: tuple[int, ...] = ()
+        """Legs that were searched for the floor in the present step, and found it."""
+        self._footholds_m = posture.feet_m.copy()
+        """Where each foot stood before its last step, (4, 3)."""
         self.n_footsteps = 0
 
     def take_step(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
@@ -85,26 +87,46 @@ class Steps:
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
         """
+        self.without_floor = None
+        self._carried = ()
+        logs = [self._lift_and_swing(ahead, swing, lands=lands)]
+        while (missing := logs[-1].not_down) is not None:
+            leg, place_m = LEGS[missing], self.posture.feet_m[missing, :2].copy()
+            logs += self._search(leg, [replace(ahead[0], leg=leg, target_m=place_m), *ahead[1:]])
+            self._put_down(leg)
+            if self.without_floor is not None or self.posture.plant.fallen:
+                break
+            self._carried += (missing,)
+            logs.append(self._lift_and_swing(ahead, swing, lands=lands))
+        return joined(logs)
+
+    def _lift_and_swing(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool) -> TickLog:
+        """Carry out `ahead[0]`, up to the lift if another foot is not down then."""
         posture, leg = self.posture, ahead[0].leg
-        airborne = ahead[0].shift_ticks == 0
-        if not airborne:
+        if ahead[0].shift_ticks > 0:
             posture.measure()
             if leg is not None:
-                self._foothold_m = posture.feet_m[LEGS.index(leg)].copy()
-        self.without_floor = None
+                self._footholds_m[LEGS.index(leg)] = posture.feet_m[LEGS.index(leg)]
         step, plan = self._plan(ahead)
-        flight = flight_ticks(step.swing_ticks, self._gait)
         until = None
-        if leg is not None and lands:
-            until = self._touchdown(leg, step, ceil(APEX_SHARE * flight), flight, stops_leg=True)
+        if leg is not None:
+            flight = flight_ticks(step.swing_ticks, self._gait) if lands else step.swing_ticks
+            first_tick = ceil(APEX_SHARE * flight) if lands else flight
+            until = self._touchdown(leg, step, first_tick, flight, stops_leg=True)
         log = self._move(step, plan, swing, until)
-        if leg is not None and lands and not (log.touched_down or posture.plant.fallen):
-            log = joined([log, *self._search(leg, ahead)])
-        if leg is not None and lands:
-            posture.put_down(LEGS.index(leg), self._touchdown_m)
-        self.landed = LEGS.index(leg) if leg is not None and lands else None
-        self.n_footsteps += int(self.landed is not None and self.without_floor is None)
-        return log
+        if log.not_down is not None or posture.plant.fallen:
+            return log
+        self.landed = None
+        if leg is None or not lands:
+            return log
+        logs = [log] if log.touched_down else [log, *self._search(leg, ahead)]
+        self._put_down(leg)
+        self.n_footsteps += int(self.without_floor is None)
+        return joined(logs)
+
+    def _put_down(self, leg: Leg) -> None:
+        self.landed = LEGS.index(leg)
+        self.posture.put_down(self.landed, self._touchdown_m)
 
     def stop(self) -> TickLog:
         """Come to rest with all feet down, in the middle of them."""
@@ -120,14 +142,15 @@ class Steps:
         If there is none the foot goes back to where it stood.
         """
         posture, gait = self.posture, self._gait
-        search = replace(ahead[0], shift_ticks=0, swing_ticks=search_ticks(gait))
+        curve = search_swing(posture.feet_m[LEGS.index(leg)], gait)
+        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve))
         step, plan = self._plan([search, *ahead[1:]])
         until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False)
-        logs = [self._move(step, plan, lambda start_m: search_swing(start_m, gait), until)]
+        logs = [self._move(step, plan, lambda _: curve, until)]
         if logs[-1].touched_down or posture.plant.fallen:
             return logs
         self.without_floor = leg
-        back_m, n_ticks = self._foothold_m, gait.swing_ticks
+        back_m, n_ticks = self._footholds_m[LEGS.index(leg)], gait.swing_ticks
         back = replace(search, swing_ticks=n_ticks, target_m=back_m[:2])
         swing = partial(landing_swing, end_m=back_m, height_m=gait.step_height_m, n_ticks=n_ticks, gait=gait)
         step, plan = self._plan([back, *ahead[1:]])
@@ -148,7 +171,7 @@ class Steps:
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
             np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
-            if until is not None:
+            if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
         log = posture.track(
@@ -186,6 +209,8 @@ class Steps:
         return Touchdown(
             leg=LEGS.index(leg),
             force_n=self._gait.contact_share * self.posture.plant.mass_kg * GRAVITY_M_S2,
+            lift_tick=step.shift_ticks,
+            carried=self._carried,
             first_tick=step.shift_ticks + first_tick,
             landing_tick=step.shift_ticks + landing_tick,
             stops_leg=stops_leg,

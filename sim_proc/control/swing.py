@@ -1,6 +1,6 @@
 """Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 13, 14)."""
 
-from math import ceil, pi
+from math import pi
 from typing import Final, Literal
 
 import numpy as np
@@ -50,17 +50,18 @@ def flight_ticks(n_ticks: int, gait: Gait) -> int:
 
 
 def search_swing(start_m: Floats, gait: Gait) -> Floats:
-    """A foot that goes straight down from `start_m`, (3,), at the landing speed; one point per tick, (n, 3)."""
-    n_ticks = search_ticks(gait)
-    curve = np.repeat(start_m[None], n_ticks, axis=0)
-    curve[:, 2] -= gait.landing_speed_m_s * CONTROL_PERIOD_S * np.arange(1, n_ticks + 1)
+    """A foot that goes straight down from `start_m`, (3,), and looks for the floor; one point per tick, (n, 3).
+
+    It begins at the landing speed, and becomes faster tick by tick up to the speed of the search.
+    """
+    tick_m = CONTROL_PERIOD_S * np.minimum(
+        gait.landing_speed_m_s * np.arange(1, MAX_TICKS + 1), max(gait.search_speed_m_s, gait.landing_speed_m_s)
+    )
+    depths_m = np.minimum(np.cumsum(tick_m), gait.search_depth_m)
+    n_ticks = int(np.searchsorted(depths_m, gait.search_depth_m)) + 1
+    curve = np.repeat(start_m[None], min(n_ticks, MAX_TICKS), axis=0)
+    curve[:, 2] -= depths_m[:n_ticks]
     return curve
-
-
-def search_ticks(gait: Gait) -> int:
-    """How long a foot looks for a floor that is not where it was expected."""
-    depth_m = gait.landing_speed_m_s * CONTROL_PERIOD_S
-    return min(ceil(gait.search_depth_m / depth_m), MAX_TICKS) if depth_m > 0.0 else MAX_TICKS
 
 
 def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int, gait: Gait) -> Floats:

@@ -1,6 +1,7 @@
 """Ends a run at the touchdown of a foot."""
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
@@ -8,17 +9,24 @@ from legpush.arrays import Flags, Floats
 from legpush.scene.conventions import JOINTS
 from sim_proc.control.plant import Touchdown
 
+BLOCKED_SHARE: Final = 0.25
+"""A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
+
+Lag = tuple[slice, Floats, Floats]
+
 
 class Landing:
     """Watches the force sensor of a foot while a run goes on, and stops its leg if it moves fast at touchdown."""
 
-    def __init__(self, touchdown: Touchdown, force: int, holds: Floats) -> None:
+    def __init__(self, touchdown: Touchdown, forces: slice, holds: Floats, joints: Lag) -> None:
         """Watch for a touchdown.
 
-        `force` is the column of the sensors with the vertical force of the foot on its surroundings, and `holds`
-        (n, steps, 12) are the controls that hold the joints in the places of all steps.
+        `forces` are the columns of the sensors with the vertical forces of the feet on their surroundings, and `holds`
+        (n, steps, 12) are the controls that hold the joints in the places of all steps. `joints` are the columns of the
+        measured joint angles, the planned angles (n, steps, 12), and how far the joints may stay behind them, (12,).
         """
-        self._touchdown, self._column, self._holds = touchdown, force, holds
+        self._touchdown, self._forces, self._holds = touchdown, forces, holds
+        self._measured, self._positions, self._allowed_rad = joints
         self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
 
     def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
@@ -29,19 +37,38 @@ class Landing:
         touchdown = self._touchdown
         watched = touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick
         for step, control in enumerate(controls):
-            if watched and step and self._is_down(sensors[step - 1]):
+            if watched and step and self._down(sensors[step - 1])[touchdown.leg]:
                 controls[step:, self._joints] = self._holds[tick, step, self._joints]
                 watched = False
             yield control
 
     def ends(self, tick: int, sensors: Floats) -> bool:
         """Whether the run ends with a tick with sensors (steps, n)."""
-        return tick < self._touchdown.landing_tick and self.touched_down(tick, sensors)
+        touched_down = tick < self._touchdown.landing_tick and self.touched_down(tick, sensors)
+        return touched_down or self.not_down(tick, sensors) is not None
 
     def touched_down(self, tick: int, sensors: Floats) -> bool:
         """Whether the foot touched down in a tick with sensors (steps, n)."""
-        return tick >= self._touchdown.first_tick and bool(np.any(self._is_down(sensors)))
+        if tick < self._touchdown.first_tick:
+            return False
+        return bool(self._down(sensors)[:, self._touchdown.leg].any()) or self._is_blocked(tick, sensors)
 
-    def _is_down(self, sensors: Floats) -> Flags:
-        down: Flags = -sensors[..., self._column] >= self._touchdown.force_n
+    def _is_blocked(self, tick: int, sensors: Floats) -> bool:
+        """Whether a slow leg is stopped by something that its foot does not feel, such as an edge under the shank."""
+        if self._touchdown.stops_leg:
+            return False
+        behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
+        return bool((behind > self._allowed_rad[self._joints]).any())
+
+    def not_down(self, tick: int, sensors: Floats) -> int | None:
+        """The leg whose foot is not down at the end of a tick after which another foot is to be lifted."""
+        if tick + 1 != self._touchdown.lift_tick:
+            return None
+        down = self._down(sensors[-1])
+        down[[self._touchdown.leg, *self._touchdown.carried]] = True
+        return None if down.all() else int(np.argmin(down))
+
+    def _down(self, sensors: Floats) -> Flags:
+        """Whether the feet are down, (..., 4)."""
+        down: Flags = -sensors[..., self._forces] >= self._touchdown.force_n
         return down

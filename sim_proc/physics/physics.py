@@ -16,7 +16,7 @@ from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
-from sim_proc.control.plant import StepLog, TickLog, Touchdown
+from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
@@ -25,7 +25,8 @@ from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.inverse_dynamics import InverseDynamics
-from sim_proc.physics.landing import Landing
+from sim_proc.physics.landing import BLOCKED_SHARE, Landing
+from sim_proc.physics.sensors import Sensors
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
@@ -50,15 +51,8 @@ class Physics:
         self.downhill: Floats = gravity[:2] / -gravity[2]
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
         self.mass_kg = float(model.body_subtreemass[self._trunk_body])
-        self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
-        self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
-        self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
-        self._com, self._com_velocity = self._sensors["com"], self._sensors["com_velocity"]
-        self._tips = slice(self._sensors["FL_tip"].start, self._sensors["RR_tip"].stop)
-        self._joint_sensors = [
-            slice(self._sensors[f"FL_hip_x_{what}"].start, self._sensors[f"RR_knee_{what}"].stop)
-            for what in ("position", "velocity", "torque")
-        ]
+        self._sensors = sensors = Sensors(model)
+        self._joint_sensors = sensors.joint_positions, sensors.joint_velocities, sensors.joint_torques
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
@@ -111,7 +105,7 @@ class Physics:
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, self._run_limited_tick, landing)
         self._check(qpos)
-        steps = self._step_log(sensors)
+        steps = self._sensors.steps(sensors)
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -121,26 +115,15 @@ class Physics:
             ctrl=controls[: len(qpos)],
             steps=steps,
             touched_down=landing is not None and landing.touched_down(len(qpos) - 1, sensors[-1]),
-        )
-
-    def _step_log(self, sensors: Floats) -> StepLog:
-        """The measurements in the sensors (n, steps, nsensordata) of physics steps."""
-        feet = (*sensors.shape[:2], len(LEGS), 3)
-        positions, velocities, torques = (sensors[:, :, columns] for columns in self._joint_sensors)
-        return StepLog(
-            tips_m=sensors[:, :, self._tips].reshape(feet),
-            floor_forces_n=-sensors[:, :, self._floor_forces].reshape(feet),
-            box_forces_n=-sensors[:, :, self._box_forces].reshape(feet),
-            com_m=sensors[:, :, self._com],
-            com_velocity_m_s=sensors[:, :, self._com_velocity],
-            joint_positions_rad=positions,
-            joint_velocities_rad_s=velocities,
-            joint_torques_n_m=torques,
+            not_down=None if landing is None else landing.not_down(len(qpos) - 1, sensors[-1]),
         )
 
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
-        return Landing(touchdown, self._sensors[f"{LEGS[touchdown.leg]}_foot_force"].stop - 1, holds)
+        first, last = (self._sensors.of[f"{leg}_foot_force"] for leg in (LEGS[0], LEGS[-1]))
+        allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
+        lag = self._joint_sensors[0], commands.positions_rad, allowed_rad
+        return Landing(touchdown, slice(first.start + 2, last.stop, 3), holds, lag)
 
     def _simulate(
         self, controls: Floats, run_tick: Callable[[Iterable[Floats], Floats], None], landing: Landing | None
@@ -232,7 +215,7 @@ class Physics:
 
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""
-        values: Floats = self.data.sensordata[self._sensors[name]].copy()
+        values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
         return values
 
     def joints_rad(self) -> Floats:
@@ -247,13 +230,11 @@ class Physics:
 
     def floor_forces_n(self) -> Floats:
         """Forces of the floor on the feet, (4, 3)."""
-        forces: Floats = -self.data.sensordata[self._floor_forces].reshape(4, 3)
-        return forces
+        return self._sensors.floor_forces_n(self.data.sensordata)
 
     def box_forces_n(self) -> Floats:
         """Forces of the box on the feet, (4, 3)."""
-        forces: Floats = -self.data.sensordata[self._box_forces].reshape(4, 3)
-        return forces
+        return self._sensors.box_forces_n(self.data.sensordata)
 
     def trunk_angular_velocity_rad_s(self) -> Floats:
         """Angular velocity of the trunk, world frame, (3,). MuJoCo keeps it in the frame of the trunk."""
@@ -284,11 +265,6 @@ class Physics:
 def _crc_of(robot: RobotSpec) -> int:
     """CRC-32 of the robot as it is sent: in MessagePack, with every number of the type that it is read as."""
     return zlib.crc32(msgspec.msgpack.encode(msgspec.convert(msgspec.to_builtins(robot), RobotSpec)))
-
-
-def _slice_of(model: mujoco.MjModel, sensor: int) -> slice:
-    start = int(model.sensor_adr[sensor])
-    return slice(start, start + int(model.sensor_dim[sensor]))
 
 
 def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:

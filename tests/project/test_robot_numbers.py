@@ -25,6 +25,7 @@ OF_NO_ROBOT = {
     "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "NET_FORCE"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
     "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
+    "physics/landing.py": {"BLOCKED_SHARE"},
     "physics/physics.py": {"PARKED_M"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""

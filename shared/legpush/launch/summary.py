@@ -9,8 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from legpush.errors import one_line
-from legpush.numerics.computed_with import computed_with
 from legpush.launch.phases_table import phases_table
+from legpush.numerics.computed_with import computed_with
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
 

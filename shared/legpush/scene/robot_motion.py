@@ -84,6 +84,8 @@ class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Last part of the swing, in which it moves down at this speed."""
     contact_share: Unit = 0.05
     """A swinging foot that feels this share of the robot's weight is down, and its swing ends."""
+    search_speed_m_s: LandingSpeed = 0.3
+    """How fast a foot that did not meet the floor goes on down, after a slow beginning."""
     search_depth_m: BodyDistance = 0.05
     """How far below the end of its swing a foot looks for the floor."""
     press_m: BodyDistance = 0.001

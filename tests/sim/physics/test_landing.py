@@ -8,13 +8,14 @@ import pytest
 from legpush.arrays import Floats
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
-from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS
+from legpush.scene.conventions import LEGS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.footsteps import GAIT_ORDER
 from sim_proc.control.gait import PathWalk
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.posture import Posture
 from sim_proc.control.steps import Steps
+from sim_proc.control.swing import search_swing
 from sim_proc.physics.physics import Physics
 from tests.robots import ROBOT
 from tests.sim.commands import held
@@ -84,8 +85,8 @@ def test_a_foot_that_meets_the_floor_late_goes_on_down_and_no_other_is_lifted_be
 
     log, *following = first_cycle(walk)
 
-    longest = -top_m / (ROBOT.gait.landing_speed_m_s * CONTROL_PERIOD_S)
-    assert longest / 2 < len(log.qpos) - n_flat < longest + 2
+    expected = 1 + np.searchsorted(-search_swing(np.zeros(3), ROBOT.gait)[:, 2], -top_m)
+    assert expected / 2 <= len(log.qpos) - n_flat <= expected + 1
     assert log.touched_down
     assert log.tips_m[-1, FIRST, 2] == pytest.approx(RADIUS_M + top_m, abs=0.004)
     others = np.delete(log.tips_m[:, :, 2], FIRST, axis=1)
@@ -133,7 +134,9 @@ def test_a_run_ends_with_the_first_tick_in_which_a_touchdown_counts(
 ) -> None:
     physics, _ = walker()
     commands = held(np.repeat(physics.joints_rad()[None], 9, axis=0))
-    until = Touchdown(leg=0, force_n=20.0, first_tick=first_tick, landing_tick=landing_tick, stops_leg=False)
+    until = Touchdown(
+        leg=0, force_n=20.0, first_tick=first_tick, landing_tick=landing_tick, lift_tick=0, carried=(), stops_leg=False
+    )
     log = physics.run(commands, until)
     assert (len(log.qpos), log.touched_down) == (n_ticks, True)
 
@@ -141,7 +144,7 @@ def test_a_run_ends_with_the_first_tick_in_which_a_touchdown_counts(
 def test_a_run_goes_on_to_its_end_without_the_force_of_a_touchdown(walker: Walker) -> None:
     physics, _ = walker()
     commands = held(np.repeat(physics.joints_rad()[None], 9, axis=0))
-    until = Touchdown(leg=0, force_n=1e4, first_tick=0, landing_tick=9, stops_leg=True)
+    until = Touchdown(leg=0, force_n=1e4, first_tick=0, landing_tick=9, lift_tick=0, carried=(), stops_leg=True)
     log = physics.run(commands, until)
     assert (len(log.qpos), log.touched_down) == (9, False)
 
@@ -151,7 +154,7 @@ def test_a_leg_that_moves_fast_stops_within_a_step_of_its_touchdown(walker: Walk
     joints = physics.joints_rad()
     lower = joints.copy()
     lower[2] -= 0.05
-    until = Touchdown(leg=0, force_n=20.0, first_tick=0, landing_tick=1, stops_leg=True)
+    until = Touchdown(leg=0, force_n=20.0, first_tick=0, landing_tick=1, lift_tick=0, carried=(), stops_leg=True)
     log = physics.run(held(np.stack([lower])), until)
     commanded = log.ctrl[0, :, 2]
     assert log.touched_down
