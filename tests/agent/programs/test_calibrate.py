@@ -54,7 +54,7 @@ def test_random_pushes_give_a_response_map(tmp_path: Path) -> None:
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
     assert said[0].endswith("pushing  20 of 20 series")
     assert " ".join(said[1].split()) == "face depth [cm] forward [mm] left [mm] turn [deg] n"
-    assert said[-2].startswith("right face, 200 pushes, cross-validated: forward: R² 0.99")
+    assert said[-2].startswith("right face, 200 pushes, cross-validated: forward: R² 1.0000, error 0.0")
     assert [path.name for path in tmp_path.iterdir()] == ["map.json"]
 
 
