@@ -105,6 +105,17 @@ def local_worlds(n: int, name_or_file: str) -> list[SteppingWorld]:
     return [LocalWorld(cast(Stepper, make_of_file(Path(name_or_file)))) for _ in range(n)]
 
 
+def require_world(name_or_file: str) -> None:
+    """Require a world that can be made.
+
+    Raises:
+        PluginError: There is no such plug-in, or it cannot be imported.
+        ConfigError: The file cannot be used.
+    """
+    if name_or_file != DEFAULT_WORLD:
+        local_worlds(1, name_or_file)
+
+
 def simulators(
     options: SimulatorOptions, logs: Path, stop: threading.Event, *, kind: str, folder: Path | None = None
 ) -> AbstractContextManager[Sequence[SteppingWorld]]:

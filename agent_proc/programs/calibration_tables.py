@@ -60,8 +60,8 @@ def show_response_map(response_map: ResponseMap, console: Console) -> None:
     for surface in response_map.surfaces:
         quality = surface.quality
         names = ("forward", "left", "turn")
-        errors = zip(names, quality.r_squared, _shown(quality.cross_validated_rmse), ("mm", "mm", "°"), strict=True)
-        words = "; ".join(f"{name}: R² {r2:.4f}, error {error:.2f} {unit}" for name, r2, error, unit in errors)
+        errors = zip(names, quality.r_squared, _shown(quality.cross_validated_rmse), (" mm", " mm", "°"), strict=True)
+        words = "; ".join(f"{name}: R² {r2:.4f}, error {error:.2f}{unit}" for name, r2, error, unit in errors)
         console.print(Text(f"{surface.face} face, {quality.n} pushes, cross-validated: {words}"), soft_wrap=True)
 
 

@@ -22,7 +22,7 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import policy_path
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
-from agent_proc.simulators import simulators
+from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
 from agent_proc.task.config import Domain, TaskConfig
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
@@ -133,8 +133,10 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     Raises:
         ConfigError: An option cannot be used.
         PolicyError: There is no policy to begin with.
+        PluginError: There is no such world.
     """
     profile = load_profile(options.profile)
+    require_world(options.world)
     if options.init is not None:
         policy_path(options.init)
     if options.steps is not None:
@@ -154,7 +156,7 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         n_simulators=options.n_simulators,
         command=shlex.join(["legpush", "train", *sys.argv[1:]]),
         versions={name: version for name, version in installed_versions().items() if version is not None},
-        world=options.world,
+        world=str(Path(options.world).absolute()) if options.world.endswith(MAP_SUFFIX) else options.world,
         init=options.init,
     )
     name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{options.entry}"

@@ -15,6 +15,9 @@ from legpush.options.checks import require_new_file
 
 DEFAULT_WORLD: Final = "mujoco"
 """The simulators, which are processes."""
+SERIES_DEPTHS_M: Final = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+SERIES_CURVES: Final = (0.5,)
+N_SERIES: Final = 2
 USUAL_SIMULATORS: Final = 8
 """Most simulators to start by default."""
 
@@ -164,14 +167,14 @@ class CalibrateOptions(SimulatorOptions):
     """Replaces the scenario's friction of box and floor."""
     box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
     """Replaces the scenario's friction of box and foot."""
-    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = SERIES_DEPTHS_M
     """Depths of the pushes."""
-    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = (0.5,)
+    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = SERIES_CURVES
     """Shapes of the curve: w1 = w2. Missions use the first one."""
     random_pushes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Measure N or more random pushes at each face instead of series of equal ones, with random leg, curve and depth,
     and fit a map for --world to them."""
-    series: Annotated[int, tyro.conf.arg(metavar="N")] = 2
+    series: Annotated[int, tyro.conf.arg(metavar="N")] = N_SERIES
     """Number of series of eight pushes, four with each leg, for every face, curve and depth."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 8000
     """Seed of the place of the box in the first series; each later series has the next seed."""
@@ -185,7 +188,10 @@ class CalibrateOptions(SimulatorOptions):
         require(Friction, self.box_foot_friction, "--box-foot-friction")
         require(Amount, self.series, "--series")
         require(Amount, self.random_pushes, "--random-pushes")
-        require_seeds(self.first_seed, self.series, "--first-seed")
+        require_seeds(self.first_seed, max(self.series, self.random_pushes or 0), "--first-seed")
+        usual = (self.depths_m, self.curves, self.series) == (SERIES_DEPTHS_M, SERIES_CURVES, N_SERIES)
+        if self.random_pushes is not None and not usual:
+            raise ConfigError("Expected either --random-pushes or --depths-m, --curves and --series, got both")
         if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):
             raise ConfigError(
                 f"Expected depths above 0 and at most {MAX_DEPTH_M} m for --depths-m, got {self.depths_m}"
