@@ -36,7 +36,7 @@ class SoakOptions:
     """Besides, do this many lockstep steps with a stub simulator, and watch memory, threads and open files."""
     training: Annotated[float | None, tyro.conf.arg(metavar="HOURS")] = None
     """Besides, train for about this long while a simulator is killed every 30 s and the learner ten times, and compare
-    the policy with that of an undisturbed training, which takes as long again."""
+    the policy with that of an undisturbed training, which runs beside it."""
 
     def __post_init__(self) -> None:
         require(Seed, self.seed, "--seed")

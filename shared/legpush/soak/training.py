@@ -6,6 +6,7 @@ import signal
 import subprocess
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, suppress
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -22,6 +23,8 @@ from legpush.files import write_whole
 from legpush.soak.mission import LEGPUSH
 from legpush.soak.resources import Growth, Sample, growths, sample
 
+N_AT_ONCE: Final = 2
+"""The disturbed training and the undisturbed one share the machine."""
 N_SIMULATORS: Final = 2
 ROLLOUT_STEPS: Final = 128
 PROBE_STEPS: Final = 512
@@ -78,6 +81,8 @@ class TrainingSoak:
         self._hours = hours
         self._seed = seed
         self._stop = stop
+        self._failed = threading.Event()
+        """Set once one of the trainings cannot go on."""
         self._tell = tell
         self._draw = np.random.default_rng(seed)
         path = folder / STATE_FILE
@@ -96,13 +101,11 @@ class TrainingSoak:
             began_s = monotonic()
             self._train("probe", PROBE_STEPS)
             rate = PROBE_STEPS / (monotonic() - began_s)
-            n_rollouts = max(4, round(3600.0 * self._hours * rate / ROLLOUT_STEPS))
+            n_rollouts = max(4, round(3600.0 * self._hours * rate / N_AT_ONCE / ROLLOUT_STEPS))
             state.n_steps = ROLLOUT_STEPS * n_rollouts
             self._save()
-        self._tell(f"training, undisturbed: {state.n_steps} steps")
-        self._train("undisturbed", state.n_steps)
-        self._tell(f"training, disturbed: {state.n_steps} steps")
-        self._train("disturbed", state.n_steps, self._disturb)
+        self._tell(f"two trainings at once, one of them disturbed: {state.n_steps} steps each")
+        self._train_both(state.n_steps)
         same: list[str] = []
         different: list[str] = []
         for name in COMPARED:
@@ -118,6 +121,20 @@ class TrainingSoak:
             growth=tuple(state.growth),
         )
 
+    def _train_both(self, n_steps: int) -> None:
+        """Run both trainings to their ends; what ends one of them ends the other."""
+        with ThreadPoolExecutor(N_AT_ONCE) as pool:
+            trainings = [
+                pool.submit(self._train, "undisturbed", n_steps),
+                pool.submit(self._train, "disturbed", n_steps, self._disturb),
+            ]
+            try:
+                for training in as_completed(trainings):
+                    training.result()
+            except BaseException:
+                self._failed.set()
+                raise
+
     def _train(
         self, name: str, n_steps: int, disturb: "Callable[[subprocess.Popen[bytes]], bool] | None" = None
     ) -> None:
@@ -130,7 +147,7 @@ class TrainingSoak:
                 stack.callback(_end, learner)
                 killed = False
                 while learner.poll() is None:
-                    if self._stop.wait(LOOK_S):
+                    if self._stop.wait(LOOK_S) or self._failed.is_set():
                         raise StopRequestedError(f"Asked to stop during the training {name}")
                     killed = killed or (disturb is not None and disturb(learner))
             if learner.returncode != 0 and not killed:
