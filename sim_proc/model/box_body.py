@@ -23,13 +23,13 @@ def add_box(spec: mujoco.MjSpec, box: Box) -> tuple[str, ...]:
     for index, geom in enumerate(_geoms(spec, box)):
         names.append("box" if index == 0 else f"box_{index}")
         body.add_geom(name=names[-1], rgba=CARDBOARD, **touched, **geom)
-    if box.load_share > 0.0:
+    if (share := box.load_share) > 0.0:
         body.add_geom(
             name="box_load",
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[LOAD_SHARE * min(box.size_m), 0.0, 0.0],
-            pos=box.load_m,
-            mass=box.load_share * box.mass_kg,
+            pos=[com - part + part / share for com, part in zip(box.com_m, box.com_offset_m, strict=True)],
+            mass=share * box.mass_kg,
             rgba=MARK,
             contype=0,
             conaffinity=0,

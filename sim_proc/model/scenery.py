@@ -17,6 +17,10 @@ SQUARES_ALONG: Final = 5
 """Least side of the squares that walls are grouped by, and how many squares lie along the room at most."""
 MOST_ALONE: Final = 16
 """Most walls that are groups of their own since they are longer than a square."""
+UNMOVED: Final = {"explicitinertial": True, "mass": 1.0, "inertia": (1.0, 1.0, 1.0)}
+"""Mass and inertia of bodies that nothing moves, so that they do not matter. They are stated since MuJoCo refuses the
+rounded inertia of some thin walls.
+"""
 
 Group = tuple[int, ...]
 """A square of the floor by its row and column, or a wall alone."""
@@ -100,7 +104,7 @@ def _add_walls(spec: mujoco.MjSpec, room: Room) -> None:
             body = _add_later_body(spec, wall_name(index), centre)
         else:
             if groups[index] not in bodies:
-                bodies[groups[index]] = spec.worldbody.add_body(name=f"walls_{len(bodies)}")
+                bodies[groups[index]] = spec.worldbody.add_body(name=f"walls_{len(bodies)}", **UNMOVED)
             body = bodies[groups[index]]
         body.add_geom(
             name=wall_name(index),
@@ -131,14 +135,8 @@ def wall_groups(room: Room) -> dict[int, Group]:
 
 
 def _add_later_body(spec: mujoco.MjSpec, name: str, centre: list[float]) -> mujoco.MjsBody:
-    """Add the body of a wall that appears later.
-
-    Nothing moves it, so its mass does not matter. It is stated since MuJoCo refuses the rounded inertia of some thin
-    walls.
-    """
-    return spec.worldbody.add_body(
-        name=name, mocap=True, pos=centre, explicitinertial=True, mass=1.0, inertia=[1.0, 1.0, 1.0]
-    )
+    """Add the body of a wall that appears later."""
+    return spec.worldbody.add_body(name=name, mocap=True, pos=centre, **UNMOVED)
 
 
 def _add_goal(spec: mujoco.MjSpec, goal: Goal, box: Box) -> None:

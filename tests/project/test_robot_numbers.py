@@ -20,7 +20,7 @@ OF_NO_ROBOT = {
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},
     "model/collisions.py": {"SOLREF", "WALL_FRICTION", "TURNING_FRICTION_M", "ROLLING_FRICTION_M", "WALL"},
     "model/robot_body.py": {"BODYWORK", "DARK", "ANKLE_SHARE", "CAP_SHARES"},
-    "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN", "LEAST_SQUARE_M", "SQUARES_ALONG", "MOST_ALONE"},
+    "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN", "LEAST_SQUARE_M", "SQUARES_ALONG", "MOST_ALONE", "UNMOVED"},
     "model/shapes.py": {"FLOOR_GREY"},
     "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "NET_FORCE"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},

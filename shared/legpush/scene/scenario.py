@@ -172,13 +172,6 @@ class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         """Share of the mass that the load has; 0 without an offset."""
         return 1.0 / steps_to_surface(self.shape, self.size_m, self.com_offset_m)
 
-    @property
-    def load_m(self) -> Point3:
-        """Place of the load at the surface, in the frame of the box. There is one only with an offset."""
-        even, share = even_com_m(self.shape, self.size_m), self.load_share
-        x, y, z = (a + b / share for a, b in zip(even, self.com_offset_m, strict=True))
-        return x, y, z
-
 
 class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The pose that the box must reach for the mission to succeed, and the tolerances."""

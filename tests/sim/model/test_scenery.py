@@ -43,6 +43,13 @@ def test_there_are_few_groups_however_many_walls_a_room_has(n: int, long_m: floa
     assert len(set(groups.values())) <= min(n, 6 * 6 + 16)
 
 
+@pytest.mark.parametrize("appears_at_s", [0.0, 1.0])
+def test_the_thinnest_and_lowest_walls_have_a_model(at_the_box: Scenario, appears_at_s: float) -> None:
+    wall = Rectangle(x_min_m=-0.423, x_max_m=-0.4228, y_min_m=0.0, y_max_m=0.0002, appears_at_s=appears_at_s)
+    room = Room(size_m=(12.0, 10.0), obstacles=5 * (wall,), wall_height_m=1e-6)
+    assert build_model(replace(at_the_box, room=room)).geom("wall_4").size[2] == pytest.approx(5e-7)
+
+
 def test_a_wall_that_appears_later_is_a_body_of_its_own_in_its_place(at_the_box: Scenario) -> None:
     later = Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=0.0, y_max_m=3.0, appears_at_s=1.0)
     model = build_model(replace(at_the_box, room=Room(size_m=(12.0, 10.0), obstacles=(later,))))
