@@ -1,6 +1,6 @@
 """Ends a run at the touchdown of a foot."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
@@ -29,17 +29,22 @@ class Landing:
         self._measured, self._positions, self._allowed_rad = joints
         self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
 
-    def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
+    def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterable[Floats]:
         """Controls (12,) of the steps of a tick, from planned ones (steps, 12), which are replaced if a leg stops.
 
         `sensors` (steps, n) gets a row after each step.
         """
         touchdown = self._touchdown
-        watched = touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick
+        if touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick:
+            return self._stopping(tick, controls, sensors)
+        return controls
+
+    def _stopping(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
+        stopped = False
         for step, control in enumerate(controls):
-            if watched and step and self._down(sensors[step - 1])[touchdown.leg]:
+            if step and not stopped and self._down(sensors[step - 1])[self._touchdown.leg]:
                 controls[step:, self._joints] = self._holds[tick, step, self._joints]
-                watched = False
+                stopped = True
             yield control
 
     def ends(self, tick: int, sensors: Floats) -> bool:

@@ -159,3 +159,17 @@ def test_a_leg_that_moves_fast_stops_within_a_step_of_its_touchdown(walker: Walk
     commanded = log.ctrl[0, :, 2]
     assert log.touched_down
     np.testing.assert_array_equal(commanded[1:], commanded[1])
+
+
+@pytest.mark.parametrize(("carried", "n_ticks", "not_down"), [((), 5, 0), ((0,), 9, None)])
+def test_a_run_ends_before_the_lift_of_a_foot_if_another_one_is_off_the_floor(
+    walker: Walker, carried: tuple[int, ...], n_ticks: int, not_down: int | None
+) -> None:
+    physics, _ = walker()
+    raised = physics.joints_rad()
+    raised[2] += 0.1
+    until = Touchdown(
+        leg=FIRST, force_n=15.0, first_tick=9, landing_tick=9, lift_tick=5, carried=carried, stops_leg=True
+    )
+    log = physics.run(held(np.repeat(raised[None], 9, axis=0)), until)
+    assert (len(log.qpos), log.not_down) == (n_ticks, not_down)
