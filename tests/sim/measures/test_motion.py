@@ -1,7 +1,7 @@
 """Measures of a real walk and a real push, against calculations of their own from MuJoCo's state at every step."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -90,12 +90,12 @@ def watched(scenario: Scenario, motions: list[Any]) -> tuple[Outcome, Seen]:
     mujoco.mj_getState(physics.model, physics.data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
     controls, run = [], physics.run
 
-    def run_and_keep(commands: Any, until: Any = None) -> Any:
-        done = run(commands, until)
+    def run_and_keep(*arguments: Any) -> Any:
+        done = run(*arguments)
         controls.append(done.ctrl.reshape(-1, 12))
         return done
 
-    physics.run = run_and_keep  # type: ignore[method-assign]
+    physics.run = cast(Any, run_and_keep)  # type: ignore[method-assign]
     outcome = simulator.perform(motions[-1], with_trace=True)
     model = build_model(scenario)
     data, seen = mujoco.MjData(model), Seen(model=model)

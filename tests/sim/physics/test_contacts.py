@@ -1,11 +1,12 @@
 """Contacts that no plan asked for: which they are, and in how many steps they last."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.geometry import Pose2
-from legpush.messages.stepping import Follow, Push, Reset, Walk
+from legpush.messages.stepping import Push, Reset
 from legpush.scene.conventions import JOINT_QPOS
 from legpush.scene.scenario import Box, Rectangle, Scenario
 from sim_proc.headless import mujoco
@@ -31,6 +32,11 @@ def walled(scenario: Scenario, x_m: float, y_m: float, size_m: float = 0.1) -> S
 def touching_pairs(physics: Physics) -> set[tuple[str, str]]:
     """Pairs of geoms that touch now, in alphabetical order."""
     mujoco.mj_forward(physics.model, physics.data)
+    return pairs_of(physics)
+
+
+def pairs_of(physics: Physics) -> set[tuple[str, str]]:
+    """Pairs of geoms that touched in the last step, in alphabetical order."""
     names = [sorted(physics.model.geom(int(geom)).name for geom in pair) for pair in physics.data.contact.geom]
     return {(first, second) for first, second in names}
 
@@ -58,19 +64,21 @@ def test_a_box_in_a_wall_is_counted_in_each_step_with_its_force(at_the_box: Scen
 
 
 def test_a_leg_in_a_wall_is_counted_in_each_of_the_steps(at_the_box: Scenario) -> None:
-    physics = physics_with(walled(at_the_box, 2.25, 5.18))
-    assert ("FL_foot", "wall_0") in touching_pairs(physics) or ("FL_lower", "wall_0") in touching_pairs(physics)
-    n_steps, step = 0, physics.contacts.look
-
-    def look(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        nonlocal n_steps
-        n_steps += 1
-        step(model, data)
-
-    physics.contacts.look = look  # type: ignore[method-assign]
-    stand(physics, 3)
-    assert physics.contacts.n_steps == n_steps == 30
-    assert {each.second for each in physics.contacts.found()} == {"wall_0"}
+    """Counted a second time in bare steps, with a look at all contacts after each."""
+    scenario = walled(at_the_box, 2.25, 5.18)
+    physics, bare = physics_with(scenario), physics_with(scenario)
+    controls = physics.run(held(np.repeat(physics.data.qpos[JOINT_QPOS][None], 3, axis=0))).ctrl
+    counts: Counter[tuple[str, str]] = Counter()
+    n_steps = 0
+    for control in controls.reshape(-1, 12):
+        bare.data.ctrl[:] = control
+        mujoco.mj_step(bare.model, bare.data)
+        pairs = {pair for pair in pairs_of(bare) if "wall_0" in pair}
+        counts.update(pairs)
+        n_steps += bool(pairs)
+    assert n_steps > 0
+    assert physics.contacts.n_steps == n_steps
+    assert {(each.first, each.second): each.n_steps for each in physics.contacts.found()} == counts
 
 
 def test_a_pushing_leg_may_touch_the_box_and_another_may_not(at_the_box: Scenario) -> None:
@@ -96,16 +104,24 @@ def test_a_motion_that_is_simulated_again_is_counted_once(at_the_box: Scenario) 
 
 
 def test_each_motion_is_counted_by_itself(at_the_box: Scenario) -> None:
-    scenario = walled(at_the_box, 2.25, 5.18)
-    here = scenario.start.pose()
+    physics = physics_with(walled(at_the_box, 2.25, 5.18))
+    stand(physics, 1)
+    assert physics.contacts.n_steps > 0
+    physics.contacts.expect(None)
+    assert (physics.contacts.n_steps, physics.contacts.found()) == (0, ())
+
+
+def test_a_box_that_is_pushed_along_a_wall_is_told_in_the_measures_of_each_push(at_the_box: Scenario) -> None:
+    _, width, _ = at_the_box.box.size_m
+    scenario = walled(at_the_box, at_the_box.box.pose.x_m - 0.1, at_the_box.box.pose.y_m + width / 2 - 0.001, 1.0)
     simulator = Simulator()
     simulator.perform(Reset(scenario=scenario, seed=0), with_trace=False)
-    path = tuple(here @ Pose2(x_m=-0.2 * index, y_m=0.0, yaw_rad=0.0) for index in range(6))
-    simulator.perform(Follow(waypoints=path), with_trace=False)
-    measures = [simulator.perform(Walk(), with_trace=False).measures for _ in range(3)]
-    counts = [each.n_unexpected_steps for each in measures if each is not None]
-    assert counts[0] > 0
-    assert counts[-1] == 0
+    for _ in range(2):
+        push = Push(w1=0.3, w2=0.7, leg="FR", depth_m=0.03)
+        measures = simulator.perform(push, with_trace=False).measures
+        assert measures is not None
+        assert ("box", "wall_0") in [(each.first, each.second) for each in measures.unexpected]
+        assert 0 < measures.n_unexpected_steps <= measures.n_steps
 
 
 def test_a_usual_push_has_no_unexpected_contact(at_the_box: Scenario) -> None:
