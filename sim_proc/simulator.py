@@ -15,6 +15,7 @@ from sim_proc.control.push_cycle import Pusher
 from sim_proc.control.steps import Steps
 from sim_proc.measures.motion import Meter
 from sim_proc.observation import trace, world_state
+from sim_proc.physics.contacts import require_apart
 from sim_proc.physics.physics import Physics
 
 SETTLE_TICKS: Final = 25
@@ -54,10 +55,15 @@ class SimulatedEpisode:
     """One episode: a world and the robot in it."""
 
     def __init__(self, reset: Reset) -> None:
-        """Build the world of a reset and stand the robot in it."""
+        """Build the world of a reset and stand the robot in it.
+
+        Raises:
+            MotionError: Robot, box and walls are in one another.
+        """
         trunk, box = drawn_poses(reset.scenario, reset.seed)
         self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
+        require_apart(self.physics.model, self.physics.data, reset.scenario.robot.legs.foot_radius_m)
         self.physics.tick = -SETTLE_TICKS
         self._meter = Meter(reset.scenario.robot, self.physics.downhill)
         self._meter.measure([Posture(self.physics).stand(SETTLE_TICKS)], n_footsteps=0)

@@ -47,7 +47,7 @@ class ResponseMap(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
 
     format: Literal["legpush response map 1"] = "legpush response map 1"
     box: Box
-    robot: RobotSpec = RobotSpec()
+    robot: RobotSpec
     """In the file, only what differs from the defaults."""
     surfaces: Annotated[tuple[ResponseSurface, ...], Meta(min_length=1)]
     stances: Stances

@@ -74,8 +74,8 @@ class Pusher:
         """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
 
         Raises:
-            MotionError: The face cannot be pushed, the robot does not stand at it, or the leg does not reach the whole
-                curve. Nothing has moved then.
+            MotionError: The face cannot be pushed, the robot does not stand at it, its trunk is in the box, or the leg does
+                not reach the whole curve. Nothing has moved then.
         """
         posture, robot = self._steps.posture, self._robot
         plant = posture.plant
@@ -84,6 +84,7 @@ class Pusher:
         box, pose = pushed_box(self._box, push.face), pushed_pose(plant.box_pose(), push.face)
         station = behind_box(box, pose, robot.station_m)
         require_within_reach("the place to push from", robot.gait, plant.trunk_pose(), station)
+        self._require_apart(box, pose)
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
         goal = contact_point(robot, self._box, plant.box_pose(), push.face, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
@@ -112,6 +113,18 @@ class Pusher:
         if face not in PUSHABLE[self._box.shape]:
             valid = ", ".join(PUSHABLE[self._box.shape])
             raise MotionError(f"Expected a face that a {self._box.shape} can be pushed at ({valid}), got {face}")
+
+    def _require_apart(self, box: Box, pose: Pose2) -> None:
+        """Check that the box, as seen from its pushed face, is ahead of the trunk and not in it."""
+        robot = self._robot
+        trunk = pose.inverse() @ self._steps.posture.plant.trunk_pose()
+        away_m = -trunk.x_m - box.size_m[0] / 2
+        least_m = robot.trunk.ahead_m(robot.stance.height_m - box.size_m[2], trunk.yaw_rad)
+        if away_m < least_m:
+            raise MotionError(
+                f"Expected a face at least {least_m:.2f} m ahead of the middle of the trunk, which is no higher than "
+                f"the box of {box.size_m[2]:g} m, got {away_m:.2f} m"
+            )
 
     def _next_station(self, face: Face) -> Pose2:
         """Where to stand after the push: at the box, or in the same place if the box slid out of reach."""

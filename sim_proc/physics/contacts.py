@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Flags
+from legpush.errors import MotionError
 from legpush.messages.measures import MAX_PAIRS, UnexpectedContact
 from legpush.scene.conventions import FRONT_LEGS, LEGS, FrontLeg
 from sim_proc.headless import mujoco
@@ -100,3 +101,20 @@ def _with(allowed: Flags, some: list[int], others: list[int]) -> Flags:
     more = allowed.copy()
     more[np.ix_(some, others)] = more[np.ix_(others, some)] = True
     return more
+
+
+def require_apart(model: mujoco.MjModel, data: mujoco.MjData, allowed_m: float) -> None:
+    """Check that no part of robot, box and room is deeper than `allowed_m` in another one.
+
+    Raises:
+        MotionError: Two parts are; names them.
+    """
+    if data.ncon == 0:
+        return
+    deepest = int(np.argmin(data.contact.dist))
+    depth_m = -float(data.contact.dist[deepest])
+    if depth_m > allowed_m:
+        first, second = (model.geom(geom).name for geom in data.contact.geom[deepest])
+        raise MotionError(
+            f"Expected robot, box and walls apart at the start, got `{first}` {depth_m:.2f} m deep in `{second}`"
+        )

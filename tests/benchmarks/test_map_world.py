@@ -1,12 +1,19 @@
 """The world without physics against the simulator: policies, order, and errors in single pushes."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
+from agent_proc.policies.folder import read_policy
+from agent_proc.profiles.profile import PpoProfile, load_profile
 from benchmarks.map_world.agreement import MAPS, REAL, one_push, order, rank_correlation, report_of
 from benchmarks.map_world.episodes import Episode, run
 from benchmarks.map_world.policies import POLICIES
 from benchmarks.map_world.speed import boxes_per_s
+from benchmarks.map_world.transfer import Config, Learned, train
+from benchmarks.map_world.transfer import report_of as report_of_trainings
 
 
 def episode(policy: str, seed: int, world: str, error_m: float) -> Episode:
@@ -90,6 +97,42 @@ def test_a_report_compares_every_policy_in_both_maps() -> None:
     end = report["worlds"]["map"]["policies"]["a"]
     assert end["ends_apart_m"] == {"median": 0.0, "largest": 0.0}
     assert end["position_error_m"]["map_minus_simulator"]["value"] == 0.0
+
+
+def test_a_training_in_the_map_is_the_begin_of_another_one(tmp_path: Path) -> None:
+    profile = load_profile("tuned")
+    assert isinstance(profile, PpoProfile)
+    small = replace(profile, steps=16, settings=replace(profile.settings, n_steps=8, batch_size=8))
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+
+    assert train(small, "map", 1, tmp_path / "first") > 0.0
+    assert train(small, "map", 1, tmp_path / "second", init=tmp_path / "first") > 0.0
+    one, two = (read_policy(tmp_path / name / "last").layers[0].weight for name in ("first", "second"))
+    assert not np.array_equal(one, two)
+    assert np.abs(one - two).max() < 0.1
+
+
+def test_trainings_count_as_groups() -> None:
+    found = [
+        Learned(
+            variant=variant,
+            seed=seed,
+            cpu_s=1.0,
+            position_error_m=(0.01, 0.03),
+            angle_error_deg=(1.0, 1.0 + seed),
+            success=(True, seed == 1),
+        )
+        for variant in ("simulator", "map")
+        for seed in (1, 2)
+    ]
+
+    report = report_of_trainings(Config(n_trainings=2, n_starts=2), found)
+    assert list(report["variants"]) == ["simulator", "map"]
+    assert report["variants"]["map"]["position_error_m"]["value"] == pytest.approx(0.02)
+    assert report["variants"]["map"]["angle_error_deg"]["n"] == 2
+    assert report["variants"]["map"]["success_rate"]["value"] == pytest.approx(0.75)
+    assert (report["steps"], len(report["trainings"])) == (5120, 4)
 
 
 def test_many_boxes_are_pushed_at_once() -> None:

@@ -133,7 +133,7 @@ def tilt_deg(outcome: Outcome) -> float:
     shape=st.sampled_from(["cuboid", "cylinder", "wedge", "l_shape"]),
     size_m=st.tuples(st.floats(0.1, 1.2), st.floats(0.1, 1.5), st.floats(0.1, 1.6)),
     numbers=st.tuples(st.floats(0.1, 30.0), st.floats(0.1, 1.2), st.floats(0.2, 1.2)),
-    away=st.tuples(st.floats(-0.1, 0.0), st.floats(-0.1, 0.1), st.floats(-10.0, 10.0)),
+    away=st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1), st.floats(-10.0, 10.0)),
     push=st.builds(
         Push,
         w1=st.floats(0.0, 1.0),
@@ -193,6 +193,24 @@ def test_a_tall_box_is_pushed_and_neither_thrown_nor_tipped(
         assert box_speeds_m_s(outcome).max() < 0.5
         assert tilt_deg(outcome) < 2.0
     assert outcome.world.box.position_m[0] > box.pose.x_m + 0.03
+
+
+@pytest.mark.parametrize(("height_m", "nearer_m", "refused"), [(0.6, 0.04, False), (0.6, 0.1, True), (0.3, 0.1, False)])
+def test_a_robot_whose_trunk_would_be_in_the_box_does_not_push(
+    at_the_box: Scenario, height_m: float, nearer_m: float, refused: bool
+) -> None:
+    box = replace(at_the_box.box, size_m=(0.4, 0.5, height_m))
+    scenario = behind(replace(at_the_box, box=box), "rear")
+    simulator = Simulator()
+    simulator.perform(Reset(scenario=scenario, seed=0), with_trace=False)
+    assert simulator.episode is not None
+    simulator.episode.physics.data.qpos[BOX_QPOS.start] -= nearer_m
+    push = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.02)
+    if refused:
+        with pytest.raises(MotionError, match=r"a face at least 0\.36 m ahead of the middle of the trunk, .* 0\.6 m"):
+            simulator.perform(push, with_trace=False)
+    else:
+        assert not simulator.perform(push, with_trace=False).world.fallen
 
 
 def test_a_push_whose_contact_point_is_too_far_to_the_side_is_refused_with_what_was_expected(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from legpush.errors import MotionError
 from legpush.messages.stepping import Push, Reset
 from legpush.scene.conventions import JOINT_QPOS
 from legpush.scene.scenario import Box, Rectangle, Scenario
@@ -130,3 +131,28 @@ def test_a_usual_push_has_no_unexpected_contact(at_the_box: Scenario) -> None:
     measures = simulator.perform(Push(w1=0.3, w2=0.7, leg="FR", depth_m=0.05), with_trace=False).measures
     assert measures is not None
     assert (measures.n_unexpected_steps, measures.unexpected) == (0, ())
+
+
+@pytest.mark.parametrize(
+    ("place", "match"),
+    [
+        ((4.5, 5.0), r"apart at the start, got `\w+` 0\.\d+ m deep in `\w+`"),
+        ((2.0, 5.0), r"deep in `wall_0`|`wall_0` 0\.\d+ m deep"),
+    ],
+)
+def test_a_robot_in_the_box_or_in_a_wall_cannot_begin(
+    at_the_box: Scenario, place: tuple[float, float], match: str
+) -> None:
+    wall = Rectangle(x_min_m=2.0, x_max_m=2.2, y_min_m=4.0, y_max_m=6.0)
+    x_m, y_m = place
+    box = replace(at_the_box.box, pose=replace(at_the_box.box.pose, x_m=4.5, y_m=5.0))
+    scenario = replace(
+        at_the_box,
+        room=replace(at_the_box.room, obstacles=(wall,)),
+        box=box,
+        start=replace(at_the_box.start, x_m=x_m, y_m=y_m),
+    )
+    simulator = Simulator()
+    with pytest.raises(MotionError, match=match):
+        simulator.perform(Reset(scenario=scenario, seed=0), with_trace=False)
+    assert simulator.episode is None
