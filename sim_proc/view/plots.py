@@ -55,8 +55,8 @@ def trunk_angles(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
 
 
 def margins(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
-    """Least margins of CoM, zero-moment point and capture point from each row to the next [cm]."""
-    of_points = (timeline.support_margin_m, timeline.zmp_margin_m, timeline.capture_margin_m)
+    """Least margins of capture point, zero-moment point and CoM from each row to the next [cm]."""
+    of_points = (timeline.capture_margin_m, timeline.zmp_margin_m, timeline.support_margin_m)
     return tuple(100.0 * np.fmin.reduceat(values, rows) for values in of_points)
 
 
@@ -96,9 +96,9 @@ PLOTS: Final = (
     Plot(
         title="Margins in the support polygon [cm]",
         curves=(
-            Curve(label="CoM", color="#2369c8"),
-            Curve(label="ZMP", color="#8c33a6"),
             Curve(label="capture point", color="#d97b0d"),
+            Curve(label="ZMP", color="#8c33a6"),
+            Curve(label="CoM", color="#2369c8"),
         ),
         values=margins,
     ),

@@ -25,7 +25,7 @@ def test_every_plot_has_as_many_curves_as_it_says_and_the_box_comes_nearer(timel
 
 def test_no_extreme_between_the_rows_that_are_drawn_is_lost(timeline: Timeline) -> None:
     rows = np.array([0, 3, 3, timeline.n_rows - 2])
-    support_cm, zmp_cm, capture_cm = margins(timeline, rows)
+    capture_cm, zmp_cm, support_cm = margins(timeline, rows)
     for drawn, values in (
         (support_cm, timeline.support_margin_m),
         (zmp_cm, timeline.zmp_margin_m),
