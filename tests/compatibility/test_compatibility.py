@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from agent_proc.frames.push_view import push_view
@@ -13,6 +14,8 @@ from agent_proc.policies.learned import load_learned
 from agent_proc.policies.registry import policy_from_data
 from agent_proc.programs.policy import read_any_policy
 from agent_proc.push_model.map import load_push_map
+from agent_proc.reporting.mission_record import read_record
+from agent_proc.reporting.phases import phase_report
 from legpush.errors import PolicyError
 from legpush.history.journal import JOURNAL_VERSION, Opened, read_entries
 from legpush.history.run_history import RunHistory
@@ -27,6 +30,8 @@ from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.scenarios.file import load_scenario
+from sim_proc.export.columns import columns_of
+from sim_proc.export.source import read_source
 from tests.agent.fake_world import make_state, scenario_at_station
 
 HERE = Path(__file__).parent
@@ -80,6 +85,19 @@ def test_its_history_has_the_episode_its_plan_and_what_the_processes_said(record
     assert [planned.plan.status for _, planned in history.plans_of(timeline)] == ["exact"]
     assert {said.origin.role for said in history.said} == {"planner", "sim", "agent"}
     assert timeline.rewards.keys() == {1, 2}
+
+
+def test_what_it_did_not_measure_is_told_as_not_known(recording: Recording, folder: Path) -> None:
+    """Motions are measured since protocol 8."""
+    (episode,) = read_episodes(recording)
+    assert [asked.outcome.measures for asked in episode.carried_out() if asked.outcome] == [None] * 3
+    source = read_source([folder / "two_pushes.mcap"], None, partial=False)
+    columns = {column.name: column.values for column in columns_of(source.episodes)}
+    assert np.isfinite(columns["support_margin_m"][1:].astype(np.float64)).all()
+    for name in ("zmp_margin_m", "capture_margin_m", "foot_moment_x_w_n_m", "joint_RR_knee_n_m"):
+        assert np.isnan(columns[name].astype(np.float64)).all()
+    record = read_record(read_episode(folder / "two_pushes.journal"))
+    assert phase_report(record.steps, record.scenario.robot) is None
 
 
 def test_it_can_be_branched_at_a_step(recording: Recording) -> None:
