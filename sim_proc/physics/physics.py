@@ -14,7 +14,7 @@ from legpush.messages.stepping import Appearance
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
-from sim_proc.control.plant import StepLog, TickLog
+from sim_proc.control.plant import TickLog
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
@@ -23,6 +23,7 @@ from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.inverse_dynamics import InverseDynamics
+from sim_proc.physics.step_sensors import StepSensors
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
@@ -49,12 +50,7 @@ class Physics:
         self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
         self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
         self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
-        self._com, self._com_velocity = self._sensors["com"], self._sensors["com_velocity"]
-        self._tips = slice(self._sensors["FL_tip"].start, self._sensors["RR_tip"].stop)
-        self._joint_sensors = [
-            slice(self._sensors[f"FL_hip_x_{what}"].start, self._sensors[f"RR_knee_{what}"].stop)
-            for what in ("position", "velocity", "torque")
-        ]
+        self._step_sensors = StepSensors(self._sensors)
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
@@ -97,14 +93,14 @@ class Physics:
         mujoco.mj_getState(self.model, self.data, before, STATE)
         waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
         qpos, sensors = self._simulate(controls, self._run_tick)
-        if self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any():
+        if self._limits.beyond(*self._step_sensors.joints(sensors)).any():
             # Limits at angles and speeds cost much and are met rarely: only then is the motion simulated with them.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
             self.contacts = contacts
             qpos, sensors = self._simulate(controls, self._run_limited_tick)
         self._check(qpos)
-        steps = self._step_log(sensors)
+        steps = self._step_sensors.log(sensors)
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -113,21 +109,6 @@ class Physics:
             com_m=steps.com_m[:, -1],
             ctrl=controls[: len(qpos)],
             steps=steps,
-        )
-
-    def _step_log(self, sensors: Floats) -> StepLog:
-        """The measurements in the sensors (n, steps, nsensordata) of physics steps."""
-        feet = (*sensors.shape[:2], len(LEGS), 3)
-        positions, velocities, torques = (sensors[:, :, columns] for columns in self._joint_sensors)
-        return StepLog(
-            tips_m=sensors[:, :, self._tips].reshape(feet),
-            floor_forces_n=-sensors[:, :, self._floor_forces].reshape(feet),
-            box_forces_n=-sensors[:, :, self._box_forces].reshape(feet),
-            com_m=sensors[:, :, self._com],
-            com_velocity_m_s=sensors[:, :, self._com_velocity],
-            joint_positions_rad=positions,
-            joint_velocities_rad_s=velocities,
-            joint_torques_n_m=torques,
         )
 
     def _simulate(self, controls: Floats, run_tick: Callable[[Floats, Floats], None]) -> tuple[Floats, Floats]:
