@@ -74,8 +74,8 @@ class Pusher:
         """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
 
         Raises:
-            MotionError: The face cannot be pushed, the robot does not stand at it, its trunk is in the box, or the leg does
-                not reach the whole curve. Nothing has moved then.
+            MotionError: The face cannot be pushed, the robot does not stand at it, its trunk is in the box, or the leg
+                does not reach the whole curve. Nothing has moved then.
         """
         posture, robot = self._steps.posture, self._robot
         plant = posture.plant

@@ -159,9 +159,11 @@ def test_every_push_is_refused_before_anything_moves_or_done_without_throwing_th
     scenario = behind(replace(scenario, box=box), "rear")
     start, (x_m, y_m, yaw_deg) = scenario.start, away
     start = replace(start, x_m=start.x_m + x_m, y_m=start.y_m + y_m, yaw_deg=start.yaw_deg + yaw_deg)
-    simulator = Simulator()
-    before = simulator.perform(Reset(scenario=replace(scenario, start=start), seed=0), with_trace=False)
-    twin = Simulator()
+    simulator, twin = Simulator(), Simulator()
+    try:
+        before = simulator.perform(Reset(scenario=replace(scenario, start=start), seed=0), with_trace=False)
+    except MotionError:
+        return  # the robot would stand in the box
     twin.perform(Reset(scenario=replace(scenario, start=start), seed=0), with_trace=False)
     try:
         after = simulator.perform(push, with_trace=True)
