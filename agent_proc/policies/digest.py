@@ -3,8 +3,9 @@
 import hashlib
 from pathlib import Path
 
-from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE, policy_path
+from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE, foreign_terms_of, policy_path
 from agent_proc.policies.folder_files import read_file
+from agent_proc.task.terms import GROUP as TERMS
 from legpush.errors import PolicyError
 from legpush.plugins import plugin_values
 from legpush.policy_names import GROUP, SCRIPTED, policy_kind, source_sha256
@@ -32,6 +33,8 @@ def policy_sha256(name: str) -> str:
     for file in (CARD_FILE, WEIGHTS_FILE):
         if (folder / file).exists():
             digest.update(read_file(folder / file))
+    for term in foreign_terms_of(folder):
+        digest.update("".join(map(source_sha256, plugin_values(TERMS, term))).encode())
     return digest.hexdigest()
 
 

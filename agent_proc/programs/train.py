@@ -22,7 +22,7 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import simulators
-from agent_proc.task.config import Domain, TaskConfig
+from agent_proc.task.file import load_task, read_task
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
 from legpush.numerics.current import explained
@@ -130,13 +130,11 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     profile = load_profile(options.profile)
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
-    task = TaskConfig(
-        entry=options.entry,
-        action_form=options.actions,
-        observation=profile.observation,
-        reward=profile.reward,
-        scenario=load_scenario(options.scenario),
-        domain=Domain(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
+    task = load_task(
+        options.task or profile.task,
+        None if options.scenario is None else load_scenario(options.scenario),
+        **_given(entry=options.entry, action_form=options.actions),
+        domain=_given(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
     )
     plan = TrainingPlan(
         profile=profile,
@@ -146,7 +144,7 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         command=shlex.join(["legpush", "train", *sys.argv[1:]]),
         versions={name: version for name, version in installed_versions().items() if version is not None},
     )
-    name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{options.entry}"
+    name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{task.entry}"
     folder = options.out or Path("runs") / f"{name}-seed{options.seed}"
     require_writable_folder(folder, "--out")
     if folder.exists() and any(folder.iterdir()):
@@ -154,6 +152,11 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / CONFIG_FILE, msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n")
     return folder, plan
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """The values that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def read_plan(folder: Path) -> TrainingPlan:
@@ -166,20 +169,20 @@ def read_plan(folder: Path) -> TrainingPlan:
     try:
         plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
         profile = read_profile(plain["profile"], f"{path}: profile")
+        task = read_task(plain["task"], f"{path}: task")
         rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
     except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
-    return TrainingPlan(profile=profile, **rest)
+    return TrainingPlan(profile=profile, task=task, **rest)
 
 
 _PLAN_FIELDS: Final[dict[str, Any]] = {
-    "task": TaskConfig,
     "seed": int,
     "n_simulators": int,
     "command": str,
     "versions": dict[str, str],
 }
-"""Types of all fields but the profile, whose type depends on its algorithm."""
+"""Types of all fields but the profile and the task, which have readers of their own."""
 
 
 N_LINES: Final = 20

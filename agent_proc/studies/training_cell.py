@@ -17,7 +17,9 @@ from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Card, read_card
 from agent_proc.profiles.profile import Widths, load_profile, read_profile
 from agent_proc.studies.cell_parts import new_simulator, scenario_of
-from agent_proc.task.config import Domain, Interval, TaskConfig
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.domain import Interval
+from agent_proc.task.file import load_task
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
@@ -55,10 +57,12 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Seed of initial weights, exploration and initial conditions."""
     profile: str = "tuned"
     """A training profile, or the path of a profile file."""
-    entry: Literal["fixed", "variable"] = "variable"
-    """Depth of the pushes: the same for all, or chosen by the policy."""
-    actions: Literal["continuous", "discrete"] = "continuous"
-    """Form of the action."""
+    task: str | None = None
+    """Replaces the profile's task: a built-in one, or the path of a task file."""
+    entry: Literal["fixed", "variable"] | None = None
+    """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
+    actions: Literal["continuous", "discrete"] | None = None
+    """Replaces the task's form of the action."""
     steps: Annotated[int, Meta(ge=1)] | None = None
     """Replaces the profile's number of push cycles."""
     hidden: Widths | None = None
@@ -99,13 +103,13 @@ def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
     if cell.hidden is not None:
         network = msgspec.structs.replace(profile.network, hidden=cell.hidden)
         profile = msgspec.structs.replace(profile, network=network)
-    task = TaskConfig(
-        entry=cell.entry,
-        action_form=cell.actions,
-        observation=profile.observation,
-        reward=profile.reward,
-        scenario=scenario_of(cell.scenario, cell.changes),
-        domain=Domain(mass_kg=cell.mass_kg, friction=cell.friction, distance_m=cell.distance_m),
+    replaced = {"entry": cell.entry, "action_form": cell.actions}
+    drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
+    task = load_task(
+        cell.task or profile.task,
+        scenario_of(cell.scenario, cell.changes),
+        **{name: value for name, value in replaced.items() if value is not None},
+        domain={name: value for name, value in drawn.items() if value is not None},
     )
     return ResolvedTraining(
         seed=cell.seed, profile=msgspec.to_builtins(profile), task=task, n_simulators=cell.n_simulators

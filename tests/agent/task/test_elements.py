@@ -6,11 +6,12 @@ import pytest
 from agent_proc.task.action import n_actions
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.elements import action_elements, observation_elements
-from agent_proc.task.observation import observation_bounds
+from agent_proc.task.observed import observation_bounds
+from tests.agent.tasks import paper, tuned
 
-VARIABLE = TaskConfig()
-FIXED = TaskConfig(entry="fixed", observation="paper")
-DISCRETE = TaskConfig(entry="fixed", action_form="discrete", observation="paper")
+VARIABLE = tuned()
+FIXED = paper(entry="fixed")
+DISCRETE = paper(entry="fixed", action_form="discrete")
 
 
 @pytest.mark.parametrize("task", [VARIABLE, FIXED], ids=["relative", "paper"])
@@ -51,4 +52,4 @@ def test_the_mirrored_leg_and_the_limited_depth_are_explained() -> None:
     assert "mirror image" in leg.meaning
     assert "mirror image" not in action_elements(FIXED)[2].meaning
     assert "up to its goal, at most 0.1 m" in depth.meaning
-    assert "up to its goal" not in action_elements(TaskConfig(limit_depth=False))[3].meaning
+    assert "up to its goal" not in action_elements(tuned(limit_depth=False))[3].meaning
