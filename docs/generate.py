@@ -3,8 +3,9 @@
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
-of endings in `run.md`; and the tasks and their terms in `learn.md`. Everything between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is
-replaced; the rest is written by hand. A test fails when a generated part is stale.
+of endings in `run.md`; and the tasks and their terms in `learn.md`. Everything between the lines
+`<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a
+generated part is stale.
 """
 
 import ast

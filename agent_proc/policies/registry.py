@@ -18,7 +18,8 @@ from legpush.policy_names import GROUP, SB3_SUFFIX, policy_kind, require_repeate
 def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, trust_file: bool = False) -> Policy:
     """Make the policy that a recording names: a policy of this package, or a policy folder with this SHA-256.
 
-    A policy that runs code, or whose task has terms of other packages, is made only if `repeated`, the name on this command line, is the same.
+    A policy that runs code, or whose task has terms of other packages, is made only if `repeated`, the name on this
+    command line, is the same.
 
     Raises:
         PolicyError: The policy runs code and was not repeated, its files are others, or it cannot be used.

@@ -1,6 +1,7 @@
 """Terms by name: those of this package, those of another one, and what is refused."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +25,15 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "terms"
 
 
 @pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The example of a package with terms of its own, installed; the path of its task file."""
     names = {"along": "Along", "sideways": "Sideways", "tilted": "Tilted", "odd": "ODD"}
     entries = "".join(f"{name} = terms:{term}\n" for name, term in names.items())
     install(tmp_path, "their-terms", f"[legpush.tasks]\n{entries}")
     (tmp_path / "terms.py").write_text(f"{(EXAMPLE / 'terms.py').read_text()}\n\nODD = 3\n")
     monkeypatch.syspath_prepend(tmp_path)
-    return EXAMPLE / "straight.toml"
+    yield EXAMPLE / "straight.toml"
+    sys.modules.pop("terms", None)
 
 
 def test_no_two_terms_of_this_package_have_one_name() -> None:
