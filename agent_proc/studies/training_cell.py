@@ -15,7 +15,7 @@ from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Card, read_card
-from agent_proc.profiles.profile import Widths, load_profile, read_profile
+from agent_proc.profiles.profile import AnyProfile, AtLeastTwo, Widths, load_profile, read_profile
 from agent_proc.studies.cell_parts import new_simulator, scenario_of
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Interval
@@ -67,6 +67,12 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Replaces the profile's number of push cycles."""
     hidden: Widths | None = None
     """Replaces the widths of the profile's networks."""
+    normalize_observation: bool | None = None
+    """Replaces whether the profile normalizes observations by running mean and variance."""
+    n_steps: AtLeastTwo | None = None
+    """Replaces the profile's steps between two updates; PPO only."""
+    batch_size: AtLeastTwo | None = None
+    """Replaces the profile's size of a batch."""
     n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
     """Simulators to learn with, all in the process of the cell; the result depends on their number."""
     mass_kg: Interval | None = None
@@ -97,12 +103,7 @@ def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
         ConfigError: The profile or the task cannot be used.
         ScenarioError: The scenario or a change cannot be used.
     """
-    profile = load_profile(cell.profile)
-    if cell.steps is not None:
-        profile = msgspec.structs.replace(profile, steps=cell.steps)
-    if cell.hidden is not None:
-        network = msgspec.structs.replace(profile.network, hidden=cell.hidden)
-        profile = msgspec.structs.replace(profile, network=network)
+    profile = _profile(cell)
     replaced = {"entry": cell.entry, "action_form": cell.actions}
     drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
     task = load_task(
@@ -114,6 +115,23 @@ def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
     return ResolvedTraining(
         seed=cell.seed, profile=msgspec.to_builtins(profile), task=task, n_simulators=cell.n_simulators
     )
+
+
+def _profile(cell: TrainingCell) -> AnyProfile:
+    """The profile with the values of the cell.
+
+    Raises:
+        ConfigError: There is no such profile, or its algorithm has no such setting.
+    """
+    plain = msgspec.to_builtins(load_profile(cell.profile))
+    tables: dict[str, dict[str, Any]] = {
+        "": {"steps": cell.steps, "normalize_observation": cell.normalize_observation},
+        "network": {"hidden": cell.hidden},
+        "settings": {"n_steps": cell.n_steps, "batch_size": cell.batch_size},
+    }
+    for table, values in tables.items():
+        (plain[table] if table else plain).update({name: value for name, value in values.items() if value is not None})
+    return read_profile(plain, f"profile {cell.profile}")
 
 
 def run(cell: ResolvedTraining) -> Mapping[str, Any]:
