@@ -17,7 +17,6 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.elements import Element, action_elements, observation_elements
 from agent_proc.task.file import read_task
 from agent_proc.task.observed import n_observed
-from agent_proc.task.terms import foreign_terms
 from legpush.errors import ConfigError, PluginError, PolicyError, one_line
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
@@ -204,18 +203,6 @@ def read_card(folder: Path) -> Card:
     for name, here in ((OBSERVATION, observation_elements(card.task)), (ACTION, action_elements(card.task))):
         _require_elements(plain.get(name), here, f"{path}: at `{name}`")
     return card
-
-
-def foreign_terms_of(folder: Path) -> tuple[str, ...]:
-    """Names of the terms of other packages in the task of a policy; nothing is imported to find them.
-
-    Raises:
-        PolicyError: Its card is missing, or is no JSON.
-    """
-    if not (folder / CARD_FILE).exists():
-        return ()
-    task = decode_file(folder / CARD_FILE, dict).get("task")
-    return foreign_terms(task) if isinstance(task, dict) else ()
 
 
 def parse_card(plain: dict[str, Any], path: Path, *formats: int) -> Card:

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import cast
 
-from agent_proc.policies.digest import policy_sha256
-from agent_proc.policies.folder import OLD_FORMAT, foreign_terms_of, is_old_format, policy_path
+from agent_proc.policies.digest import foreign_terms_of, policy_sha256
+from agent_proc.policies.folder import OLD_FORMAT, is_old_format, policy_path
 from agent_proc.policies.learned import load_learned
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.policies.policy import Policy

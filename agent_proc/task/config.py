@@ -14,7 +14,10 @@ from legpush.errors import ConfigError
 from legpush.fields import Name
 from legpush.scene.scenario import Scenario
 
+ENDINGS: Final = (ArrivalTerm, AbortTerm)
+"""Kinds of terms that end an episode."""
 MAX_TERMS: Final = 100
+"""Most terms of one kind; each is read at every push."""
 Terms = Annotated[dict[Name, dict[str, Any]], Meta(max_length=MAX_TERMS)]
 """Settings of terms by the name that each has in its task, in the order of the task."""
 Steps = Annotated[int, Meta(ge=1, le=MAX_PUSH_CYCLES)]
@@ -82,6 +85,3 @@ class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=
     @cached_property
     def _ending_terms(self) -> dict[str, ArrivalTerm | AbortTerm]:
         return make_terms(self.ending, ENDINGS, "ending")
-
-
-ENDINGS: Final = (ArrivalTerm, AbortTerm)

@@ -112,11 +112,10 @@ def _make(table: Table, name: str, kinds: tuple[type[Kind], ...], where: str) ->
 
 
 def _find(term: str, kinds: tuple[type[Kind], ...], where: str) -> type[Kind]:
-    names = [name for name, kind in OWN.items() if issubclass(kind, kinds)]
-    plugins = plugin_names(GROUP)
-    if term not in OWN and term not in plugins:
+    if term not in OWN and term not in (plugins := plugin_names(GROUP)):
+        names = ", ".join(name for name, kind in OWN.items() if issubclass(kind, kinds))
         also = f"; of other packages: {', '.join(plugins)}" if plugins else ""
-        raise ConfigError(f"at `{where}`: expected one of the terms {', '.join(names)}{also}, got {term!r}")
+        raise ConfigError(f"at `{where}`: expected one of the terms {names}{also}, got {term!r}")
     found = OWN.get(term) or load_plugin(GROUP, term)
     if not (isinstance(found, type) and issubclass(found, kinds)):
         expected = " or ".join(kind.__name__ for kind in kinds)
