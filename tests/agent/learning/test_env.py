@@ -17,7 +17,6 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Domain
 from agent_proc.task.elements import observation_elements
 from agent_proc.task.episode import has_arrived
-from agent_proc.task.file import load_task
 from agent_proc.task.observed import observe
 from legpush.errors import ConfigError, PeerError
 from legpush.lockstep.local import LocalWorld
@@ -295,20 +294,3 @@ def test_an_episode_that_computes_something_else_is_not_restored() -> None:
 
     with pytest.raises(PeerError, match=r"after 1 pushes .* computes something else"):
         fake(push_scale=1.1).restore(env.snapshot())
-
-
-def test_the_published_code_ends_an_episode_near_the_goal_in_x_alone_and_pays_for_it() -> None:
-    env = PushEnv(load_task("release", scenario_at_station()), FakeWorld())
-    observation, _ = env.reset(seed=0)
-    first = observation.copy()
-    terminated, right = False, 0
-    while not terminated:
-        observation, reward, terminated, _, info = env.step(np.array([4, 4, right]))
-        right = 1 - right
-        assert observation in env.observation_space
-        # The body and the forces are those of now, the corners of the box and its goal never change.
-        np.testing.assert_array_equal(observation[7:], first[7:])
-    assert info["ending"] == "missed"
-    assert 0.05 < info["position_error_m"] < 0.1
-    assert {name for name, term in info["reward_terms"].items() if term > 0.0} == {"ends_near"}
-    assert 95.0 < reward < 100.0

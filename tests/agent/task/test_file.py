@@ -3,12 +3,15 @@
 from pathlib import Path
 
 import msgspec
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from agent_proc.learning.env import PushEnv
 from agent_proc.task.file import load_task, read_task, task_names
 from legpush.errors import ConfigError, ScenarioError
 from legpush.scenarios.file import dump_scenario, load_scenario
+from tests.agent.fake_world import FakeWorld, scenario_at_station
 
 HEAD = 'entry = "fixed"\n[observation.body]\n[reward.fall]\nweight = -1.0\n[ending.tolerance]\n'
 
@@ -47,6 +50,23 @@ def test_the_release_has_the_actions_end_and_pay_of_the_published_code() -> None
     }
     assert all(release.observation[f"box_corner_{corner}"]["frozen"] for corner in (1, 2))
     assert (release.domain.box_xy_m, release.domain.box_yaw_deg) == (0.0, 0.0)
+
+
+def test_the_published_code_ends_an_episode_near_the_goal_in_x_alone_and_pays_for_it() -> None:
+    env = PushEnv(load_task("release", scenario_at_station()), FakeWorld())
+    observation, _ = env.reset(seed=0)
+    first = observation.copy()
+    terminated, right = False, 0
+    while not terminated:
+        observation, reward, terminated, _, info = env.step(np.array([4, 4, right]))
+        right = 1 - right
+        assert observation in env.observation_space
+        # The body and the forces are those of now, the corners of the box and its goal never change.
+        np.testing.assert_array_equal(observation[7:], first[7:])
+    assert info["ending"] == "missed"
+    assert 0.05 < info["position_error_m"] < 0.1
+    assert {name for name, term in info["reward_terms"].items() if term > 0.0} == {"ends_near"}
+    assert 95.0 < reward < 100.0
 
 
 @pytest.mark.parametrize("name", task_names())
