@@ -15,9 +15,15 @@ def n_observed(task: TaskConfig) -> int:
 
 
 def observation_bounds(task: TaskConfig) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Lowest and highest values of the observation, (n,) each."""
+    """Lowest and highest values of the observation, (n,) each.
+
+    Raises:
+        ConfigError: A term has another number of bounds than axes, or bounds that nothing can be mapped from.
+    """
     low, high = _bounds(task)
     if task.scaling == "bounds":
+        if not (np.isfinite(high - low) & (high > low)).all():
+            raise ConfigError("Expected finite bounds that differ with the scaling `bounds`, got others")
         low, high = np.full_like(low, -1.0), np.full_like(high, 1.0)
     return low.astype(np.float32), high.astype(np.float32)
 

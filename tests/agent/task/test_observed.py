@@ -62,6 +62,11 @@ def test_bounds_are_mapped_to_one_if_asked_for(task: TaskConfig) -> None:
     np.testing.assert_allclose((observe(mapped, VIEW) + 1) / 2 * (high - low) + low, observe(task, VIEW), atol=1e-5)
 
 
+def test_nothing_is_mapped_from_a_bound_to_itself() -> None:
+    with pytest.raises(ConfigError, match="finite bounds that differ with the scaling `bounds`"):
+        observation_bounds(tuned(observation={"box": {"scale": 0.0}}, scaling="bounds"))
+
+
 class Short(ObservationTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A term that has fewer elements than axes."""
 
