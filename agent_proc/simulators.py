@@ -1,17 +1,26 @@
-"""Starts simulators for a learner, or joins running ones."""
+"""Starts simulators for a learner, joins running ones, or makes worlds in this process."""
 
 import threading
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
+from typing import Final, cast
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, listing
 from legpush.errors import PeerError, StopRequestedError
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
-from legpush.options.learning import SimulatorOptions
+from legpush.lockstep.local import LocalWorld
+from legpush.lockstep.simulator import Stepper
+from legpush.lockstep.world import SteppingWorld
+from legpush.options.learning import DEFAULT_WORLD, SimulatorOptions
 from legpush.patience import SLICE_S, Patience, Stopwatch
+from legpush.plugins import load_plugin
+
+MAP: Final = "map"
+"""The plug-in that takes the file of a response map."""
+MAP_SUFFIX: Final = ".json"
 
 
 @contextmanager
@@ -82,13 +91,40 @@ def _worlds(bus: Bus, names: tuple[str, ...], stop: threading.Event, patience: P
     return worlds
 
 
+def local_worlds(n: int, name_or_file: str) -> list[SteppingWorld]:
+    """Make worlds in this process: with a simulator plug-in each, or with the response map in a file.
+
+    Raises:
+        PluginError: There is no such plug-in, or it cannot be imported.
+        ConfigError: The file cannot be used.
+    """
+    if not name_or_file.endswith(MAP_SUFFIX):
+        make = load_plugin("legpush.simulators", name_or_file)
+        return [LocalWorld(cast(Stepper, make())) for _ in range(n)]
+    make_of_file = load_plugin("legpush.simulators", MAP)
+    return [LocalWorld(cast(Stepper, make_of_file(Path(name_or_file)))) for _ in range(n)]
+
+
+def require_world(name_or_file: str) -> None:
+    """Require a world that can be made.
+
+    Raises:
+        PluginError: There is no such plug-in, or it cannot be imported.
+        ConfigError: The file cannot be used.
+    """
+    if name_or_file != DEFAULT_WORLD:
+        local_worlds(1, name_or_file)
+
+
 def simulators(
     options: SimulatorOptions, logs: Path, stop: threading.Event, *, kind: str, folder: Path | None = None
-) -> AbstractContextManager[list[BusWorld]]:
-    """Start simulators, or join running ones if the options say so, and give a world for each.
+) -> AbstractContextManager[Sequence[SteppingWorld]]:
+    """Give the worlds that the options ask for: started or running simulators, or worlds in this process.
 
     `kind` and `folder` are the kind of work and its folder, for the recorders and viewers of started simulators.
     """
+    if options.world != DEFAULT_WORLD:
+        return nullcontext(local_worlds(options.n_simulators, options.world))
     if options.join is None:
         return own_simulators(options.n_simulators, logs, stop, record=options.record, kind=kind, folder=folder)
     endpoints = Endpoints(listen=options.listen, connect=options.connect)

@@ -18,7 +18,7 @@ from legpush.messages.stepping import Push, Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
 from sim_proc.control.joint_commands import JointCommands
-from sim_proc.control.plant import TickLog
+from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.headless import mujoco
 from sim_proc.physics import physics
 from sim_proc.simulator import Simulator
@@ -84,8 +84,8 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
     """Make `Physics.run` append its servo commands to the list from now on."""
     run = physics.Physics.run
 
-    def run_and_collect(self: physics.Physics, commands: JointCommands) -> TickLog:
-        recording = run(self, commands)
+    def run_and_collect(self: physics.Physics, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+        recording = run(self, commands, until)
         controls.append(recording.ctrl)
         return recording
 

@@ -29,7 +29,8 @@ from agent_proc.policies.sb3.arguments import policy_arguments, use_one_thread
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from benchmarks.report import write_report
 from legpush.errors import JournalError
-from legpush.history.journal import Acted, read_entries
+from legpush.history.entries import Acted
+from legpush.history.journal import read_entries
 from legpush.messages.stepping import Reset
 
 CHECKOUT: Final = Path(__file__).parents[1]

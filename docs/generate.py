@@ -22,7 +22,7 @@ from msgspec import inspect
 
 from docs import numbers, source_tree, study_list, term_tables
 from legpush import bounds, geometry
-from legpush.messages import common, planning, stepping, telemetry
+from legpush.messages import common, measures, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
 from legpush.runs.reasons import REASONS
@@ -67,6 +67,8 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         stepping.PushReport,
         stepping.Appearance,
         stepping.Trace,
+        measures.Measures,
+        measures.UnexpectedContact,
     ),
     "copies": (
         telemetry.Copies,

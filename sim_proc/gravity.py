@@ -6,9 +6,10 @@ The world frame is the frame of the floor: on a slope gravity is tilted, and the
 from math import cos, radians, sin
 from typing import Final
 
+from legpush.scene import conventions
 from legpush.scene.scenario import Room
 
-GRAVITY_M_S2: Final = 9.81
+GRAVITY_M_S2: Final = conventions.GRAVITY_M_S2
 
 
 def gravity_m_s2(room: Room) -> tuple[float, float, float]:

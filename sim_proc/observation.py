@@ -8,9 +8,10 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
-from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LOADED_N, TRUNK_QPOS
-from sim_proc.control.balance import support_margin
+from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from sim_proc.control.plant import TickLog
+from sim_proc.measures.motion import Measured
+from sim_proc.measures.stability import zero_moment_points
 from sim_proc.model.world import JOINT_QVEL
 from sim_proc.physics.physics import Physics
 
@@ -45,13 +46,12 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
     )
 
 
-def trace(logs: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
+def trace(logs: Sequence[TickLog], last_tick: int, measured: Measured | None) -> Trace:
     """Join the logs of one step into its trace, whose last row is `last_tick`.
 
-    `downhill` is that of the plant, (2,). The zero-moment point is the centre of pressure of the feet. A robot that no
-    foot carries has none, and its place is taken by the ground projection of the centre of mass.
+    `measured` is what was measured of these logs; None if there are none.
     """
-    if not logs:
+    if measured is None:
         return Trace(
             tick=(),
             qpos=(),
@@ -62,13 +62,14 @@ def trace(logs: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
             zmp_m=(),
             support_margin_m=(),
         )
-    qpos, tips, com = (np.concatenate([getattr(log, name) for log in logs]) for name in ("qpos", "tips_m", "com_m"))
-    floor = np.concatenate([log.floor_forces_n for log in logs])
-    box = np.concatenate([log.box_forces_n for log in logs])
-    load = floor[:, :, 2]
-    total = load.sum(axis=1, keepdims=True)
-    pressure = (load[:, :, None] * tips[:, :, :2]).sum(axis=1) / np.maximum(total, LOADED_N)
-    zmp = np.where(total >= LOADED_N, pressure, com[:, :2])
+    qpos, tips, com, floor, box = (
+        np.concatenate([getattr(log, name) for log in logs])
+        for name in ("qpos", "tips_m", "com_m", "floor_forces_n", "box_forces_n")
+    )
+    speeds, torques = (
+        np.concatenate([getattr(log.steps, name)[:, -1] for log in logs])
+        for name in ("joint_velocities_rad_s", "joint_torques_n_m")
+    )
     return Trace(
         tick=tuple(range(last_tick - len(qpos) + 1, last_tick + 1)),
         qpos=_plain(qpos),
@@ -76,8 +77,13 @@ def trace(logs: Sequence[TickLog], last_tick: int, downhill: Floats) -> Trace:
         tips_m=_plain(tips),
         contact_forces_n=_plain(floor + box),
         com_m=_plain(com),
-        zmp_m=_plain(zmp),
-        support_margin_m=_plain(support_margin(com[:, :2] + com[:, 2:] * downhill, tips[:, :, :2], load >= LOADED_N)),
+        zmp_m=_plain(zero_moment_points(tips, floor[:, :, 2], com)),
+        support_margin_m=_plain(measured.margins_m.support_m),
+        zmp_margin_m=_plain(measured.margins_m.zmp_m),
+        capture_margin_m=_plain(measured.margins_m.capture_m),
+        foot_moment_n_m=_plain(measured.moments_n_m),
+        joint_velocities_rad_s=_plain(speeds),
+        joint_torques_n_m=_plain(torques),
     )
 
 

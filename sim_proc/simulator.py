@@ -1,22 +1,21 @@
 """The simulator: carries out motions one by one and reports their outcomes. Without a motion nothing moves."""
 
-from math import radians
 from typing import Final
 
-import numpy as np
 from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
 
 from legpush.errors import MotionError
-from legpush.geometry import Pose2
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
-from legpush.scene.scenario import Scenario
+from legpush.scenarios.start import drawn_poses
 from sim_proc.control.gait import PathWalk
 from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
 from sim_proc.control.push_cycle import Pusher
 from sim_proc.control.steps import Steps
+from sim_proc.measures.motion import Meter
 from sim_proc.observation import trace, world_state
+from sim_proc.physics.contacts import require_apart
 from sim_proc.physics.physics import Physics
 
 SETTLE_TICKS: Final = 25
@@ -56,17 +55,25 @@ class SimulatedEpisode:
     """One episode: a world and the robot in it."""
 
     def __init__(self, reset: Reset) -> None:
-        """Build the world of a reset and stand the robot in it."""
+        """Build the world of a reset and stand the robot in it.
+
+        Raises:
+            MotionError: Robot, box and walls are in one another.
+        """
         trunk, box = drawn_poses(reset.scenario, reset.seed)
         self._scenario = reset.scenario
         self.physics = Physics(reset.scenario, trunk, box)
+        require_apart(self.physics.model, self.physics.data, reset.scenario.robot.legs.foot_radius_m)
         self.physics.tick = -SETTLE_TICKS
-        Posture(self.physics).stand(SETTLE_TICKS)
+        self._meter = Meter(reset.scenario.robot, self.physics.downhill)
+        self._meter.measure([Posture(self.physics).stand(SETTLE_TICKS)], n_footsteps=0)
         self.physics.begin()
         self._steps = Steps(Posture(self.physics))
         self._pusher = Pusher(self._steps, reset.scenario.box)
         self._walk: PathWalk | None = None
         self._push: PushReport | None = None
+        self._n_footsteps = 0
+        """Number of steps of single feet that have been measured."""
 
     def perform(self, motion: Follow | Walk | Push | Alter, *, with_trace: bool) -> Outcome:
         """Carry out a motion other than a reset.
@@ -77,6 +84,7 @@ class SimulatedEpisode:
         if self.physics.fallen:
             raise MotionError("The robot has fallen: only `reset` is possible")
         logs: list[TickLog] = []
+        self.physics.contacts.expect(motion.leg if isinstance(motion, Push) else None)
         if isinstance(motion, Follow):
             self._walk = PathWalk(self._steps, motion.waypoints)
         elif isinstance(motion, Push):
@@ -99,7 +107,11 @@ class SimulatedEpisode:
 
     def _alter(self, motion: Alter) -> None:
         """Change mass or friction of the box and keep the state."""
-        changes = {"mass_kg": motion.box_mass_kg, "friction": motion.box_friction}
+        changes = {
+            "mass_kg": motion.box_mass_kg,
+            "friction": motion.box_friction,
+            "foot_friction": motion.box_foot_friction,
+        }
         box = replace(self._scenario.box, **{name: value for name, value in changes.items() if value is not None})
         self._scenario = replace(self._scenario, box=box)
         self.physics.alter(self._scenario)
@@ -107,29 +119,19 @@ class SimulatedEpisode:
     def outcome(self, logs: list[TickLog], *, with_trace: bool) -> Outcome:
         """The present state as the outcome of a motion, with the trace of its logs if asked for."""
         path = None if self._walk is None else self._walk.progress()
-        physics = self.physics
+        physics, contacts = self.physics, self.physics.contacts
+        measured = None
+        if logs:
+            n_before, self._n_footsteps = self._n_footsteps, self._steps.n_footsteps
+            measured = self._meter.measure(
+                logs,
+                n_footsteps=self._n_footsteps - n_before,
+                n_unexpected_steps=contacts.n_steps,
+                unexpected=contacts.found(),
+            )
         return Outcome(
             world=world_state(physics, self._steps.n_footsteps, path, self._push),
             state_crc=physics.state_crc(),
-            trace=trace(logs, physics.tick, physics.downhill) if with_trace else None,
+            trace=trace(logs, physics.tick, measured) if with_trace else None,
+            measures=None if measured is None else measured.measures,
         )
-
-
-def drawn_poses(scenario: Scenario, seed: int) -> tuple[Pose2, Pose2]:
-    """Poses of robot and box at the start: the nominal ones plus uniform offsets drawn from the seed."""
-    spread = scenario.randomization
-    half_widths = np.array(
-        [
-            *[spread.start_xy_m] * 2,
-            radians(spread.start_yaw_deg),
-            *[spread.box_xy_m] * 2,
-            radians(spread.box_yaw_deg),
-        ]
-    )
-    offsets = np.random.default_rng(seed).uniform(-half_widths, half_widths).tolist()
-    nominal = (scenario.start.pose(), scenario.box.pose.pose())
-    start, box = (
-        Pose2(x_m=pose.x_m + dx, y_m=pose.y_m + dy, yaw_rad=pose.yaw_rad + turn)
-        for pose, (dx, dy, turn) in zip(nominal, (offsets[:3], offsets[3:]), strict=True)
-    )
-    return start, box

@@ -13,6 +13,8 @@ from agent_proc.policies.folder import Check, CurvePoint
 from legpush.errors import LegpushError
 from legpush.files import write_whole
 
+CHECKPOINT_FILE: Final = "checkpoint"
+"""In the folder of a training."""
 FORMAT: Final = 3
 """To be raised when a field of a checkpoint changes."""
 MAGIC: Final = b"legpush training checkpoint %d\n" % FORMAT

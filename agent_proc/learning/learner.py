@@ -15,6 +15,7 @@ from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
 from agent_proc.learning.env import EnvSnapshot
+from agent_proc.policies.actor import Normalizer
 from agent_proc.policies.sb3.arguments import policy_arguments
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoProfile, PpoSettings, Td3Profile
 from legpush.arrays import Floats
@@ -142,3 +143,11 @@ def observation_moments(normalizer: VecNormalize) -> tuple[Floats, Floats] | Non
     if not isinstance(rms, RunningMeanStd):
         raise TypeError(f"Expected one array of observations, got {type(rms).__name__}")
     return rms.mean.copy(), rms.var.copy()
+
+
+def set_observation_moments(normalizer: VecNormalize, moments: Normalizer, n_observations: int) -> None:
+    """Let the normalizer of observations go on from mean and variance of that many observations."""
+    rms = normalizer.obs_rms
+    if not isinstance(rms, RunningMeanStd):
+        raise TypeError(f"Expected one array of observations, got {type(rms).__name__}")
+    rms.mean, rms.var, rms.count = moments.mean.copy(), moments.variance.copy(), float(n_observations)

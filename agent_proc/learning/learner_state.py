@@ -151,12 +151,7 @@ def restore(learner: Learner, state: LearnerState) -> None:
         if name in state.last:
             setattr(model, name, from_plain(state.last[name], like, f"last.{name}"))
     _restore_episodes(model, state)
-    for name, rms in _running(normalizer).items():
-        moments = _of(state.moments, name, "moments")
-        rms.mean, rms.var = (
-            from_plain(plain, np.asarray(rms.mean), f"moments.{name}")[()] for plain in (moments.mean, moments.variance)
-        )
-        rms.count = moments.count
+    restore_moments(normalizer, state)
     seen = np.zeros((n, *(normalizer.observation_space.shape or ())), dtype=np.float32)
     per_env = np.zeros(n, dtype=np.float32)
     normalizer.returns = from_plain(state.discounted_returns, np.zeros(n), "discounted_returns")
@@ -168,6 +163,34 @@ def restore(learner: Learner, state: LearnerState) -> None:
     monitor.episode_count = state.n_episodes
     set_state(model.action_space.np_random, state.action_space)
     set_global_random_state(state.random)
+
+
+def restore_networks(model: BaseAlgorithm, state: LearnerState) -> None:
+    """Give an algorithm the weights of a captured state.
+
+    Raises:
+        ValueError: They do not fit its networks; the message names the first array that does not.
+    """
+    weights = model.policy.state_dict()
+    if weights.keys() != state.weights.keys():
+        raise ValueError(f"at `weights`: expected {', '.join(weights)}, got {', '.join(state.weights) or 'nothing'}")
+    model.policy.load_state_dict(
+        {name: _tensor(state.weights[name], like, f"weights.{name}") for name, like in weights.items()}
+    )
+
+
+def restore_moments(normalizer: VecNormalize, state: LearnerState) -> None:
+    """Give a normalizer the running mean and variance of a captured state.
+
+    Raises:
+        ValueError: They do not fit; the message names the first array that does not.
+    """
+    for name, rms in _running(normalizer).items():
+        moments = _of(state.moments, name, "moments")
+        rms.mean, rms.var = (
+            from_plain(plain, np.asarray(rms.mean), f"moments.{name}")[()] for plain in (moments.mean, moments.variance)
+        )
+        rms.count = moments.count
 
 
 # -- parts -------------------------------------------------------------------------------------------------------------
@@ -199,12 +222,7 @@ def _optimizer_state(optimizer: torch.optim.Optimizer) -> OptimizerState:
 
 def _restore_weights(model: BaseAlgorithm, state: LearnerState) -> None:
     """Networks, temperature and optimizers."""
-    weights = model.policy.state_dict()
-    if weights.keys() != state.weights.keys():
-        raise ValueError(f"at `weights`: expected {', '.join(weights)}, got {', '.join(state.weights) or 'nothing'}")
-    model.policy.load_state_dict(
-        {name: _tensor(state.weights[name], like, f"weights.{name}") for name, like in weights.items()}
-    )
+    restore_networks(model, state)
     temperature = getattr(model, TEMPERATURE, None)
     if isinstance(temperature, torch.Tensor):
         if state.temperature is None:

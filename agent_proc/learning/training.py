@@ -17,7 +17,14 @@ from stable_baselines3.common.utils import configure_logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from agent_proc.learning.best_policy import build_policy, check_policy, is_better
-from agent_proc.learning.checkpoint import Checkpoint, CheckpointError, load_checkpoint, save_checkpoint
+from agent_proc.learning.checkpoint import (
+    CHECKPOINT_FILE,
+    Checkpoint,
+    CheckpointError,
+    load_checkpoint,
+    save_checkpoint,
+)
+from agent_proc.learning.initial_policy import begin_with
 from agent_proc.learning.learner import Learner, make_learner, set_exploration, undisturbed_draws
 from agent_proc.learning.learner_state import capture, restore
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
@@ -29,7 +36,6 @@ from legpush.lockstep.world import SteppingWorld
 log = logging.getLogger(__name__)
 
 TENSORBOARD_RUN: Final = "run"
-CHECKPOINT_FILE: Final = "checkpoint"
 BEST: Final = "best"
 LAST: Final = "last"
 TENSORBOARD: Final = "tensorboard"
@@ -95,10 +101,12 @@ class Training:
         """Train to the end, or until asked to stop; the last checkpoint is saved in every case, also after an error.
 
         Raises:
-            LegpushError: A simulator failed, or a file could not be written.
+            LegpushError: A simulator failed, a file could not be written, or the policy to begin with does not fit.
         """
         steps, model = self._plan.profile.steps, self._learner.model
         fresh = self._held is None
+        if fresh and self._plan.init is not None:
+            begin_with(self._learner, self._plan, self._plan.init)
         try:
             if model.num_timesteps < steps:
                 model.learn(

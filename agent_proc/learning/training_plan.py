@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from agent_proc.policies.folder import Check
 from agent_proc.profiles.profile import AnyProfile
 from agent_proc.task.config import TaskConfig
+from legpush.options.learning import DEFAULT_WORLD
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +18,10 @@ class TrainingPlan:
     n_simulators: int
     command: str
     versions: dict[str, str]
+    world: str = DEFAULT_WORLD
+    """What is pushed in: the simulators, a plug-in, or the file of a response map."""
+    init: str | None = None
+    """The policy or the folder of the training that it began with; None for random weights."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,8 @@ from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
 from legpush.fields import Name, Seed, require
-from legpush.history.journal import Journal, Opened
+from legpush.history.entries import Opened
+from legpush.history.journal import Journal
 from legpush.lockstep.client import SimLink
 from legpush.lockstep.episode import Episode
 from legpush.messages.common import PROTOCOL_VERSION
@@ -81,7 +82,9 @@ class AgentConfig(ServiceConfig):
     branch_box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Mass of the box from that step on; the mission does not know it."""
     branch_box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Friction of the box from that step on; the mission does not know it."""
+    """Friction of box and floor from that step on; the mission does not know it."""
+    branch_box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Friction of box and foot from that step on; the mission does not know it."""
     witness_planner: bool = False
     """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
     picture: bool = True
@@ -98,6 +101,7 @@ class AgentConfig(ServiceConfig):
         require(WaitS, self.deadline_s, "--deadline-s", "seconds")
         require(BoxMass, self.branch_box_mass_kg, "--branch-box-mass-kg")
         require(Friction, self.branch_box_friction, "--branch-box-friction")
+        require(Friction, self.branch_box_foot_friction, "--branch-box-foot-friction")
 
     def branch(self) -> Branch | None:
         """The recorded mission to continue, or None.
@@ -107,8 +111,12 @@ class AgentConfig(ServiceConfig):
         """
         if not self.branch_of:
             return None
-        box = (self.branch_box_mass_kg, self.branch_box_friction)
-        alter = None if box == (None, None) else Alter(box_mass_kg=box[0], box_friction=box[1])
+        changed = Alter(
+            box_mass_kg=self.branch_box_mass_kg,
+            box_friction=self.branch_box_friction,
+            box_foot_friction=self.branch_box_foot_friction,
+        )
+        alter = None if changed == Alter() else changed
         return read_branch(
             self.branch_of,
             parse_point(self.branch_at),

@@ -33,12 +33,13 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
     if got != sha256 and not (sha256 == "" and kind in ("module:function", "plug-in")):
         reason = ""
         if kind == "own":
-            reason = ". Another version of legpush comes with another one: use the version that made the recording"
+            reason = "; use the version that made the recording"
         elif kind == "folder" and is_old_format(policy_path(name)):
             reason = f". It has format {OLD_FORMAT}, which this version only converts: use the one that recorded it"
+        version = "other version: " if kind == "own" else ""
         raise PolicyError(
-            f"Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with {got[:16]}...: what "
-            f"it decided cannot be decided again{reason}"
+            f"{version}Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with "
+            f"{got[:16]}...: what it decided cannot be decided again{reason}"
         )
     if kind == "folder" and name != repeated and (terms := foreign_terms_of(policy_path(name))):
         raise PolicyError(

@@ -22,7 +22,7 @@ from agent_proc.evaluation.sweep import Sweep, make_sweep
 from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
-from agent_proc.simulators import simulators
+from agent_proc.simulators import require_world, simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.files import next_file, sha256_of, write_whole
 from legpush.long_work.finished import open_finished
@@ -53,6 +53,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
 
     Raises:
         ConfigError: An option cannot be used.
+        PluginError: There is no such world.
         StopRequestedError: The user interrupted it; the finished episodes are kept.
     """
     from agent_proc.evaluation.plot import save_plot
@@ -64,6 +65,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
     sweep = make_sweep(scenario, options.sweep, grid=options.grid)
     policy = make_policy(options.policy, options.normalizer, trust_file=options.trust_policy_file)
     _require_unused(folder)
+    require_world(options.world)
     (folder / LOGS).mkdir(parents=True, exist_ok=True)
     with own_folder(folder):
         write_whole(folder / LOGS / COMMAND_FILE, f"{_again(options, folder)}\n".encode())
@@ -74,6 +76,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
         record = {
             "command": shlex.join(["legpush", "evaluate", *sys.argv[1:]]),
             "policy": options.policy,
+            "world": options.world,
             "scenario": scenario,
             "first_seed": options.first_seed,
             "episodes": options.episodes,
@@ -135,6 +138,7 @@ def _work(options: EvaluateOptions) -> dict[str, str]:
         "policy_sha256": policy_sha256(options.policy),
         "normalizer_sha256": normalizer,
         "scenario_sha256": sha256(scenario).hexdigest(),
+        "world": options.world,
         "legpush": version("legpush"),
         "numerics": current().name,
     }

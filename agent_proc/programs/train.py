@@ -19,19 +19,20 @@ from rich.text import Text
 
 from agent_proc.learning import training_plan
 from agent_proc.learning.training_plan import TrainingPlan
+from agent_proc.policies.folder import policy_path
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
-from agent_proc.simulators import simulators
+from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
 from agent_proc.task.file import load_task, read_task
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
-from legpush.numerics.current import explained
+from legpush.numerics.computed_with import computed_with, told
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
 from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.file import load_scenario
 from legpush.service import run_program, stop_on_signals
-from legpush.versions import NUMERICS, installed_versions
+from legpush.versions import installed_versions
 
 if TYPE_CHECKING:
     from agent_proc.learning.training import Training
@@ -52,7 +53,7 @@ def train(options: TrainOptions, console: Console) -> int:
         PolicyError: A learning library is not installed.
     """
     with learning_libraries("a training"):
-        from agent_proc.learning import training
+        from agent_proc.learning.checkpoint import CHECKPOINT_FILE
     if options.resume is not None:
         folder, plan = options.resume, read_plan(options.resume)
         require_writable_folder(folder, "--resume")
@@ -61,7 +62,7 @@ def train(options: TrainOptions, console: Console) -> int:
     try:
         return _learn(folder, plan, options, console)
     except (LegpushError, OSError) as error:
-        if is_disk_full(error) and (folder / training.CHECKPOINT_FILE).exists():
+        if is_disk_full(error) and (folder / CHECKPOINT_FILE).exists():
             console.print(Text(f"after space is made, to go on: {_again(folder)}"), soft_wrap=True)
         raise
 
@@ -72,13 +73,12 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
     from agent_proc.learning.vec_env import PushVecEnv
 
     stop, links_stop = stop_on_signals(), threading.Event()
+    options = replace(options, simulators=plan.n_simulators, world=plan.world)
     (folder / LOGS).mkdir(exist_ok=True)
     write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder)}\n".encode())
     with (
         own_folder(folder),
-        simulators(
-            replace(options, simulators=plan.n_simulators), folder / LOGS, links_stop, kind="train", folder=folder
-        ) as worlds,
+        simulators(options, folder / LOGS, links_stop, kind="train", folder=folder) as worlds,
         _shown(console) as show,
     ):
         env, done = PushVecEnv(plan.task, worlds, stop=links_stop), 0
@@ -118,16 +118,27 @@ def _resume(job: "Training", plan: TrainingPlan) -> None:
 
     Raises:
         DivergedError: The simulators compute something else than before; says so if the numerics are others.
+        OtherVersionError: The training is of another version, whose motions were others.
     """
     try:
         job.resume()
     except DivergedError as error:
-        raise DivergedError(explained(str(error), plan.versions.get(NUMERICS))) from error
+        still = "the training cannot go on here, its best policy can be used; train again in another folder"
+        raise told(error, computed_with(plan.versions), still) from error
 
 
 def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
-    """Make the plan from the options, and the folder with the plan in it."""
+    """Make the plan from the options, and the folder with the plan in it.
+
+    Raises:
+        ConfigError: An option cannot be used.
+        PolicyError: There is no policy to begin with.
+        PluginError: There is no such world.
+    """
     profile = load_profile(options.profile)
+    require_world(options.world)
+    if options.init is not None:
+        policy_path(options.init)
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
     task = load_task(
@@ -143,6 +154,8 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         n_simulators=options.n_simulators,
         command=shlex.join(["legpush", "train", *sys.argv[1:]]),
         versions={name: version for name, version in installed_versions().items() if version is not None},
+        world=str(Path(options.world).absolute()) if options.world.endswith(MAP_SUFFIX) else options.world,
+        init=options.init,
     )
     name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{task.entry}"
     folder = options.out or Path("runs") / f"{name}-seed{options.seed}"
@@ -171,6 +184,7 @@ def read_plan(folder: Path) -> TrainingPlan:
         profile = read_profile(plain["profile"], f"{path}: profile")
         task = read_task(plain["task"], f"{path}: task")
         rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
+        rest |= {name: msgspec.convert(plain[name], kind) for name, kind in _LATER_FIELDS.items() if name in plain}
     except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
     return TrainingPlan(profile=profile, task=task, **rest)
@@ -183,6 +197,8 @@ _PLAN_FIELDS: Final[dict[str, Any]] = {
     "versions": dict[str, str],
 }
 """Types of all fields but the profile and the task, which have readers of their own."""
+_LATER_FIELDS: Final[dict[str, Any]] = {"world": str, "init": str | None}
+"""Types of the fields that plans of earlier versions do not have."""
 
 
 N_LINES: Final = 20

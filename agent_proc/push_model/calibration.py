@@ -1,13 +1,13 @@
 """Calibration: series of pushes at a box on an open floor, and the displacement by each push."""
 
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from math import degrees
 from queue import SimpleQueue
-from typing import Final
+from typing import Final, TypeVar
 
 from msgspec.structs import replace
 
@@ -25,6 +25,8 @@ from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Room, Scenario
 from legpush.scene.station import station
 
+Part = TypeVar("Part", bound=Hashable)
+Measured = TypeVar("Measured")
 SERIES: Final = (0, 1, 0, 0, 1, 1, 0, 1)
 """0 is a push with FL, 1 with FR: each leg pushes four times, after itself as well as after the other one."""
 FLOOR_M: Final = (6.0, 4.0)
@@ -90,44 +92,45 @@ def push_series(world: SteppingWorld, scenario: Scenario, cell: Cell) -> Iterato
         before = after
 
 
-def calibrate(
+def in_worlds(
     worlds: Sequence[SteppingWorld],
-    robot: RobotSpec,
-    box: Box,
-    planned: Sequence[Cell],
-    on_cell: Callable[[Cell, Sequence[Sample]], None] = lambda cell, samples: None,
-    stop: threading.Event | None = None,
-    finished: Mapping[Cell, Sequence[Sample]] | None = None,
-) -> list[Sample]:
-    """Measure every push of the cells, one cell per world at a time; samples in the order of the cells.
+    planned: Sequence[Part],
+    measure: Callable[[SteppingWorld, Part], Measured],
+    on_part: Callable[[Part, Measured], None],
+    finished: Mapping[Part, Measured] | None = None,
+) -> list[Measured]:
+    """Measure every part that is not `finished`, one per world at a time; results of all in the order of the parts.
 
-    `on_cell` is called on the caller's thread with each cell as it is measured. The `finished` ones are not measured
-    again.
-
-    Raises:
-        StopRequestedError: `stop` was set.
-        CalibrationError: The robot fell.
+    `on_part` is called on the caller's thread with each part as it is measured.
     """
     free: SimpleQueue[SteppingWorld] = SimpleQueue()
     for world in worlds:
         free.put(world)
 
-    def one(cell: Cell) -> tuple[Cell, list[Sample]]:
+    def one(part: Part) -> tuple[Part, Measured]:
         world = free.get()
         try:
-            return cell, _samples(world, open_floor(robot, box, cell.face), cell, stop)
+            return part, measure(world, part)
         finally:
             free.put(world)
 
     measured = dict(finished or {})
-    missing = [cell for cell in planned if cell not in measured]
-    measured |= in_parallel([partial(one, cell) for cell in missing], len(worlds), lambda made: on_cell(*made))
-    return [sample for cell in planned for sample in measured[cell]]
+    missing = [part for part in planned if part not in measured]
+    measured |= in_parallel([partial(one, part) for part in missing], len(worlds), lambda made: on_part(*made))
+    return [measured[part] for part in planned]
 
 
-def _samples(world: SteppingWorld, scenario: Scenario, cell: Cell, stop: threading.Event | None) -> list[Sample]:
+def cell_samples(
+    world: SteppingWorld, robot: RobotSpec, box: Box, cell: Cell, stop: threading.Event | None = None
+) -> list[Sample]:
+    """Measure the pushes of a cell.
+
+    Raises:
+        StopRequestedError: `stop` was set; checked before each push.
+        CalibrationError: The robot fell.
+    """
     found = []
-    for push, moved, _ in push_series(world, scenario, cell):
+    for push, moved, _ in push_series(world, open_floor(robot, box, cell.face), cell):
         if stop is not None and stop.is_set():
             raise StopRequestedError("Asked to stop in a calibration")
         found.append(

@@ -99,7 +99,7 @@ class PushMap(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     def model(self, face: Face) -> PushModel:
         """The effects of pushes at a face with the first curve as a model; both legs are averaged."""
-        measured = self._measured(face)
+        measured = same_face(self.box, face)
         w1, w2 = self.effects[0].w1, self.effects[0].w2
         mine = [e for e in self.effects if (e.face, e.w1, e.w2) == (measured, w1, w2)]
         rows = [(0.0, 0.0, 0.0, 0.0)]
@@ -111,13 +111,15 @@ class PushMap(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         box = pushed_box(self.box, face)
         return PushModel(box=box, w1=w1, w2=w2, depth_m=depths, forward_m=forward, left_m=left, turn_deg=turn)
 
-    def _measured(self, face: Face) -> Face:
-        return _same_as(self.box).get(face, face)
-
 
 def measured_faces(box: Box) -> tuple[Face, ...]:
     """The faces to measure: every face that can be pushed behaves like one of them."""
     return tuple(face for face in FACES if face in PUSHABLE[box.shape] and face not in _same_as(box))
+
+
+def same_face(box: Box, face: Face) -> Face:
+    """The measured face that behaves like this one."""
+    return _same_as(box).get(face, face)
 
 
 def _same_as(box: Box) -> dict[Face, Face]:
@@ -221,11 +223,9 @@ def load_push_map(path: Path, box: Box) -> PushMap:
     if faults := schema_faults(plain, PushMap, convert):
         raise ConfigError(*located_faults(faults, str(path), lines_of(text)))
     push_map = convert(plain, PushMap)
-    of = (push_map.box.shape, push_map.box.size_m)
-    if of != (box.shape, box.size_m):
+    if (of := _solid(push_map.box)) != (expected := _solid(box)):
         raise ConfigError(
-            f"{path}: expected the push map of a {box.shape} of {_size(box)}, got that of a {push_map.box.shape} of "
-            f"{_size(push_map.box)}; `legpush calibrate` makes one"
+            f"{path}: expected the push map of {expected}, got that of {of}; `legpush calibrate` makes one"
         )
     have, need = {effect.face for effect in push_map.effects}, measured_faces(box)
     if missing := [face for face in need if face not in have]:
@@ -240,5 +240,7 @@ def load_push_map(path: Path, box: Box) -> PushMap:
     return push_map
 
 
-def _size(box: Box) -> str:
-    return " x ".join(f"{side:g}" for side in box.size_m) + " m"
+def _solid(box: Box) -> str:
+    """The box in words, but for mass and friction."""
+    words = f"a {box.shape} of " + " x ".join(f"{side:g}" for side in box.size_m) + " m"
+    return f"{words} with com_offset_m {list(box.com_offset_m)}" if any(box.com_offset_m) else words

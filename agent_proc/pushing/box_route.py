@@ -62,7 +62,7 @@ class BoxRoute:
         the robot's path to a face, `what` names that path for people.
 
         Raises:
-            MissionEndedError: There is no path for the box or the robot.
+            MissionEndedError: There is no path for the box or the robot, or the push cycles cannot do for that path.
         """
         faces = self._actor.faces() if self.reference is None else ("rear",)
         out_of_reach: MissionEndedError | None = None
@@ -74,6 +74,8 @@ class BoxRoute:
             first = stages[0].face
             if self._actor.at_station(first):
                 return stages, None
+            if self._pushes.n_cycles == 0:
+                self._pushes.budget.require_enough(box, stages, is_reference=self.reference is not None)
             self._walker.back_off()
             asked = query(first)
             plan = self._planner.ask(asked, what)

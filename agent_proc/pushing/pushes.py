@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
+from agent_proc.pushing.budget import PushBudget
 from agent_proc.task.episode import earned
 from agent_proc.task.file import DEFAULT_TASK, load_task
 from agent_proc.task.term import PushStep
@@ -33,6 +34,8 @@ class Pushes:
             for face in actor.faces()
         }
         """What pushes do, by the face that is pushed."""
+        self.budget = PushBudget(actor.scenario, self.estimates)
+        """How many pushes there may be."""
         self.n_cycles = 0
         """Number of pushes."""
         self._task = load_task(DEFAULT_TASK)

@@ -11,7 +11,6 @@ from agent_proc.endings import MissionEndedError
 from agent_proc.frames.poses import BoxError
 from agent_proc.policies.policy import Policy
 from agent_proc.pushing.box_route import BoxRoute
-from agent_proc.pushing.budget import PushBudget
 from agent_proc.pushing.calibrating import Calibration
 from agent_proc.pushing.follower import Follower, StageEnding
 from agent_proc.pushing.pushes import Pushes
@@ -52,7 +51,6 @@ class Pushing:
         self._pushes = pushes
         self._calibration = calibration
         self._policy = policy
-        self._budget = PushBudget(actor.scenario.mission.max_push_cycles, pushes.estimates)
 
     def run(self) -> None:
         """Push along the reference, if there is one, then along planned paths until the box is at its goal.
@@ -99,7 +97,7 @@ class Pushing:
 
         A path that does not move the box, because it is near enough to its goal, leaves nothing to push.
         """
-        self._budget.take_path(stages, self._pushes.n_cycles)
+        self._pushes.budget.take_path(stages, self._pushes.n_cycles)
         for index, stage in enumerate(stages):
             if stage.length_m == 0.0:
                 continue
@@ -134,8 +132,8 @@ class Pushing:
             elif closed and not self._route.is_free(stages, at_m):
                 self._route.give_up()
                 return "left_path"
-            if n_cycles >= self._budget.n_cycles:
-                return self._stop(self._budget.used_up(stages, at_m, f"box error {error}"), to_end)
+            if n_cycles >= self._pushes.budget.n_cycles:
+                return self._stop(self._pushes.budget.used_up(stages, at_m, f"box error {error}"), to_end)
             self._pushes.push(decision.push, learn=closed)
             boxes.append(self._actor.box())
             commanded_m.append(estimate.commanded_m(decision.push.depth_m))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,9 +12,10 @@ from legpush.arrays import Floats
 from legpush.errors import JournalError
 from legpush.geometry import Pose2, rpy_from_quaternion
 from legpush.history.steps import PlanRecord, StepRecord
+from legpush.messages.measures import Measures
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Trace, WorldState
-from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, LEGS, N_QPOS
+from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINTS, LEGS, N_QPOS
 from legpush.scene.reference import reference_curve
 from legpush.scene.scenario import Scenario
 
@@ -32,6 +34,12 @@ class Ticks:
     """Foot tips in the order of `LEGS`, (n, 4, 3)."""
     support_margin_m: Floats
     """(n,)"""
+    zmp_margin_m: Floats
+    """(n,); this and the next two are NaN before protocol 8."""
+    capture_margin_m: Floats
+    """(n,)"""
+    torques_n_m: Floats
+    """Largest torque of the hip-x, hip-y and knee joints of all legs, (n, 3)."""
     box: Floats
     """x, y and yaw of the box, (n, 3)."""
 
@@ -44,6 +52,8 @@ class MissionStep:
     world: WorldState
     state_crc: int
     ticks: Ticks
+    measures: Measures | None
+    """None if nothing moved, and in journals before protocol 8."""
     path_m: Floats
     """The path given last to the robot, (m, 2); empty before the first."""
     box_path_m: Floats
@@ -65,9 +75,14 @@ class MissionRecord:
         return _join(step.ticks for step in self.steps)
 
     def pushing(self) -> list[MissionStep]:
-        """The push cycles with the step before the first one; empty if there was no push."""
+        """All steps from the one before the first push cycle on; empty if there was no push."""
         first = next((index for index, step in enumerate(self.steps) if isinstance(step.motion, Push)), None)
         return [] if first is None else self.steps[first - 1 :]
+
+    def push_cycles(self) -> list[MissionStep]:
+        """The step before the first push cycle, then the push cycles; empty if there was no push."""
+        steps = self.pushing()
+        return steps[:1] + [step for step in steps[1:] if isinstance(step.motion, Push)]
 
     def box_error(self, step: MissionStep) -> BoxError:
         """Error of the box at the end of a step."""
@@ -100,6 +115,7 @@ def read_record(records: Iterable[StepRecord | PlanRecord]) -> MissionRecord:
             world=outcome.world,
             state_crc=outcome.state_crc,
             ticks=_ticks(outcome.trace, len(steps)),
+            measures=outcome.measures,
             path_m=path_m,
             box_path_m=box_path_m,
         )
@@ -121,6 +137,9 @@ def _ticks(trace: Trace | None, index: int) -> Ticks:
     def rows(values: ArrayLike, *shape: int) -> Floats:
         return np.array(values, dtype=np.float64).reshape(n, *shape)
 
+    def later(values: tuple[Any, ...], *shape: int) -> Floats:
+        return rows(values, *shape) if values else np.full((n, *shape), np.nan)
+
     qpos = rows(trace.qpos, N_QPOS)
     box = qpos[:, BOX_QPOS]
     return Ticks(
@@ -129,6 +148,9 @@ def _ticks(trace: Trace | None, index: int) -> Ticks:
         roll_pitch_rad=rows(trace.roll_pitch_rad, 2),
         tips_m=rows(trace.tips_m, len(LEGS), 3),
         support_margin_m=rows(trace.support_margin_m),
+        zmp_margin_m=later(trace.zmp_margin_m),
+        capture_margin_m=later(trace.capture_margin_m),
+        torques_n_m=np.abs(later(trace.joint_torques_n_m, len(LEGS), len(JOINTS))).max(axis=1),
         box=np.column_stack([box[:, :2], rpy_from_quaternion(box[:, 3:])[:, 2]]),
     )
 

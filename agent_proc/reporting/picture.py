@@ -9,7 +9,7 @@ import numpy as np
 
 from agent_proc.endings import MissionResult
 from agent_proc.figures import Axes, ConstrainedLayoutEngine, Figure, LineCollection, Polygon, own_style, save_png
-from agent_proc.reporting.charts import draw_box_error, draw_margin, draw_tilt
+from agent_proc.reporting.charts import draw_box_error, draw_margins, draw_tilt, draw_torques
 from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import appeared, box_at, extent, followed, handover_place, thin, widen
 from agent_proc.reporting.style import BOX, FLOOR, GOAL, GRID, INK, RAW, STYLE, WALL
@@ -37,15 +37,19 @@ N_GHOSTS: Final = 8
 def save_picture(record: MissionRecord, result: MissionResult, path: Path) -> None:
     """Draw the mission and write it as PNG."""
     with own_style(STYLE):
-        figure = Figure(figsize=(13.6, 7.8), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.06))
-        grid = figure.add_gridspec(4, 2, width_ratios=[1.42, 1.0], height_ratios=[2.5, 1.0, 1.0, 1.15])
+        figure = Figure(figsize=(13.6, 8.6), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.06))
+        grid = figure.add_gridspec(5, 2, width_ratios=[1.42, 1.0], height_ratios=[2.4, 1.0, 1.1, 1.0, 1.15])
         plan = figure.add_subplot(grid[:, 0])
         _draw_plan(plan, record, result)
         _draw_zoom(figure.add_subplot(grid[0, 1]), record)
         tilt = figure.add_subplot(grid[1, 1])
         draw_tilt(tilt, record)
-        draw_margin(figure.add_subplot(grid[2, 1], sharex=tilt), record)
-        draw_box_error(figure.add_subplot(grid[3, 1]), record)
+        margins = figure.add_subplot(grid[2, 1], sharex=tilt)
+        draw_margins(margins, record)
+        for above in (tilt, margins):
+            above.tick_params(labelbottom=False)
+        draw_torques(figure.add_subplot(grid[3, 1], sharex=tilt), record)
+        draw_box_error(figure.add_subplot(grid[4, 1]), record)
         handles, labels = plan.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=ceil(len(labels) / 2))
         figure.suptitle(_headline(record, result), x=0.012, ha="left", fontsize=11.5, fontweight="bold", color=INK)

@@ -7,6 +7,7 @@ import numpy as np
 
 from agent_proc.endings import MissionResult
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
+from agent_proc.reporting.phases import phase_report, unexpected_notes
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Walk
 from legpush.runs.report import Appeared, Report
@@ -39,6 +40,8 @@ def make_report(
         trunk_max_abs_pitch_deg=float(tilt_deg[:, 1].max()) if len(tilt_deg) else None,
         trunk_max_abs_roll_deg=float(tilt_deg[:, 0].max()) if len(tilt_deg) else None,
         min_support_margin_m=float(ticks.support_margin_m.min()) if len(tilt_deg) else None,
+        walking=phase_report([step for step in record.steps if isinstance(step.motion, Walk)], record.scenario.robot),
+        pushing=phase_report([step for step in record.steps if isinstance(step.motion, Push)], record.scenario.robot),
         n_better_paths=result.n_better_paths,
         n_replans=result.n_replans,
         appeared=tuple(
@@ -52,6 +55,7 @@ def make_report(
         state_crc=f"{last.state_crc:08x}",
         seed=record.seed,
         versions=versions,
+        notes=unexpected_notes(record.steps),
     )
 
 

@@ -8,10 +8,11 @@ from agent_proc.evaluation.sweep import with_changes
 from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
-from legpush.errors import PolicyError
+from legpush.errors import ConfigError, PolicyError
 from legpush.lockstep.simulator import Stepper
+from legpush.options.learning import DEFAULT_WORLD
 from legpush.plans.planner import MakePlans
-from legpush.plugins import load_plugin
+from legpush.plugins import load_plugin, plugin_names
 from legpush.policy_names import runs_code
 from legpush.scenarios.file import load_scenario
 from legpush.scene.names import PlannerName, Steering
@@ -70,9 +71,18 @@ def policy_with(name: str, sha256: str) -> Policy:
     return _shared_policy(name, sha256) if not _is_code(name) else _made_policy(name, sha256)
 
 
-def _made_policy(name: str, sha256: str) -> Policy:
+def require_policy(name: str, sha256: str) -> None:
+    """Require the policy of a resolved cell.
+
+    Raises:
+        PolicyError: Its files are others here, or there is none.
+    """
     if (got := policy_sha256(name)) != sha256:
         raise PolicyError(f"Expected the policy {name} with the SHA-256 {sha256[:16]}, got one with {got[:16]}")
+
+
+def _made_policy(name: str, sha256: str) -> Policy:
+    require_policy(name, sha256)
     # The head of the study has asked its user about code.
     return make_policy(name, trust_file=True)
 
@@ -81,9 +91,19 @@ _shared_policy = cache(_made_policy)
 """Policies of this package decide by what they see alone, so cells can share them; others get one for each cell."""
 
 
-def new_simulator() -> Stepper:
-    """Make a simulator."""
-    return cast(Stepper, load_plugin("legpush.simulators", "mujoco")())
+def new_simulator(name: str = DEFAULT_WORLD) -> Stepper:
+    """Make a simulator: a plug-in by its name."""
+    return cast(Stepper, load_plugin("legpush.simulators", name)())
+
+
+def require_simulator(name: str) -> None:
+    """Require the name of a plug-in.
+
+    Raises:
+        ConfigError: It is none.
+    """
+    if name not in (names := plugin_names("legpush.simulators")):
+        raise ConfigError(f"Expected a world among {', '.join(names)}, got {name!r}")
 
 
 def planner() -> MakePlans:

@@ -25,6 +25,7 @@ from agent_proc.studies.cell_parts import (
     sha256_of_policy,
 )
 from agent_proc.studies.mission_numbers import NUMBERS, TRACKS, numbers, tracks
+from agent_proc.studies.phase_numbers import PHASE_COLUMNS, phase_numbers
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.history.steps import PlanRecord, StepRecord
@@ -160,6 +161,7 @@ def run(cell: ResolvedMission) -> Mapping[str, Any]:
     report = make_report(record, result, perf_counter() - began_s, installed_versions())
     return {
         **{column.name: getattr(report, column.name) for column in FROM_REPORT},
+        **phase_numbers(report),
         **numbers(record),
         **tracks(record),
         "n_unsolvable": n_unsolvable,
@@ -197,7 +199,7 @@ MISSION: Final = CellKind(
     run=run,
     resolved=ResolvedMission,
     resolve=resolve,
-    columns=(*FROM_REPORT, *NUMBERS, *TRACKS, *DRAWN),
+    columns=(*FROM_REPORT, *PHASE_COLUMNS, *NUMBERS, *TRACKS, *DRAWN),
     changes=Scenario,
 )
 """The kind of cell."""

@@ -3,16 +3,12 @@
 from itertools import pairwise
 from typing import Any, Final
 
-import numpy as np
-
 from agent_proc.reporting.mission_record import MissionRecord
-from legpush.arrays import Floats
+from agent_proc.reporting.phases import travel_m
 from legpush.messages.planning import BoxPathQuery
 from legpush.messages.stepping import Push
 from legpush.study.cells import Column
 
-TRAVEL_TICKS: Final = 50
-"""Ways are measured from second to second, so that the sway of each step does not count."""
 TRACK_STEPS: Final = 4
 """A track has every n-th step of its mission, and the last one."""
 N_DIGITS: Final = 3
@@ -47,8 +43,8 @@ def numbers(record: MissionRecord) -> dict[str, Any]:
         "first_box_path_m": round(paths[0].plan.length_m, N_DIGITS) if paths else None,
         "n_faces": len(set(faces)),
         "n_face_changes": sum(a != b for a, b in pairwise(faces)),
-        "box_travel_m": _travel_m(ticks.box[:, :2]),
-        "robot_travel_m": _travel_m(ticks.trunk_m),
+        "box_travel_m": round(travel_m(ticks.box[:, :2]), N_DIGITS),
+        "robot_travel_m": round(travel_m(ticks.trunk_m), N_DIGITS),
     }
 
 
@@ -60,9 +56,3 @@ def tracks(record: MissionRecord) -> dict[str, list[float]]:
         for body in ("trunk", "box")
         for index, axis in enumerate("xy")
     }
-
-
-def _travel_m(points: Floats) -> float:
-    """Return the length of a way through points, (n, 2)."""
-    every = np.concatenate([points[::TRAVEL_TICKS], points[-1:]])
-    return round(float(np.hypot(*np.diff(every, axis=0).T).sum()), N_DIGITS)

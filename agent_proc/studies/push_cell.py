@@ -7,10 +7,18 @@ from typing import Any, Final
 from msgspec import Struct
 
 from agent_proc.evaluation.episodes import run_episode
-from agent_proc.studies.cell_parts import STATE_CRC, new_simulator, policy_with, scenario_of, sha256_of_policy
+from agent_proc.studies.cell_parts import (
+    STATE_CRC,
+    new_simulator,
+    policy_with,
+    require_simulator,
+    scenario_of,
+    sha256_of_policy,
+)
 from legpush.fields import Seed
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
+from legpush.options.learning import DEFAULT_WORLD
 from legpush.policy_names import DEFAULT_POLICY
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
@@ -37,6 +45,8 @@ class PushCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A built-in scenario or the path of a scenario file, in which the robot stands ready to push."""
     policy: str = DEFAULT_POLICY
     """The policy that chooses the pushes."""
+    world: str = DEFAULT_WORLD
+    """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
     changes: dict[str, Any] = {}
     """Other fields of the scenario, by their path. The robot stands ready for a box of another size, too."""
 
@@ -48,6 +58,7 @@ class ResolvedPush(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     scenario: Scenario
     policy: str
     policy_sha256: str
+    world: str
 
 
 def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
@@ -56,12 +67,15 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
     Raises:
         ScenarioError: The scenario or a change cannot be used.
         PolicyError: The policy cannot be used.
+        ConfigError: There is no such world.
     """
+    require_simulator(cell.world)
     return ResolvedPush(
         seed=cell.seed,
         scenario=scenario_of(cell.scenario, cell.changes),
         policy=cell.policy,
         policy_sha256=sha256_of_policy(cell.policy, allowed),
+        world=cell.world,
     )
 
 
@@ -72,7 +86,7 @@ def run(cell: ResolvedPush) -> Mapping[str, Any]:
     def keep_last(record: StepRecord | PlanRecord) -> None:
         last[:] = [record]
 
-    world = LocalWorld(new_simulator(), on_record=keep_last)
+    world = LocalWorld(new_simulator(cell.world), on_record=keep_last)
     row = asdict(run_episode(world, cell.scenario, cell.seed, policy_with(cell.policy, cell.policy_sha256)))
     crc = next(record.outcome.state_crc for record in last if isinstance(record, StepRecord))
     return {**{name: value for name, value in row.items() if name not in ("case", "seed")}, "state_crc": f"{crc:08x}"}

@@ -16,13 +16,20 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Card, read_card
 from agent_proc.profiles.profile import AnyProfile, AtLeastTwo, Widths, load_profile, read_profile
-from agent_proc.studies.cell_parts import new_simulator, scenario_of
+from agent_proc.studies.cell_parts import (
+    new_simulator,
+    require_policy,
+    require_simulator,
+    scenario_of,
+    sha256_of_policy,
+)
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Interval
 from agent_proc.task.file import load_task
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
+from legpush.options.learning import DEFAULT_WORLD
 from legpush.runs.temporary import temporary_folder
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
@@ -81,6 +88,10 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Draw the friction of the box for each episode."""
     distance_m: Interval | None = None
     """Draw the distance from box to goal for each episode."""
+    world: str = DEFAULT_WORLD
+    """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
+    init: str | None = None
+    """Policy to begin with instead of random weights."""
     scenario: str = "push"
     """Scenario with the robot ready to push, and the goal."""
     changes: dict[str, Any] = {}
@@ -94,15 +105,20 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     profile: dict[str, Any]
     task: TaskConfig
     n_simulators: int
+    world: str
+    init: str | None
+    init_sha256: str
 
 
-def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
+def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     """Load profile and scenario.
 
     Raises:
-        ConfigError: The profile or the task cannot be used.
+        ConfigError: The profile, the task or the world cannot be used.
+        PolicyError: The policy to begin with cannot be used.
         ScenarioError: The scenario or a change cannot be used.
     """
+    require_simulator(cell.world)
     profile = _profile(cell)
     replaced = {"entry": cell.entry, "action_form": cell.actions}
     drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
@@ -113,7 +129,13 @@ def resolve(cell: TrainingCell, _: Collection[str]) -> ResolvedTraining:
         domain={name: value for name, value in drawn.items() if value is not None},
     )
     return ResolvedTraining(
-        seed=cell.seed, profile=msgspec.to_builtins(profile), task=task, n_simulators=cell.n_simulators
+        seed=cell.seed,
+        profile=msgspec.to_builtins(profile),
+        task=task,
+        n_simulators=cell.n_simulators,
+        world=cell.world,
+        init=cell.init,
+        init_sha256="" if cell.init is None else sha256_of_policy(cell.init, allowed),
     )
 
 
@@ -136,6 +158,8 @@ def _profile(cell: TrainingCell) -> AnyProfile:
 
 def run(cell: ResolvedTraining) -> Mapping[str, Any]:
     """Train to the end, and return the best policy with its evaluation."""
+    if cell.init is not None:
+        require_policy(cell.init, cell.init_sha256)
     plan = TrainingPlan(
         profile=read_profile(cell.profile, "profile"),
         task=cell.task,
@@ -143,8 +167,10 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         n_simulators=cell.n_simulators,
         command="legpush study run",
         versions={name: version for name, version in installed_versions().items() if version is not None},
+        world=cell.world,
+        init=cell.init,
     )
-    worlds = [LocalWorld(new_simulator()) for _ in range(cell.n_simulators)]
+    worlds = [LocalWorld(new_simulator(cell.world)) for _ in range(cell.n_simulators)]
     with temporary_folder("training-") as folder:
         stop = threading.Event()
         env = PushVecEnv(plan.task, worlds, stop=stop)

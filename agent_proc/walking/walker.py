@@ -8,7 +8,7 @@ from agent_proc.walking.actor import Actor
 from agent_proc.walking.obstacles import is_in_walk
 from agent_proc.walking.route_planner import RoutePlanner
 from legpush.errors import BadAnswerError
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, PathProgress, Walk
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_box
@@ -102,11 +102,20 @@ class Walker:
                 self._walk_back()
             return False
         if not self._actor.at_station(face):
-            distance_m = self._actor.box_distance_m()
-            raise MissionEndedError(
-                "missed_station", f"the approach ended {distance_m:.2f} m from the box, not at the station"
-            )
+            raise self._missed(box)
         return True
+
+    def _missed(self, box: Pose2) -> MissionEndedError:
+        """The error of an approach that ended beside the station; `box` is where the box was before."""
+        ended = f"the approach ended {self._actor.box_distance_m():.2f} m from the box"
+        moved_m = distance_m(box, self._actor.box())
+        if moved_m <= self._actor.scenario.robot.pushing.at_station_m:
+            return MissionEndedError("missed_station", f"{ended}, not at the station")
+        return MissionEndedError(
+            "missed_station",
+            f"{ended}, which moved by {moved_m:.2f} m meanwhile",
+            "raise `box.friction` or lower `room.slope_deg`, so that the box stays where it is",
+        )
 
     def approach(self, face: Face) -> None:
         """Walk to the station behind a face of the measured box.

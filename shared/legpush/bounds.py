@@ -58,7 +58,9 @@ MAX_APPEARING: Final = 100
 """
 LEAST_BOX_SIDE_M: Final = 0.01
 MAX_BOX_SIDE_M: Final = 10.0
-"""Side of the box: a quarter of the diameter of a foot, or so high that the foot cannot reach the contact point."""
+"""Side of the box: a quarter of the diameter of a foot, or so wide that the foot cannot reach the contact point."""
+LARGEST_LOAD: Final = 0.9
+"""Largest share of the mass of a box that lies in one place, so that the rest has a mass and an inertia of its own."""
 LEAST_BOX_MASS_KG: Final = 0.001
 MAX_BOX_MASS_KG: Final = 1000.0
 """Mass of the box. The robot weighs 32 kg and moves at most 100 kg."""
@@ -100,6 +102,8 @@ MAX_TORQUE_POINTS: Final = 200
 """Most rows of a table of torques by angle."""
 MAX_LANDING_SPEED_M_S: Final = 1.0
 """Fastest landing of a foot: a fall from 5 cm."""
+MAX_REACH_MARGIN_DEG: Final = 30.0
+"""Largest margin to the limits of a joint, half of the smallest range."""
 MAX_STATION_TURN_DEG: Final = 90.0
 """Largest turn from the robot to a place that it can still step to."""
 MAX_SIDE_SHARE: Final = 0.5
@@ -176,6 +180,8 @@ AngleTolerance = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=MAX_TURN_DEG)]
 Slope = Annotated[float, Meta(ge=0.0, le=MAX_SLOPE_DEG)]
 """In degrees."""
 BoxSide = Annotated[float, Meta(ge=LEAST_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
+BoxOffset = Annotated[float, Meta(ge=-MAX_BOX_SIDE_M, le=MAX_BOX_SIDE_M)]
+"""A place in the box along an axis."""
 BoxMass = Annotated[float, Meta(ge=LEAST_BOX_MASS_KG, le=MAX_BOX_MASS_KG)]
 Friction = Annotated[float, Meta(ge=LEAST_FRICTION, le=MAX_FRICTION)]
 
@@ -201,6 +207,8 @@ StepTurn = Annotated[float, Meta(ge=LEAST_LENGTH_M, le=MAX_STEP_TURN_RAD)]
 FallTilt = Annotated[float, Meta(ge=LEAST_TILT_DEG, le=MAX_TILT_DEG)]
 """In degrees."""
 StationTurn = Annotated[float, Meta(ge=LEAST_ANGLE_DEG, le=MAX_STATION_TURN_DEG)]
+"""In degrees."""
+ReachMargin = Annotated[float, Meta(ge=0.0, le=MAX_REACH_MARGIN_DEG)]
 """In degrees."""
 SideShare = Annotated[float, Meta(ge=0.0, le=MAX_SIDE_SHARE)]
 

@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from legpush.in_process import run, world
 from legpush.numerics.current import current
+from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.service import run_program
 
 PUBLISHED_FILE: Final = "canaries.json"
@@ -71,6 +72,7 @@ def tell() -> int:
         "numerics": numerics.name,
         "why native": numerics.why_native,
         "versions": ", ".join(f"{name} {version}" for name, version in numerics.versions.items()),
+        "motions": f"version {MOTION_VERSION}",
         "canary": canary.crc,
         **msgspec.to_builtins(canary),
         "published": "none for these numerics" if expected is None else expected.crc,

@@ -115,6 +115,12 @@ class RecordingError(LegpushError):
     exit_code = 2
 
 
+class OtherVersionError(LegpushError):
+    """A recording, journal, training or study of another version, which computes otherwise; names both versions."""
+
+    exit_code = 2
+
+
 class MotionError(LegpushError):
     """A motion that the simulator cannot carry out in its present state, such as walking before a path was given."""
 

@@ -105,9 +105,15 @@ class StepwiseWorld:
         """
         return self.step(Push(w1=w1, w2=w2, leg=leg, depth_m=depth_m, face=face))
 
-    def alter(self, *, box_mass_kg: float | None = None, box_friction: float | None = None) -> Outcome:
+    def alter(
+        self,
+        *,
+        box_mass_kg: float | None = None,
+        box_friction: float | None = None,
+        box_foot_friction: float | None = None,
+    ) -> Outcome:
         """Change mass or friction of the box from now on."""
-        return self.step(Alter(box_mass_kg=box_mass_kg, box_friction=box_friction))
+        return self.step(Alter(box_mass_kg=box_mass_kg, box_friction=box_friction, box_foot_friction=box_foot_friction))
 
     def step(self, motion: Motion) -> Outcome:
         """Carry out any motion.

@@ -5,7 +5,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Literal, NamedTuple
 
 from legpush.messages.common import PROTOCOL_VERSION
+from legpush.numerics.computed_with import NUMERICS
 from legpush.numerics.current import current
+from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.numerics.profile import glibc_version
 
 
@@ -33,17 +35,16 @@ PACKAGES: Final = (
     Package("matplotlib", "matplotlib", ("report",)),
 )
 """A recorder depends on few of them; the results of a mission depend on the others."""
-NUMERICS: Final = "numerics"
-"""Key of the name of the numerics, such as `x86-64-v3/1a2b3c4d`, among the versions."""
 
 
 def installed_versions() -> dict[str, str | None]:
     """Return the versions for reports and journals, by name; None for a package that is not installed.
 
-    Among them are the version of glibc and the name of the numerics of this process.
+    Among them are the name of the numerics of this process, and the versions of the motions, the protocol and glibc.
     """
     return {
         NUMERICS: current().name,
+        MOTIONS: str(MOTION_VERSION),
         "protocol": str(PROTOCOL_VERSION),
         "python": platform.python_version(),
         "glibc": glibc_version() or None,

@@ -1,4 +1,4 @@
-"""Plans the motion of the centre of mass and the forces of the feet: support polygon, ZMP preview, force distribution.
+"""Plans the motion of the centre of mass and the forces of the feet: ZMP preview, force distribution.
 
 The centre of mass is planned as a linear inverted pendulum of constant height. Linear least squares over the steps
 ahead finds the sequence of jerks that keeps the zero-moment point near its reference (ZMP preview control). The
@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from legpush.arrays import Flags, Floats
+from legpush.arrays import Floats
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.gravity import GRAVITY_M_S2
 
@@ -82,36 +82,6 @@ def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Fl
         [g + f @ by_state for f, g in zip(forced, free, strict=True)],
         [f @ by_end for f in forced],
     )
-
-
-def support_margin(points_m: Floats, feet_m: Floats, standing: Flags) -> Floats:
-    """Signed distance of each point (n, 2) to the border of its support polygon, inside positive, (n,).
-
-    `feet_m` (n, 4, 2) are the feet and `standing` (n, 4) says which of them carry load. With two feet the polygon is a
-    segment, with one foot or none it is a point, so the margin is at most zero.
-    """
-    margins = np.empty(len(points_m))
-    for mask in np.unique(standing, axis=0):
-        rows = np.flatnonzero((standing == mask).all(axis=1))
-        feet, points = feet_m[rows][:, mask], points_m[rows]
-        n_feet = int(mask.sum())
-        if n_feet >= 3:
-            centre = feet.mean(axis=1, keepdims=True)
-            angle = np.arctan2(feet[:, :, 1] - centre[:, :, 1], feet[:, :, 0] - centre[:, :, 0])
-            feet = np.take_along_axis(feet, np.argsort(angle, axis=1)[:, :, None], axis=1)
-            edge = np.roll(feet, -1, axis=1) - feet
-            to_point = points[:, None] - feet
-            cross = edge[:, :, 0] * to_point[:, :, 1] - edge[:, :, 1] * to_point[:, :, 0]
-            margins[rows] = (cross / np.linalg.norm(edge, axis=2)).min(axis=1)
-        elif n_feet == 2:
-            edge, to_point = feet[:, 1] - feet[:, 0], points - feet[:, 0]
-            share = np.clip((edge * to_point).sum(axis=1) / (edge * edge).sum(axis=1), 0.0, 1.0)
-            margins[rows] = -np.linalg.norm(to_point - share[:, None] * edge, axis=1)
-        elif n_feet == 1:
-            margins[rows] = -np.linalg.norm(points - feet[:, 0], axis=1)
-        else:
-            margins[rows] = -np.linalg.norm(points - feet_m[rows].mean(axis=1), axis=1)
-    return margins
 
 
 def triangle_margin(points_m: Floats, support_feet_m: Floats) -> Floats:

@@ -20,7 +20,8 @@ GAIT_ORDER: Final[tuple[Leg, ...]] = ("RR", "FR", "RL", "FL")
 """Lateral sequence of the crawl: the weight changes sides twice a cycle."""
 STRIDE_SHARES: Final = (
     (0.0, 1.0),
-    (45.0, 1.0),
+    (40.0, 1.0),
+    (45.0, 0.8),
     (60.0, 0.5),
     (80.0, 0.375),
     (130.0, 0.375),

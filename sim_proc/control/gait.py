@@ -15,7 +15,7 @@ from legpush.scene.robot import RobotSpec
 from legpush.scene.robot_motion import Gait
 from sim_proc.control.footsteps import GAIT_ORDER, CycleTargets, PosePath, next_cycle
 from sim_proc.control.plant import TickLog
-from sim_proc.control.steps import Step, Steps, Swing
+from sim_proc.control.steps import Step, Steps, Swing, rest
 from sim_proc.control.swing import landing_swing
 
 
@@ -34,6 +34,8 @@ class PathWalk:
         self._robot = plant.robot
         self._path = PosePath(plant.robot, waypoints)
         self._travelled = np.zeros(4)
+        self._hole_at: Step | None = None
+        """The step whose foot found no floor."""
 
     def progress(self) -> PathProgress:
         """Travelled length of the feet. A turn on the spot counts by the arc that the feet describe."""
@@ -41,8 +43,20 @@ class PathWalk:
         return PathProgress(travelled_m=float(self._travelled.mean()), length_m=self._path.length_m, done=done)
 
     def cycle(self) -> list[TickLog]:
-        """Take one step with each leg, and come to rest after the last cycle of the path. Stop early at a fall."""
+        """Take one step with each leg, and come to rest after the last cycle of the path.
+
+        Stop early at a fall, and come to rest before a place where a foot finds no floor.
+
+        Raises:
+            MotionError: A foot found no floor at its place on the path in an earlier cycle.
+        """
         posture, gait = self._steps.posture, self._robot.gait
+        if self._hole_at is not None:
+            x, y = self._hole_at.target_m
+            raise MotionError(
+                f"Expected floor at most {gait.search_depth_m:g} m below the place of the foot {self._hole_at.leg} at "
+                f"({x:.2f}, {y:.2f}), found none: expected another `follow` before `walk`"
+            )
         feet = posture.feet_m[:, :2]
         this = next_cycle(self._path, self._travelled, feet)
         following = next_cycle(self._path, this.travelled_m, this.feet_m)
@@ -55,6 +69,9 @@ class PathWalk:
             logs.append(self._steps.take_step(ahead[index : index + 4], swing))
             if posture.plant.fallen:
                 return logs
+            if self._steps.without_floor is not None:
+                self._hole_at = ahead[index]
+                return [*logs, self._steps.stop()]
         self._travelled = this.travelled_m
         if self.progress().done:
             logs.append(self._steps.take_step([self._rest()], None))
@@ -104,20 +121,6 @@ def require_within_reach(what: str, gait: Gait, trunk: Pose2, place: Pose2) -> N
             f"Expected {what} at most {gait.max_off_m:g} m and {gait.max_off_deg:.0f}° from the trunk, "
             f"got {distance_m:.2f} m and {degrees(turn_rad):.0f}°"
         )
-
-
-def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
-    """A step that keeps all feet down and brings the centre of mass to `nominal_xy_m`."""
-    return Step(
-        leg=None,
-        shift_ticks=gait.settle_ticks // 2,
-        swing_ticks=gait.settle_ticks // 2,
-        target_m=nominal_xy_m,
-        nominal_xy_m=nominal_xy_m,
-        end_velocity_m_s=np.zeros(2),
-        end_yaw_rad=yaw_rad,
-        margin_m=0.0,
-    )
 
 
 def swing_to(robot: RobotSpec, target_m: Floats, n_ticks: int) -> Swing:

@@ -1,12 +1,68 @@
-"""`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks."""
+"""`Plant`, the robot as walking and pushing measure and move it, and `TickLog`, the record of its ticks and of their
+physics steps."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.joint_commands import JointCommands, Knots
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepLog:
+    """Measurements at the beginning of each physics step of 2 ms: s steps in each of n ticks, world frame."""
+
+    tips_m: Floats
+    """Centres of the foot spheres, (n, s, 4, 3)."""
+    floor_forces_n: Floats
+    """Forces of the floor on the feet, (n, s, 4, 3)."""
+    box_forces_n: Floats
+    """Forces of the box on the feet, (n, s, 4, 3)."""
+    com_m: Floats
+    """Centre of mass of the robot, (n, s, 3)."""
+    com_velocity_m_s: Floats
+    """Its velocity, (n, s, 3)."""
+    joint_positions_rad: Floats
+    """Angles of the joints, (n, s, 12)."""
+    joint_velocities_rad_s: Floats
+    """Speeds of the joints, (n, s, 12)."""
+    joint_torques_n_m: Floats
+    """Torques of the servos, (n, s, 12)."""
+
+
+def joined_steps(logs: Sequence[StepLog]) -> StepLog:
+    """The steps of motions that followed one another."""
+    return StepLog(
+        **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Touchdown:
+    """The contact of a swinging foot with the floor, as the foot's force sensor feels it.
+
+    If it comes before the planned landing, the run ends with the tick.
+    """
+
+    leg: int
+    force_n: float
+    """Vertical force from which on the foot is down."""
+    lift_tick: int
+    """Tick of the run in which the foot is lifted. If then another foot is not down, the run ends before it."""
+    carried: tuple[int, ...]
+    """Legs that were found to be carried, if not by their feet. They may be off the floor at the lift."""
+    first_tick: int
+    """Tick of the run from which on the force counts. Before, the foot is lifted."""
+    landing_tick: int
+    """Tick of the run in which the planned landing begins. From then on the run goes on to its end."""
+    stops_leg: bool
+    """Whether the leg stops within a physics step, because the foot moves fast, and does not go on to the end of the
+    tick."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +85,20 @@ class TickLog:
     """Centre of mass of the robot, (n, 3)."""
     ctrl: Floats
     """Positions commanded to the servos, with all feed-forward, (n, COMMANDS_PER_TICK, 12)."""
+    steps: StepLog
+    """The physics steps of these ticks."""
+    touched_down: bool
+    """Whether the motion ended with the touchdown that was to end it."""
+    not_down: int | None = None
+    """The leg whose foot was not down when another one was to be lifted. It ended the motion."""
+
+
+def joined(logs: Sequence[TickLog]) -> TickLog:
+    """The log of motions that followed one another. It ended as the last one did."""
+    ends: dict[str, Any] = {"touched_down": logs[-1].touched_down, "not_down": logs[-1].not_down}
+    names = [field.name for field in fields(TickLog) if field.name not in ("steps", *ends)]
+    rows: dict[str, Any] = {name: np.concatenate([getattr(log, name) for log in logs]) for name in names}
+    return TickLog(**rows, steps=joined_steps([log.steps for log in logs]), **ends)
 
 
 class Plant(Protocol):
@@ -73,5 +143,5 @@ class Plant(Protocol):
         The trunk is level and at rest, turned by `yaw_rad` (n,), and nothing touches the feet.
         """
 
-    def run(self, commands: JointCommands) -> TickLog:
-        """Track joint commands, one row per tick; stop early at a fall."""
+    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown."""

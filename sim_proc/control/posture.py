@@ -1,14 +1,18 @@
 """The commanded posture of the robot, its correction by measured feet, and the joint commands that track a motion."""
 
+from copy import copy
+
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.scene.conventions import CONTROL_PERIOD_S, JOINTS
 from sim_proc.control.balance import foot_forces
 from sim_proc.control.joint_commands import interpolated, knots
-from sim_proc.control.plant import Plant, TickLog
+from sim_proc.control.plant import Plant, TickLog, Touchdown
 from sim_proc.control.swing import minimum_jerk
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
+from sim_proc.kinematics.reach import require_reach
 
 
 class Posture:
@@ -20,7 +24,8 @@ class Posture:
         robot = plant.robot
         self._kinematics = LegKinematics(robot)
         self._height_m = robot.stance.height_m
-        self._reanchor_ticks = robot.gait.reanchor_ticks
+        self._reanchor_ticks, self._press_m = robot.gait.reanchor_ticks, robot.gait.press_m
+        self._tolerance_m = robot.gait.landing_speed_m_s * robot.gait.landing_ticks * CONTROL_PERIOD_S
         trunk = plant.trunk_pose()
         self.trunk_xy_m: Floats = trunk.xy()
         self.yaw_rad = trunk.yaw_rad
@@ -55,6 +60,32 @@ class Posture:
         self.com_offset_m = plant.com_m()[:2] - plant.trunk_pose().xy()
         self.com_state[0] = self.trunk_xy_m + self.com_offset_m
 
+    def measured(self) -> "Posture":
+        """A copy of this posture, corrected by the measured feet. This one stays as it is."""
+        other = copy(self)
+        other.feet_m, other.com_state = self.feet_m.copy(), self.com_state.copy()
+        other.measure()
+        return other
+
+    def require_reach(self, what: str, leg: int, trunk_xy_m: Floats, yaw_rad: Floats, curve_m: Floats) -> None:
+        """Check that a leg follows a curve (n, 3) to a radius of the foot from trunks (n, 2) and (n,).
+
+        `what` names the curve in the error.
+
+        Raises:
+            MotionError: The limits of the joints, with the robot's margin, do not allow it.
+        """
+        feet = np.repeat(curve_m[:, None], len(SIDE), axis=1)
+        tips_h = self._tips_h(trunk_xy_m, _rotations(-yaw_rad), feet)[:, leg]
+        require_reach(
+            self._kinematics,
+            what,
+            tips_h,
+            float(SIDE[leg]),
+            margin_deg=self.plant.robot.pushing.reach_margin_deg,
+            within_m=self.plant.robot.legs.foot_radius_m,
+        )
+
     def stand(self, n_ticks: int) -> TickLog:
         """Stand still with the load on all feet."""
         return self.track(
@@ -74,8 +105,11 @@ class Posture:
         load_share: Floats,
         zmp_m: Floats,
         acceleration_m_s2: Floats,
+        until: Touchdown | None = None,
     ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
+
+        It ends early at a touchdown.
 
         `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet.
 
@@ -95,11 +129,32 @@ class Posture:
         motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
         torques += self.plant.inverse_dynamics_n_m(motion, yaw_rad)
         before = torques[0] if self._joint_torques_n_m is None else self._joint_torques_n_m
-        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])))
-        self.joints_rad, self._joint_velocities_rad_s = motion.positions_rad[-1], motion.velocities_rad_s[-1]
-        self._joint_torques_n_m = torques[-1]
-        self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[-1].copy(), float(yaw_rad[-1]), feet_m[-1].copy()
+        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])), until)
+        last = len(log.qpos) - 1
+        self.joints_rad, self._joint_velocities_rad_s = (
+            motion.positions_rad[last + 1],
+            motion.velocities_rad_s[last + 1],
+        )
+        self._joint_torques_n_m = torques[last]
+        self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[last].copy(), float(yaw_rad[last]), feet_m[last].copy()
+        if until is not None and until.stops_leg and log.touched_down and last < until.landing_tick:
+            self._stop_leg(until.leg)
         return log
+
+    def put_down(self, leg: int, planned_m: float) -> None:
+        """Take over the measured height of a foot that is down, or the planned one if that is nearly the same.
+
+        A foot is pressed a little into the floor.
+        """
+        height_m = self.plant.tips_m()[leg, 2] - self._press_m
+        self.feet_m[leg, 2] = planned_m if abs(height_m - planned_m) <= self._tolerance_m else height_m
+
+    def _stop_leg(self, leg: int) -> None:
+        """Command a leg that met the floor on its way to stay where it is."""
+        joints = slice(leg * len(JOINTS), (leg + 1) * len(JOINTS))
+        self.joints_rad[joints] = self.plant.joints_rad()[joints]
+        self._joint_velocities_rad_s[joints] = 0.0
+        self.feet_m[leg] = self.plant.tips_m()[leg]
 
     def _present_joints_rad(self) -> Floats:
         """Joint angles of the commanded trunk and feet, (12,); measured feet move them away from the last commands."""
@@ -108,11 +163,15 @@ class Posture:
 
     def _inverse(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
         """Joint angles, (n, 4, 3), of trunks (n, 2) with rotations (n, 2, 2) into their frames, and feet (n, 4, 3)."""
+        return self._kinematics.inverse(self._tips_h(trunk_xy_m, from_world, feet_m), SIDE, saturate=True)
+
+    def _tips_h(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
+        """Feet in their hip frames, (n, 4, 3)."""
         tips_b = feet_m.copy()
         tips_b[:, :, :2] -= trunk_xy_m[:, None]
         tips_b[:, :, 2] -= self._height_m
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
-        return self._kinematics.inverse(tips_b - self._kinematics.hips_b, SIDE, saturate=True)
+        return tips_b - self._kinematics.hips_b
 
 
 def _rotations(yaw_rad: Floats) -> Floats:

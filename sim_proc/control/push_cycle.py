@@ -15,41 +15,40 @@ from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import LEGS, FrontLeg, Leg
-from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
+from legpush.scene.faces import PUSHABLE, pushed_box, pushed_com_m, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
-from sim_proc.control.gait import require_within_reach, rest, swing_to
+from sim_proc.control.gait import require_within_reach, swing_to
 from sim_proc.control.plant import TickLog
-from sim_proc.control.steps import Step, Steps, Swing
+from sim_proc.control.steps import Step, Steps, Swing, rest
 from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
 
 
-def contact_point(robot: RobotSpec, pose: Pose2, box: Box, leg: FrontLeg, depth_m: float) -> Floats:
-    """Where the centre of the foot ends, (3,), so that its surface is `depth_m` beyond the pushed face.
-
-    `pose` is the frame of the box in which its pushed face is the rear one, and `box` has the size in that frame.
-    """
-    length, width, _ = box.size_m
+def contact_point(robot: RobotSpec, box: Box, box_pose: Pose2, face: Face, leg: FrontLeg, depth_m: float) -> Floats:
+    """Where the centre of the foot ends, (3,), so that its surface is `depth_m` beyond a face of the box."""
+    length, width, _ = pushed_box(box, face).size_m
     side = robot.pushing.contact_side_share * width * (1 if leg == "FL" else -1)
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
-    x, y = pose.apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
-    return np.array([x, y, contact_height_m(robot, box)])
+    x, y = pushed_pose(box_pose, face).apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
+    return np.array([x, y, contact_height_m(robot, box, face)])
 
 
-def contact_height_m(robot: RobotSpec, box: Box) -> float:
+def contact_height_m(robot: RobotSpec, box: Box, face: Face) -> float:
     """Height of the contact point: within reach of the leg, and low enough that a sliding box does not tip.
 
-    `box` has the size in the frame in which the pushed face is the rear one. A box that friction holds back at the
-    floor tips over its front edge if it is pushed above half its length divided by the friction coefficient.
+    Friction with the floor holds a sliding box back by the same share of its weight whatever its mass. The box tips
+    over its front edge if it is pushed above the distance from its centre of mass to that edge, along the push, divided
+    by the friction coefficient with the floor.
     """
-    length, _, height = box.size_m
+    length, _, height = pushed_box(box, face).size_m
+    to_edge_m = length / 2 - pushed_com_m(box, face)[0]
     motion = robot.pushing
-    tips_m = motion.tip_share * length / (2 * box.friction)
+    tips_m = motion.tip_share * to_edge_m / box.friction
     reach_m = motion.reach_height_share * robot.stance.height_m
     return max(min(motion.contact_height_share * height, tips_m, reach_m), 2 * robot.legs.foot_radius_m)
 
@@ -72,10 +71,11 @@ class Pusher:
         self._box = box
 
     def cycle(self, push: Push) -> PushLog:
-        """Push, return the foot, and step to the box. Stop early at a fall.
+        """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
 
         Raises:
-            MotionError: The face cannot be pushed, or the robot does not stand at it.
+            MotionError: The face cannot be pushed, the robot does not stand at it, its trunk is in the box, or the leg
+                does not reach the whole curve. Nothing has moved then.
         """
         posture, robot = self._steps.posture, self._robot
         plant = posture.plant
@@ -84,14 +84,17 @@ class Pusher:
         box, pose = pushed_box(self._box, push.face), pushed_pose(plant.box_pose(), push.face)
         station = behind_box(box, pose, robot.station_m)
         require_within_reach("the place to push from", robot.gait, plant.trunk_pose(), station)
+        self._require_apart(box, pose)
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
-        goal = contact_point(robot, pose, box, push.leg, push.depth_m)
+        goal = contact_point(robot, self._box, plant.box_pose(), push.face, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
         ahead = [
             self._push_step(push.leg, here, posture.yaw_rad),
             *self._return_steps(push.leg, behind_box(box, pose @ expected, robot.station_m))[:2],
         ]
-        logs = [self._steps.take_step(ahead, self._bezier_swing(push, goal), lands=False)]
+        swing = self._bezier_swing(push, goal)
+        self._steps.require_reach("the curve of a push", ahead, swing)
+        logs = [self._steps.take_step(ahead, swing, lands=False)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen:
             follow = self._return_steps(push.leg, self._next_station(push.face))
@@ -101,12 +104,27 @@ class Pusher:
                 logs.append(self._steps.take_step(follow[index : index + 4], swing))
                 if plant.fallen:
                     break
+                if self._steps.without_floor is not None:
+                    logs.append(self._steps.stop())
+                    break
         return PushLog(logs=logs, peak_force_n=peak)
 
     def _require_face(self, face: Face) -> None:
         if face not in PUSHABLE[self._box.shape]:
             valid = ", ".join(PUSHABLE[self._box.shape])
             raise MotionError(f"Expected a face that a {self._box.shape} can be pushed at ({valid}), got {face}")
+
+    def _require_apart(self, box: Box, pose: Pose2) -> None:
+        """Check that the box, as seen from its pushed face, is ahead of the trunk and not in it."""
+        robot = self._robot
+        trunk = pose.inverse() @ self._steps.posture.plant.trunk_pose()
+        away_m = -trunk.x_m - box.size_m[0] / 2
+        least_m = robot.trunk.ahead_m(robot.stance.height_m - box.size_m[2], trunk.yaw_rad)
+        if away_m < least_m:
+            raise MotionError(
+                f"Expected a face at least {least_m:.2f} m ahead of the middle of the trunk, which is no higher than "
+                f"the box of {box.size_m[2]:g} m, got {away_m:.2f} m"
+            )
 
     def _next_station(self, face: Face) -> Pose2:
         """Where to stand after the push: at the box, or in the same place if the box slid out of reach."""

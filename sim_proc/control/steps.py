@@ -4,7 +4,10 @@ Walking and pushing are sequences of such steps.
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
+from math import ceil
 from typing import Final
 
 import numpy as np
@@ -12,9 +15,12 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.geometry import wrap_angle
 from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS, Leg
+from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
-from sim_proc.control.plant import TickLog
+from sim_proc.control.plant import TickLog, Touchdown, joined
 from sim_proc.control.posture import Posture
+from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
+from sim_proc.gravity import GRAVITY_M_S2
 
 SHIFT_WEIGHT: Final = 0.02
 """Weight of the ZMP reference while four feet stand; it is 1 while three do."""
@@ -62,12 +68,18 @@ class Steps:
         """Begin with all feet down."""
         self.posture = posture
         robot = posture.plant.robot
-        self._gait, self._com_height_m = robot.gait, robot.stance.com_height_m
-        """The gait, and the height of the pendulum."""
+        self._gait, self._com_height_m, self._touchdown_m = robot.gait, robot.stance.com_height_m, robot.touchdown_m
+        """The gait, the height of the pendulum, and that of a landing foot."""
         self._lean_m: Floats = self._com_height_m * posture.plant.downhill
         """From the point below the CoM to where its plumb line meets a sloping floor, (2,)."""
         self.landed: int | None = None
         """Index of the leg that the last step put down."""
+        self.without_floor: Leg | None = None
+        """Leg that found no floor in the last step, and went back to where it stood."""
+        self._carried: tuple[int, ...] = ()
+        """Legs that were searched for the floor in the present step, and found it."""
+        self._footholds_m = posture.feet_m.copy()
+        """Where each foot stood before its last step, (4, 3)."""
         self.n_footsteps = 0
 
     def take_step(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
@@ -75,27 +87,93 @@ class Steps:
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
         """
-        posture = self.posture
-        airborne = ahead[0].shift_ticks == 0
-        if not airborne:
+        self.without_floor = None
+        self._carried = ()
+        logs = [self._lift_and_swing(ahead, swing, lands=lands)]
+        while (missing := logs[-1].not_down) is not None:
+            leg, place_m = LEGS[missing], self.posture.feet_m[missing, :2].copy()
+            logs += self._search(leg, [replace(ahead[0], leg=leg, target_m=place_m), *ahead[1:]])
+            self._put_down(leg)
+            if self.without_floor is not None or self.posture.plant.fallen:
+                break
+            self._carried += (missing,)
+            logs.append(self._lift_and_swing(ahead, swing, lands=lands))
+        return joined(logs)
+
+    def _lift_and_swing(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool) -> TickLog:
+        """Carry out `ahead[0]`, up to the lift if another foot is not down then."""
+        posture, leg = self.posture, ahead[0].leg
+        if ahead[0].shift_ticks > 0:
             posture.measure()
+            if leg is not None:
+                self._footholds_m[LEGS.index(leg)] = posture.feet_m[LEGS.index(leg)]
         step, plan = self._plan(ahead)
+        until = None
+        if leg is not None:
+            flight = flight_ticks(step.swing_ticks, self._gait) if lands else step.swing_ticks
+            first_tick = ceil(APEX_SHARE * flight) if lands else flight
+            until = self._touchdown(leg, step, first_tick, flight, stops_leg=True)
+        log = self._move(step, plan, swing, until)
+        if log.not_down is not None or posture.plant.fallen:
+            return log
+        self.landed = None
+        if leg is None or not lands:
+            return log
+        logs = [log] if log.touched_down else [log, *self._search(leg, ahead)]
+        self._put_down(leg)
+        self.n_footsteps += int(self.without_floor is None)
+        return joined(logs)
+
+    def _put_down(self, leg: Leg) -> None:
+        self.landed = LEGS.index(leg)
+        self.posture.put_down(self.landed, self._touchdown_m)
+
+    def stop(self) -> TickLog:
+        """Come to rest with all feet down, in the middle of them."""
+        posture = self.posture
+        middle = posture.feet_m[:, :2].mean(axis=0)
+        log = self.take_step([rest(self._gait, middle, posture.yaw_rad)], None)
+        posture.com_state[1:] = 0.0
+        return log
+
+    def _search(self, leg: Leg, ahead: Sequence[Step]) -> list[TickLog]:
+        """Look for the floor below a foot that did not meet it, with the weight on the other feet.
+
+        If there is none the foot goes back to where it stood.
+        """
+        posture, gait = self.posture, self._gait
+        curve = search_swing(posture.feet_m[LEGS.index(leg)], gait)
+        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve))
+        step, plan = self._plan([search, *ahead[1:]])
+        until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False)
+        logs = [self._move(step, plan, lambda _: curve, until)]
+        if logs[-1].touched_down or posture.plant.fallen:
+            return logs
+        self.without_floor = leg
+        back_m, n_ticks = self._footholds_m[LEGS.index(leg)], gait.swing_ticks
+        back = replace(search, swing_ticks=n_ticks, target_m=back_m[:2])
+        swing = partial(landing_swing, end_m=back_m, height_m=gait.step_height_m, n_ticks=n_ticks, gait=gait)
+        step, plan = self._plan([back, *ahead[1:]])
+        return [*logs, self._move(step, plan, swing, self._touchdown(leg, step, n_ticks // 2, n_ticks, stops_leg=True))]
+
+    def _move(self, step: Step, plan: ComPlan, swing: Swing | None, until: Touchdown | None) -> TickLog:
+        """Carry out a step with its planned motion of the CoM, up to the touchdown of a foot that is to land."""
+        posture, gait = self.posture, self._gait
         leg = None if step.leg is None else LEGS.index(step.leg)
         n = step.n_ticks
         feet = np.repeat(posture.feet_m[None], n, axis=0)
         load_share = np.ones((n, 4))
-        if self.landed is not None and not airborne:
-            ramp = min(self._gait.ramp_ticks, step.shift_ticks)
-            load_share[:ramp, self.landed] = np.linspace(self._gait.landed_share, 1.0, ramp + 1)[1:]
+        ramp = min(gait.ramp_ticks, step.shift_ticks)
+        if self.landed is not None and ramp > 0:
+            load_share[:ramp, self.landed] = np.linspace(gait.landed_share, 1.0, ramp + 1)[1:]
         if leg is not None and swing is not None:
             feet[step.shift_ticks :, leg] = swing(posture.feet_m[leg])
-            ramp = min(self._gait.ramp_ticks, step.shift_ticks)
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
             np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
-            if lands:
-                load_share[-1, leg] = self._gait.landed_share
-        yaw, end_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
+            if until is not None and until.first_tick < n:
+                load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
+        yaw, yaw_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
         log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,
@@ -103,12 +181,40 @@ class Steps:
             load_share,
             plan.zmp_m[:n] + self._lean_m,
             plan.acceleration_m_s2[:n],
+            until,
         )
-        posture.com_state = plan.state(n - 1)
-        posture.yaw_rate_rad_s = end_rate
-        self.landed = leg if lands else None
-        self.n_footsteps += int(lands and leg is not None)
+        last = len(log.qpos) - 1
+        posture.com_state = plan.state(last)
+        posture.yaw_rate_rad_s = float(yaw_rate[last])
         return log
+
+    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> None:
+        """Check that the leg of `ahead[0]` follows its whole swing, with the trunk moving as planned. Nothing moves.
+
+        `what` names the swing in the error.
+
+        Raises:
+            MotionError: It does not.
+        """
+        other = copy(self)
+        other.posture = posture = self.posture.measured()
+        step, plan = other._plan(ahead)
+        leg, air = LEGS.index(step.leg or LEGS[0]), slice(step.shift_ticks, step.n_ticks)
+        yaw, _ = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
+        trunk = plan.position_m[air] - posture.com_offset_m
+        posture.require_reach(what, leg, trunk, yaw[air], swing(posture.feet_m[leg]))
+
+    def _touchdown(self, leg: Leg, step: Step, first_tick: int, landing_tick: int, *, stops_leg: bool) -> Touchdown:
+        """The touchdown that ends a swing. Its ticks count from the lift."""
+        return Touchdown(
+            leg=LEGS.index(leg),
+            force_n=self._gait.contact_share * self.posture.plant.mass_kg * GRAVITY_M_S2,
+            lift_tick=step.shift_ticks,
+            carried=self._carried,
+            first_tick=step.shift_ticks + first_tick,
+            landing_tick=step.shift_ticks + landing_tick,
+            stops_leg=stops_leg,
+        )
 
     def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
         """The first step, with a shift long enough for a stable lift, and the planned motion of the CoM."""
@@ -149,12 +255,27 @@ class Steps:
         )
 
 
-def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, float]:
-    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rate at the end, which is the mean rate."""
+def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
+    """A step that keeps all feet down and brings the centre of mass to `nominal_xy_m`."""
+    return Step(
+        leg=None,
+        shift_ticks=gait.settle_ticks // 2,
+        swing_ticks=gait.settle_ticks // 2,
+        target_m=nominal_xy_m,
+        nominal_xy_m=nominal_xy_m,
+        end_velocity_m_s=np.zeros(2),
+        end_yaw_rad=yaw_rad,
+        margin_m=0.0,
+    )
+
+
+def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, Floats]:
+    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rates, (n,), the last of which is the mean."""
     duration = n_ticks * CONTROL_PERIOD_S
     change = wrap_angle(end_rad - start_rad)
     u = np.arange(1, n_ticks + 1) / n_ticks
     rate = change / duration
     start_slope, end_slope = start_rate_rad_s * duration, rate * duration
     yaw = start_rad + start_slope * (u - 2 * u**2 + u**3) + change * (3 * u**2 - 2 * u**3) + end_slope * (u**3 - u**2)
-    return yaw, rate
+    yaw_rate = start_slope * (1 - 4 * u + 3 * u**2) + change * 6 * (u - u**2) + end_slope * (3 * u**2 - 2 * u)
+    return yaw, yaw_rate / duration

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from legpush.arrays import Floats
+from legpush.bounds import MAX_TICKS
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.robot_motion import Gait
 
@@ -43,6 +44,26 @@ def gentle_stop(n_ticks: int) -> Floats:
     return progress
 
 
+def flight_ticks(n_ticks: int, gait: Gait) -> int:
+    """Ticks of a step before its landing, in which the foot may move fast."""
+    return n_ticks - min(gait.landing_ticks, n_ticks - 2)
+
+
+def search_swing(start_m: Floats, gait: Gait) -> Floats:
+    """A foot that goes straight down from `start_m`, (3,), and looks for the floor; one point per tick, (n, 3).
+
+    It begins at the landing speed, and becomes faster tick by tick up to the speed of the search.
+    """
+    tick_m = CONTROL_PERIOD_S * np.minimum(
+        gait.landing_speed_m_s * np.arange(1, MAX_TICKS + 1), max(gait.search_speed_m_s, gait.landing_speed_m_s)
+    )
+    depths_m = np.minimum(np.cumsum(tick_m), gait.search_depth_m)
+    n_ticks = int(np.searchsorted(depths_m, gait.search_depth_m)) + 1
+    curve = np.repeat(start_m[None], min(n_ticks, MAX_TICKS), axis=0)
+    curve[:, 2] -= depths_m[:n_ticks]
+    return curve
+
+
 def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks: int, gait: Gait) -> Floats:
     """A step from `start_m` to `end_m`, (3,) each, that touches down slowly; one point per tick, (n, 3).
 
@@ -51,8 +72,8 @@ def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks
     """
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
     tick = np.arange(1, n_ticks + 1)
-    landing, speed = min(gait.landing_ticks, n_ticks - 2), gait.landing_speed_m_s * CONTROL_PERIOD_S
-    flight = n_ticks - landing
+    flight, speed = flight_ticks(n_ticks, gait), gait.landing_speed_m_s * CONTROL_PERIOD_S
+    landing = n_ticks - flight
     apex, apex_m = APEX_SHARE * flight, max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
     along = quintic(np.clip(tick / (n_ticks - SETTLED_SHARE * landing), 0.0, 1.0))
     curve: Floats = start + along[:, None] * (end - start)

@@ -13,6 +13,8 @@ from legpush.scene.conventions import LEG_JOINTS, LEGS
 from sim_proc.export.source import Exported
 
 XYZ: Final = ("x", "y", "z")
+UNITS: Final = {"_n_m": "N m", "_rad_s": "rad/s", "_m": "m", "_rad": "rad", "_n": "N"}
+"""Endings of names of columns, with their units: the longer ones first."""
 POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))
 
 
@@ -63,8 +65,12 @@ def _columns(episode: Exported) -> Iterator[Column]:
     yield from _named(
         "trunk", ("roll_rad", "pitch_rad"), "angle of the trunk against the floor", timeline.roll_pitch_rad
     )
-    names = [f"{name}_rad" for name in LEG_JOINTS]
-    yield from _named("joint", names, "angle of a joint", timeline.qpos[:, JOINTS])
+    for about, unit, values in (
+        ("angle of a joint", "rad", timeline.qpos[:, JOINTS]),
+        ("speed of a joint", "rad_s", timeline.joint_velocities_rad_s),
+        ("torque of a servo", "n_m", timeline.joint_torques_n_m),
+    ):
+        yield from _named("joint", [f"{name}_{unit}" for name in LEG_JOINTS], about, values)
     yield from _named("box", POSE, "pose of the box's centre", timeline.qpos[:, BOX])
     error = timeline.box_error()
     yield from _named(
@@ -78,8 +84,15 @@ def _columns(episode: Exported) -> Iterator[Column]:
         yield from _named(f"force_{name}", [f"{axis}_w_n" for axis in XYZ], about, timeline.contact_forces_n[:, leg])
     yield from _named("com", [f"{axis}_w_m" for axis in XYZ], "centre of mass of the robot", timeline.com_m)
     yield from _named("zmp", [f"{axis}_w_m" for axis in "xy"], "zero-moment point on the floor", timeline.zmp_m)
-    about = "distance of the CoM's ground projection from the border of the support polygon, positive inside"
-    yield _column("support_margin_m", "m", about, timeline.support_margin_m)
+    for margin, point, margins in (
+        ("support", "CoM's ground projection", timeline.support_margin_m),
+        ("zmp", "zero-moment point", timeline.zmp_margin_m),
+        ("capture", "capture point", timeline.capture_margin_m),
+    ):
+        about = f"least distance of the {point} from the border of the support polygon in the tick, positive inside"
+        yield _column(f"{margin}_margin_m", "m", about, margins)
+    about = "moment of the forces on the feet about the CoM"
+    yield from _named("foot_moment", [f"{axis}_w_n_m" for axis in XYZ], about, timeline.foot_moment_n_m)
     yield _column("reward", "", "reward of the step, in its last row", _rewards(timeline))
 
 
@@ -99,7 +112,7 @@ def _kind(motion: object) -> str:
 def _named(prefix: str, names: Sequence[str], about: str, values: Floats) -> Iterator[Column]:
     """A column for each name, whose last word gives the unit."""
     for name, column in zip(names, values.T, strict=True):
-        unit = {"m": "m", "rad": "rad", "n": "N"}.get(name.rpartition("_")[2], "")
+        unit = next((symbol for ending, symbol in UNITS.items() if f"_{name}".endswith(ending)), "")
         yield _column(f"{prefix}_{name}", unit, about, column)
 
 

@@ -28,7 +28,8 @@ STEP_SCHEMA: Final = _schema(
         "w2": ("number", "place of the second inner control point", ""),
         "depth_m": ("number", "how far beyond the face the curve ends", "m"),
         "box_mass_kg": ("number", "mass of the box from here on", "kg"),
-        "box_friction": ("number", "friction of the box from here on", ""),
+        "box_friction": ("number", "friction of box and floor from here on", ""),
+        "box_foot_friction": ("number", "friction of box and foot from here on", ""),
     },
 )
 """A step of the episode: a motion, and the fields of that motion."""

@@ -44,3 +44,9 @@ class ActuatorLimits:
         lower, upper = self.bounds_n_m(positions_rad, speeds_rad_s)
         flags: Flags = (torques_n_m > upper + SLACK_N_M) | (torques_n_m < lower - SLACK_N_M)
         return flags
+
+    def reached(self, positions_rad: Floats, speeds_rad_s: Floats, torques_n_m: Floats) -> Flags:
+        """Whether torques (..., 12) are all that the actuators have."""
+        lower, upper = self.bounds_n_m(positions_rad, speeds_rad_s)
+        flags: Flags = (torques_n_m >= upper - SLACK_N_M) | (torques_n_m <= lower + SLACK_N_M)
+        return flags

@@ -16,6 +16,10 @@ from legpush.scene.robot import RobotSpec
 
 SIDE: Final = np.array([1.0 if leg.endswith("L") else -1.0 for leg in LEGS])
 """+1 for left legs, -1 for right legs, (4,)."""
+LEAST_DROP_M: Final = 1e-3
+"""A leg that saturates has its foot at least this far below the hip-y axis in the leg plane."""
+LARGEST_DIRECTION_RAD: Final = 3.0
+"""Largest direction of a tip about the hip-x axis that is kept, from straight down: nearly straight up."""
 
 
 class LegKinematics:
@@ -36,6 +40,8 @@ class LegKinematics:
         self.lower_limits_rad: Floats = np.array([joint.limits_rad[0] for joint in joints])
         self.upper_limits_rad: Floats = np.array([joint.limits_rad[1] for joint in joints])
         """Limits of hip-x, hip-y and knee, (3,)."""
+        self._farthest_rad = min(float(np.abs(joints[0].limits_rad).max()) + np.pi / 2, LARGEST_DIRECTION_RAD)
+        """The farthest direction of a tip about the hip-x axis, from straight down."""
         l2, l3 = self._upper_m, self._lower_m
         self._reach_squared_m2 = tuple(
             l2**2 + l3**2 + 2 * l2 * l3 * np.cos(angle) for angle in reversed(robot.joints.knee.limits_rad)
@@ -65,42 +71,59 @@ class LegKinematics:
     def inverse(self, tips_h: ArrayLike, side: ArrayLike, *, saturate: bool = False) -> Floats:
         """Joint angles, (..., 3), that put the tips at `tips_h` in the hip frame.
 
-        A tip that the leg does not reach gives NaN. With `saturate` the leg stretches or folds toward it as far as its
-        joint limits allow.
+        A tip that the leg does not reach gives NaN. There are two solutions: the foot below or above the hip-y axis in
+        the leg plane. The one inside the joint limits is taken, or the lower one if both are inside.
 
-        There are two solutions: the foot below or above the hip-y axis in the leg plane. The one inside the joint
-        limits is taken, or the lower one if both are inside.
+        With `saturate` the leg stretches or folds toward the tip as far as its joint limits allow, always with the foot
+        below the hip-y axis: joint angles never jump while the tip moves on.
         """
         low, high = self.lower_limits_rad, self.upper_limits_rad
         tips = np.asarray(tips_h, dtype=np.float64)
         side = np.broadcast_to(np.asarray(side, dtype=np.float64), tips.shape[:-1])
-        below = self._inverse_branch(tips, side, -1.0, saturate=saturate)
+        if saturate:
+            return np.clip(self._saturated(tips, side), low, high)
+        below = self._inverse_branch(tips, side, -1.0)
         inside = np.all((below >= low - 1e-9) & (below <= high + 1e-9), axis=-1)
         if inside.all():
             return below
-        above = self._inverse_branch(tips, side, 1.0, saturate=saturate)
+        above = self._inverse_branch(tips, side, 1.0)
         above_inside = np.all((above >= low - 1e-9) & (above <= high + 1e-9), axis=-1)
-        joints = np.where((~inside & above_inside)[..., None], above, below)
-        return np.clip(joints, low, high) if saturate else joints
+        return np.where((~inside & above_inside)[..., None], above, below)
 
-    def _inverse_branch(self, tips: Floats, side: Floats, z_sign: float, *, saturate: bool) -> Floats:
+    def _inverse_branch(self, tips: Floats, side: Floats, z_sign: float) -> Floats:
         """The solution whose foot has a `z2` of this sign in the leg plane."""
-        l1, l2, l3 = self._offset_m, self._upper_m, self._lower_m
+        l1 = self._offset_m
         x, y, z = np.moveaxis(tips, -1, 0)
-        z2_squared = y * y + z * z - l1 * l1
-        if saturate:
-            z2_squared = np.maximum(z2_squared, 1e-6)
         with np.errstate(invalid="ignore"):
-            z2 = z_sign * np.sqrt(z2_squared)
+            z2 = z_sign * np.sqrt(y * y + z * z - l1 * l1)
             q1 = np.arctan2(z, y) - np.arctan2(z2, side * l1)
-            b2 = x * x + z2 * z2
-            if saturate:
-                b2 = np.clip(b2, *self._reach_squared_m2)
-            b = np.sqrt(b2)
-            beta2 = np.arccos((l2**2 + b2 - l3**2) / (2 * l2 * b))
-            beta3 = np.arccos((l2**2 + l3**2 - b2) / (2 * l2 * l3))
+            beta2, beta3 = self._angles(x * x + z2 * z2)
         q2 = np.arctan2(-x, -z2) + beta2
         return np.stack([_wrap(q1), _wrap(q2), np.pi - beta3], axis=-1)
+
+    def _saturated(self, tips: Floats, side: Floats) -> Floats:
+        """The lower solution, continued beyond the leg's reach without a jump, before the limits of the joints.
+
+        The direction of a tip about the hip-x axis, from straight down, is kept up to the farthest one that the hip
+        reaches. From there to straight up, and toward the axis, it turns back to straight down.
+        """
+        l1 = self._offset_m
+        x, y, z = np.moveaxis(tips, -1, 0)
+        z2_squared = y * y + z * z - l1 * l1
+        z2 = -np.sqrt(np.maximum(z2_squared, LEAST_DROP_M**2))
+        direction, farthest = np.arctan2(y, -z), self._farthest_rad
+        beyond = np.copysign(farthest * (np.pi - np.abs(direction)) / (np.pi - farthest), direction)
+        direction = np.where(np.abs(direction) <= farthest, direction, beyond)
+        direction *= np.minimum(np.hypot(y, z) / l1, 1.0)
+        q1 = direction - np.arctan2(side * l1, -z2)
+        beta2, beta3 = self._angles(np.clip(x * x + z2 * z2, *self._reach_squared_m2))
+        return np.stack([q1, np.arctan2(-x, -z2) + beta2, np.pi - beta3], axis=-1)
+
+    def _angles(self, reach_squared_m2: Floats) -> tuple[Floats, Floats]:
+        """Angles of the triangle of upper leg, lower leg and reach: at the hip-y axis, and at the knee."""
+        l2, l3, b2 = self._upper_m, self._lower_m, reach_squared_m2
+        at_hip = np.arccos((l2**2 + b2 - l3**2) / (2 * l2 * np.sqrt(b2)))
+        return at_hip, np.arccos((l2**2 + l3**2 - b2) / (2 * l2 * l3))
 
     def jacobian(self, joints_rad: ArrayLike, side: ArrayLike) -> Floats:
         """Derivative of the tip in the hip frame with respect to the joint angles, (..., 3, 3)."""

@@ -16,8 +16,6 @@ ANKLE_SHARE: Final = 1.5
 
 If it ended in the centre, it would touch the floor with the foot.
 """
-CAP_SHARES: Final = (0.034, 0.864, 0.824)
-"""Half sizes of head and tail, as shares of those of the trunk."""
 
 
 def add_robot(spec: mujoco.MjSpec, robot: RobotSpec) -> None:
@@ -44,7 +42,7 @@ def add_robot(spec: mujoco.MjSpec, robot: RobotSpec) -> None:
             name=name,
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=[x, 0, 0],
-            size=[share * side for share, side in zip(CAP_SHARES, half, strict=True)],
+            size=[share * side for share, side in zip(robot.trunk.cap_shares, half, strict=True)],
             mass=0.0,
             rgba=DARK,
             **ROBOT,

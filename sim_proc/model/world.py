@@ -1,7 +1,7 @@
 """The MuJoCo model of a scenario: the robot, the box and the room, which of them collide, and the sensors.
 
-Every link of the robot collides with floor, walls and box, and its lower legs collide with each other. Contacts that
-are meant are listed as pairs, so that each friction coefficient is stated once.
+Every link of the robot collides with floor, walls and box, and its lower legs collide with each other. Each friction
+coefficient is stated once: of listed pairs of geoms, and of walls for whatever touches them.
 """
 
 from collections.abc import Sequence
@@ -12,15 +12,13 @@ from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.headless import mujoco
 from sim_proc.model.box_body import add_box
+from sim_proc.model.collisions import ROLLING_FRICTION_M, SOLREF, TURNING_FRICTION_M
 from sim_proc.model.robot_body import add_robot
-from sim_proc.model.scenery import add_scenery, wall_name
+from sim_proc.model.scenery import add_scenery
 
 PHYSICS_STEP_S: Final = 0.002
 JOINT_QVEL: Final = slice(6, 18)
 """Columns of the joints in `qvel`."""
-SOLREF: Final = (0.008, 1.0)
-"""Time constant and damping ratio of listed contacts. A foot sinks in by less than 1 mm; stiffer contacts bounce."""
-WALL_FRICTION: Final = 0.5
 NET_FORCE: Final = 3
 """Reduction `netforce` of MuJoCo's contact sensor: the sum of all contacts as one."""
 
@@ -88,31 +86,26 @@ def _set_options(spec: mujoco.MjSpec, room: Room) -> None:
 
 
 def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Sequence[str]) -> None:
-    """Add the pairs of geoms that collide, with their friction."""
+    """Add the pairs of geoms whose contacts are meant, with their friction."""
 
     def pair(first: str, second: str, friction: float) -> None:
-        coefficients = [friction, friction, 0.005, 0.0001, 0.0001]
+        coefficients = [friction, friction, TURNING_FRICTION_M, ROLLING_FRICTION_M, ROLLING_FRICTION_M]
         spec.add_pair(
             name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3, solref=SOLREF
         )
 
-    box_friction = scenario.box.friction
-    feet = [f"{leg}_foot" for leg in LEGS]
-    for foot in feet:
-        pair("floor", foot, scenario.robot.legs.foot_friction)
+    for leg in LEGS:
+        pair("floor", f"{leg}_foot", scenario.robot.legs.foot_friction)
         for box in box_geoms:
-            pair(foot, box, box_friction)
+            pair(f"{leg}_foot", box, scenario.box.friction_with_robot)
     for box in box_geoms:
-        pair("floor", box, box_friction)
+        pair("floor", box, scenario.box.friction)
         for part in ("FL_lower", "FR_lower", "trunk"):
-            pair(part, box, box_friction)
-    for index in range(len(scenario.room.obstacles)):
-        for part in (*feet, "trunk", *box_geoms):
-            pair(wall_name(index), part, WALL_FRICTION)
+            pair(part, box, scenario.box.friction_with_robot)
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
-    """Add force sensors of the feet, against floor and box, an IMU, and the robot's centre of mass."""
+    """Add force sensors of the feet, against floor, box and everything, an IMU, and the robot's centre of mass."""
 
     def contact_force(name: str, foot: str, other: str, kind: mujoco.mjtObj) -> None:
         """Net force of a geom or body on a foot: MuJoCo's contact sensor with data `force` and reduction `netforce`."""
@@ -150,3 +143,11 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
     spec.add_sensor(
         name="com", type=mujoco.mjtSensor.mjSENS_SUBTREECOM, objtype=mujoco.mjtObj.mjOBJ_BODY, objname="trunk"
     )
+    for leg in LEGS:
+        spec.add_sensor(
+            name=f"{leg}_foot_force",
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=mujoco.mjtObj.mjOBJ_GEOM,
+            objname=f"{leg}_foot",
+            intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), NET_FORCE, 1],
+        )

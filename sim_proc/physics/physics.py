@@ -1,10 +1,11 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import cos, radians, sin
 from typing import Final
 
+import msgspec
 import numpy as np
 
 from legpush.arrays import Floats
@@ -12,16 +13,20 @@ from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
-from sim_proc.control.plant import TickLog
+from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
 from sim_proc.physics.appearing import Waiting
+from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.inverse_dynamics import InverseDynamics
+from sim_proc.physics.landing import BLOCKED_SHARE, Landing
+from sim_proc.physics.sensors import Sensors
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
@@ -36,6 +41,7 @@ class Physics:
         """Stand the robot at `trunk` and the box at `box`, at rest."""
         self.robot = robot = scenario.robot
         """The numbers of the robot."""
+        self._robot_crc = _crc_of(robot)
         self.model = build_model(scenario)
         self.data = mujoco.MjData(self.model)
         model, data = self.model, self.data
@@ -45,20 +51,15 @@ class Physics:
         self.downhill: Floats = gravity[:2] / -gravity[2]
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
         self.mass_kg = float(model.body_subtreemass[self._trunk_body])
-        self._sensors = {model.sensor(i).name: _slice_of(model, i) for i in range(model.nsensor)}
-        self._floor_forces = slice(self._sensors["FL_floor_force"].start, self._sensors["RR_floor_force"].stop)
-        self._box_forces = slice(self._sensors["FL_box_force"].start, self._sensors["RR_box_force"].stop)
-        self._com = self._sensors["com"]
-        self._tips = slice(self._sensors["FL_tip"].start, self._sensors["RR_tip"].stop)
-        self._joint_sensors = [
-            slice(self._sensors[f"FL_hip_x_{what}"].start, self._sensors[f"RR_knee_{what}"].stop)
-            for what in ("position", "velocity", "torque")
-        ]
+        self._sensors = sensors = Sensors(model)
+        self._joint_sensors = sensors.joint_positions, sensors.joint_velocities, sensors.joint_torques
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
         self._limits = ActuatorLimits(robot)
         self._dynamics = InverseDynamics(model, robot)
+        self.contacts = ContactWatch(model)
+        """Counts the contacts that no plan asked for."""
         self._upright = cos(radians(robot.fall.tilt_deg))
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
@@ -78,8 +79,8 @@ class Physics:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
         return self._dynamics.torques_n_m(motion, yaw_rad)
 
-    def run(self, commands: JointCommands) -> TickLog:
-        """Track joint commands, one row per tick; stop early at a fall.
+    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown.
 
         A servo is commanded `q + (torque + Kv velocity) / Kp`, and its torque stays within its limits. Tips,
         forces and the CoM are those at the beginning of the last physics step. An obstacle that is due is put in its
@@ -89,33 +90,52 @@ class Physics:
             LegpushError: MuJoCo warned, or the state stopped being finite.
         """
         feed_forward = commands.torques_n_m + self._velocity_gains * commands.velocities_rad_s
-        controls = commands.positions_rad + self._compliances * feed_forward
+        planned = commands.positions_rad + self._compliances * feed_forward
+        landing = None if until is None else self._landing(until, commands)
         before = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, before, STATE)
-        waiting, appeared, tick = self._waiting.copy(), self.appeared, self.tick
-        qpos, sensors = self._simulate(controls, self._run_tick)
+        waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
+        controls = planned.copy()
+        qpos, sensors = self._simulate(controls, self._run_tick, landing)
         if self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any():
             # Limits at angles and speeds cost much and are met rarely: only then is the motion simulated with them.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
-            qpos, sensors = self._simulate(controls, self._run_limited_tick)
+            self.contacts = contacts
+            controls = planned.copy()
+            qpos, sensors = self._simulate(controls, self._run_limited_tick, landing)
         self._check(qpos)
-        last, n = sensors[:, -1], len(qpos)
+        steps = self._sensors.steps(sensors)
         return TickLog(
             qpos=qpos,
-            tips_m=last[:, self._tips].reshape(n, 4, 3),
-            floor_forces_n=-last[:, self._floor_forces].reshape(n, 4, 3),
-            box_forces_n=-last[:, self._box_forces].reshape(n, 4, 3),
-            com_m=last[:, self._com],
-            ctrl=controls[:n],
+            tips_m=steps.tips_m[:, -1],
+            floor_forces_n=steps.floor_forces_n[:, -1],
+            box_forces_n=steps.box_forces_n[:, -1],
+            com_m=steps.com_m[:, -1],
+            ctrl=controls[: len(qpos)],
+            steps=steps,
+            touched_down=landing is not None and landing.touched_down(len(qpos) - 1, sensors[-1]),
+            not_down=None if landing is None else landing.not_down(len(qpos) - 1, sensors[-1]),
         )
 
-    def _simulate(self, controls: Floats, run_tick: Callable[[Floats, Floats], None]) -> tuple[Floats, Floats]:
-        """Run ticks with controls (n, steps, 12) up to a fall; return `qpos` of each, and the sensors of all steps."""
+    def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
+        holds = commands.positions_rad + self._compliances * commands.torques_n_m
+        first, last = (self._sensors.of[f"{leg}_foot_force"] for leg in (LEGS[0], LEGS[-1]))
+        allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
+        lag = self._joint_sensors[0], commands.positions_rad, allowed_rad
+        return Landing(touchdown, slice(first.start + 2, last.stop, 3), holds, lag)
+
+    def _simulate(
+        self, controls: Floats, run_tick: Callable[[Iterable[Floats], Floats], None], landing: Landing | None
+    ) -> tuple[Floats, Floats]:
+        """Run ticks with controls (n, steps, 12) up to a fall or a touchdown.
+
+        Return `qpos` of each tick and the sensors of all steps. The controls become those that were commanded.
+        """
         n, data, upright, lowest_m = len(controls), self.data, self._upright, self.robot.fall_height_m
         qpos, sensors = np.empty((n, self.model.nq)), np.empty((n, COMMANDS_PER_TICK, self.model.nsensordata))
         for k in range(n):
-            run_tick(controls[k], sensors[k])
+            run_tick(controls[k] if landing is None else landing.controls(k, controls[k], sensors[k]), sensors[k])
             row = qpos[k]
             row[:] = data.qpos
             self.tick += 1
@@ -124,25 +144,34 @@ class Physics:
             if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < lowest_m:
                 self.fallen = True
                 return qpos[: k + 1], sensors[: k + 1]
+            if landing is not None and landing.ends(k, sensors[k]):
+                return qpos[: k + 1], sensors[: k + 1]
         return qpos, sensors
 
-    def _run_tick(self, controls: Floats, sensors: Floats) -> None:
+    def _run_tick(self, controls: Iterable[Floats], sensors: Floats) -> None:
         """Run one tick with controls (steps, 12), up to the largest torques, and fill in the sensors of its steps."""
         model, data, ctrl, sensordata = self.model, self.data, self.data.ctrl, self.data.sensordata
+        contacts = self.contacts
+        contacts.begin_tick()
         for control, row in zip(controls, sensors, strict=True):
             ctrl[:] = control
             mujoco.mj_step(model, data)
             row[:] = sensordata
+            if data.ncon != contacts.n_known:
+                contacts.look(model, data)
 
-    def _run_limited_tick(self, controls: Floats, sensors: Floats) -> None:
+    def _run_limited_tick(self, controls: Iterable[Floats], sensors: Floats) -> None:
         """Run one tick with the limits of torque at the angles and speeds of each step."""
         model, data = self.model, self.data
         bounds = model.actuator_forcerange
+        self.contacts.begin_tick()
         for control, row in zip(controls, sensors, strict=True):
             bounds[:, 0], bounds[:, 1] = self._limits.bounds_n_m(data.qpos[JOINT_QPOS], data.qvel[JOINT_QVEL])
             data.ctrl[:] = control
             mujoco.mj_step(model, data)
             row[:] = data.sensordata
+            if data.ncon != self.contacts.n_known:
+                self.contacts.look(model, data)
         bounds[:, 0], bounds[:, 1] = -self._limits.peak_n_m, self._limits.peak_n_m
 
     def begin(self) -> None:
@@ -186,7 +215,7 @@ class Physics:
 
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""
-        values: Floats = self.data.sensordata[self._sensors[name]].copy()
+        values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
         return values
 
     def joints_rad(self) -> Floats:
@@ -201,13 +230,11 @@ class Physics:
 
     def floor_forces_n(self) -> Floats:
         """Forces of the floor on the feet, (4, 3)."""
-        forces: Floats = -self.data.sensordata[self._floor_forces].reshape(4, 3)
-        return forces
+        return self._sensors.floor_forces_n(self.data.sensordata)
 
     def box_forces_n(self) -> Floats:
         """Forces of the box on the feet, (4, 3)."""
-        forces: Floats = -self.data.sensordata[self._box_forces].reshape(4, 3)
-        return forces
+        return self._sensors.box_forces_n(self.data.sensordata)
 
     def trunk_angular_velocity_rad_s(self) -> Floats:
         """Angular velocity of the trunk, world frame, (3,). MuJoCo keeps it in the frame of the trunk."""
@@ -229,16 +256,15 @@ class Physics:
         return _planar(self.data.qpos[TRUNK_QPOS])
 
     def state_crc(self) -> int:
-        """CRC-32 of MuJoCo's integration state."""
-        signature = mujoco.mjtState.mjSTATE_INTEGRATION
-        state = np.empty(mujoco.mj_stateSize(self.model, signature))
-        mujoco.mj_getState(self.model, self.data, state, signature)
-        return zlib.crc32(state.tobytes())
+        """CRC-32 of the robot's numbers and MuJoCo's integration state."""
+        state = np.empty(mujoco.mj_stateSize(self.model, STATE))
+        mujoco.mj_getState(self.model, self.data, state, STATE)
+        return zlib.crc32(state.tobytes(), self._robot_crc)
 
 
-def _slice_of(model: mujoco.MjModel, sensor: int) -> slice:
-    start = int(model.sensor_adr[sensor])
-    return slice(start, start + int(model.sensor_dim[sensor]))
+def _crc_of(robot: RobotSpec) -> int:
+    """CRC-32 of the robot as it is sent: in MessagePack, with every number of the type that it is read as."""
+    return zlib.crc32(msgspec.msgpack.encode(msgspec.convert(msgspec.to_builtins(robot), RobotSpec)))
 
 
 def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:

@@ -12,7 +12,6 @@ from legpush.history.timeline import BOX, Timeline, TimelineStep
 from legpush.messages.planning import BoxPathQuery, Plan
 from legpush.messages.stepping import Follow, Push
 from legpush.scene.conventions import LEGS, LOADED_N
-from legpush.scene.faces import pushed_box, pushed_pose
 from sim_proc.control.push_cycle import contact_point
 from sim_proc.control.swing import bezier, control_points
 
@@ -93,9 +92,9 @@ def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
         return None
     box = timeline.qpos[step.first_row - 1, BOX]
     yaw = float(rpy_from_quaternion(box[3:])[2])
-    pose = pushed_pose(Pose2(x_m=float(box[0]), y_m=float(box[1]), yaw_rad=yaw), push.face)
+    pose = Pose2(x_m=float(box[0]), y_m=float(box[1]), yaw_rad=yaw)
     start = timeline.tips_m[step.first_row + shift_ticks - 1, LEGS.index(push.leg)]
-    goal = contact_point(robot, pose, pushed_box(timeline.scenario.box, push.face), push.leg, push.depth_m)
+    goal = contact_point(robot, timeline.scenario.box, pose, push.face, push.leg, push.depth_m)
     control = control_points(start, goal, push.w1, push.w2, push.locus, robot.legs.foot_radius_m)
     return Curve(bezier(control, np.linspace(0.0, 1.0, CURVE_POINTS)), control)
 

@@ -9,6 +9,7 @@ import viser
 
 from legpush.arrays import Floats, Indices
 from legpush.history.timeline import Timeline
+from legpush.scene.conventions import JOINTS
 
 MAX_POINTS: Final = 400
 """Most points of a curve. More could not be seen."""
@@ -53,6 +54,19 @@ def trunk_angles(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
     return angles[:, 0], angles[:, 1]
 
 
+def margins(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
+    """Least margins of capture point, zero-moment point and CoM from each row to the next [cm]."""
+    of_points = (timeline.capture_margin_m, timeline.zmp_margin_m, timeline.support_margin_m)
+    return tuple(100.0 * np.fmin.reduceat(values, rows) for values in of_points)
+
+
+def torques(timeline: Timeline, rows: Indices) -> tuple[Floats, ...]:
+    """Largest torques of the hip-x, hip-y and knee joints of all legs from each row to the next [N m]."""
+    magnitudes = np.abs(timeline.joint_torques_n_m)
+    kinds = (magnitudes[:, index :: len(JOINTS)].max(axis=1) for index in range(len(JOINTS)))
+    return tuple(np.fmax.reduceat(values, rows) for values in kinds)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Plot:
     """A plot over simulated time."""
@@ -80,9 +94,22 @@ PLOTS: Final = (
         values=trunk_angles,
     ),
     Plot(
-        title="Support margin",
-        curves=(Curve(label="margin [cm]", color="#2369c8"),),
-        values=lambda timeline, rows: (100.0 * timeline.support_margin_m[rows],),
+        title="Margins in the support polygon [cm]",
+        curves=(
+            Curve(label="capture point", color="#d97b0d"),
+            Curve(label="ZMP", color="#8c33a6"),
+            Curve(label="CoM", color="#2369c8"),
+        ),
+        values=margins,
+    ),
+    Plot(
+        title="Largest torque of any leg [N m]",
+        curves=(
+            Curve(label="hip-x", color="#188c50"),
+            Curve(label="hip-y", color="#cd3c2d"),
+            Curve(label="knee", color="#285aa0"),
+        ),
+        values=torques,
     ),
 )
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from agent_proc.frames.push_view import push_view
@@ -13,12 +14,16 @@ from agent_proc.policies.learned import load_learned
 from agent_proc.policies.registry import policy_from_data
 from agent_proc.programs.policy import read_any_policy
 from agent_proc.push_model.map import load_push_map
+from agent_proc.reporting.mission_record import read_record
+from agent_proc.reporting.phases import phase_report
 from legpush.errors import PolicyError
-from legpush.history.journal import JOURNAL_VERSION, Opened, read_entries
+from legpush.history.entries import JOURNAL_VERSION, Opened
+from legpush.history.journal import read_entries
 from legpush.history.run_history import RunHistory
 from legpush.history.steps import PlanRecord, StepRecord, read_episode
 from legpush.messages.common import READABLE_VERSIONS
 from legpush.messages.stepping import Push, Reset
+from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.episodes import read_episodes
 from legpush.recording.facts import read_facts, unpack_mission
@@ -27,6 +32,8 @@ from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.scenarios.file import load_scenario
+from sim_proc.export.columns import columns_of
+from sim_proc.export.source import read_source
 from tests.agent.fake_world import make_state, scenario_at_station
 
 HERE = Path(__file__).parent
@@ -82,6 +89,19 @@ def test_its_history_has_the_episode_its_plan_and_what_the_processes_said(record
     assert timeline.rewards.keys() == {1, 2}
 
 
+def test_what_it_did_not_measure_is_told_as_not_known(recording: Recording, folder: Path) -> None:
+    """Motions are measured since protocol 8."""
+    (episode,) = read_episodes(recording)
+    assert [asked.outcome.measures for asked in episode.carried_out() if asked.outcome] == [None] * 3
+    source = read_source([folder / "two_pushes.mcap"], None, partial=False)
+    columns = {column.name: column.values for column in columns_of(source.episodes)}
+    assert np.isfinite(columns["support_margin_m"][1:].astype(np.float64)).all()
+    for name in ("zmp_margin_m", "capture_margin_m", "foot_moment_x_w_n_m", "joint_RR_knee_n_m"):
+        assert np.isnan(columns[name].astype(np.float64)).all()
+    record = read_record(read_episode(folder / "two_pushes.journal"))
+    assert phase_report(record.steps, record.scenario.robot) is None
+
+
 def test_it_can_be_branched_at_a_step(recording: Recording) -> None:
     past = RecordedPast(recording, BranchPoint(0, 2))
     (episode,) = read_episodes(recording)
@@ -91,8 +111,8 @@ def test_it_can_be_branched_at_a_step(recording: Recording) -> None:
     assert past.plan(record.query) == record.plans[0]
 
 
-def test_a_fresh_simulator_that_computes_other_bits_is_told_as_other_numerics(folder: Path) -> None:
-    """The recording was made before numerics had a profile."""
+def test_a_fresh_simulator_that_computes_other_bits_is_told_as_another_version(folder: Path) -> None:
+    """The recording was made before motions had a version."""
     code = "import sys; from legpush.cli import main; sys.exit(main())"
     done = subprocess.run(
         [sys.executable, "-P", "-c", code, "replay", str(folder / "two_pushes.mcap"), "--verify"],
@@ -102,11 +122,9 @@ def test_a_fresh_simulator_that_computes_other_bits_is_told_as_other_numerics(fo
         timeout=200.0,
     )
     assert done.stderr == ""
-    if done.returncode == 1:
-        assert "\nother numerics: recorded with numerics that were not noted, here x86-64-v3/" in done.stdout
-        assert "; first difference at episode 0, step 0, field " in done.stdout
-    else:
-        assert "identical: 3 steps, 5.5 s simulated" in done.stdout
+    assert done.returncode == 2
+    told = f"other version: recorded before motions had a version, here {MOTION_VERSION}; it cannot be verified or "
+    assert done.stdout.splitlines()[-1].startswith(told)
 
 
 def test_a_journal_is_read(folder: Path) -> None:

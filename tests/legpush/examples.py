@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from legpush.bus.channels import Message
 from legpush.geometry import Pose2
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
+from legpush.messages.measures import TORQUE_BINS, Measures, UnexpectedContact
 from legpush.messages.planning import (
     BoxPathQuery,
     Plan,
@@ -59,7 +60,7 @@ SCENARIO = Scenario(
         ),
     ),
     start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
-    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0)),
+    box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0), foot_friction=0.8, com_offset_m=(0.05, -0.1, 0.02)),
     goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
 )
 RESET = Reset(scenario=SCENARIO, seed=3)
@@ -151,6 +152,38 @@ TRACE = Trace(
     com_m=((0.1, 0.2, 0.48), (0.1, 0.2, 0.48)),
     zmp_m=((0.1, 0.2), (0.1, 0.2)),
     support_margin_m=(0.14, 0.05),
+    zmp_margin_m=(0.13, 0.06),
+    capture_margin_m=(0.12, 0.07),
+    foot_moment_n_m=((0.1, -0.2, 0.0), (0.3, 0.4, -0.1)),
+    joint_velocities_rad_s=((0.5,) * 12, (-0.5,) * 12),
+    joint_torques_n_m=((1.5,) * 12, (-25.0,) * 12),
+)
+NO_TORQUES = (0,) * (TORQUE_BINS - 1)
+MEASURES = Measures(
+    n_steps=20,
+    n_footsteps=4,
+    max_torques_n_m=(10.0, 20.0, 30.0) * 4,
+    max_speeds_rad_s=(1.0, 2.0, 3.0) * 4,
+    max_powers_w=(5.0, 20.0, 60.0) * 4,
+    n_at_torque_limit=(0, 1, 2) * 4,
+    least_to_limits_rad=(0.6, 0.5, -0.01) * 4,
+    torque_counts=(
+        (80, *(0,) * (TORQUE_BINS - 1)),
+        (*(0,) * (TORQUE_BINS - 1), 80),
+        (40, 40, *(0,) * (TORQUE_BINS - 2)),
+    ),
+    positive_work_j=12.5,
+    min_support_margin_m=-0.02,
+    n_outside_support=3,
+    min_zmp_margin_m=0.01,
+    min_capture_margin_m=0.005,
+    max_push_moment_n_m=2.5,
+    n_touchdowns=5,
+    n_loadings=4,
+    landing_speeds_m_s=(0.09, 0.11, 0.1, 0.08),
+    max_penetration_m=0.0008,
+    n_unexpected_steps=2,
+    unexpected=(UnexpectedContact(first="FL_lower", second="wall_0", n_steps=2, max_force_n=7.5),),
 )
 
 
@@ -169,13 +202,13 @@ MESSAGES: Mapping[str, Message] = {
     "action_follow": _action(Follow(waypoints=PLAN.waypoints), 1),
     "action_walk": _action(Walk(), 2),
     "action_push": _action(Push(w1=0.25, w2=0.75, leg="FL", depth_m=0.12, face="left"), 3),
-    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3), 4),
+    "action_alter": _action(Alter(box_mass_kg=0.9, box_friction=0.3, box_foot_friction=0.6), 4),
     "observation": Observation(
         header=header("sim"),
         agent_incarnation="agent-0a1b2c",
         episode=1700000000000,
         step=3,
-        outcome=Outcome(world=WORLD, state_crc=0xDEADBEEF, trace=TRACE),
+        outcome=Outcome(world=WORLD, state_crc=0xDEADBEEF, trace=TRACE, measures=MEASURES),
     ),
     "refusal": Refusal(
         header=header("sim"),

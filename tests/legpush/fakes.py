@@ -13,7 +13,7 @@ from legpush.bus.endpoints import in_directory
 from legpush.bus.faults import Faults
 from legpush.errors import MotionError
 from legpush.geometry import Pose2
-from legpush.history.journal import Opened
+from legpush.history.entries import Opened
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.lockstep.server import serve_actions
 from legpush.lockstep.simulator import Stepper
@@ -21,6 +21,7 @@ from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Role
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.plans.planner import Interrupted, MakePlans
@@ -99,7 +100,8 @@ def crc_after(motions: list[Motion]) -> int:
 
 def opened(seed: int = 3) -> Opened:
     """How a journal of the test run begins."""
-    return Opened(protocol=PROTOCOL_VERSION, run=RUN, seed=seed, versions={}, began_unix_s=0.0)
+    versions = {MOTIONS: str(MOTION_VERSION)}
+    return Opened(protocol=PROTOCOL_VERSION, run=RUN, seed=seed, versions=versions, began_unix_s=0.0)
 
 
 class Agent:

@@ -11,6 +11,7 @@ from legpush.bounds import LEAST_LENGTH_M, MAX_LENGTH_M
 from legpush.scene.reference import Arcs, Sine, Straight
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Rectangle
+from legpush.scene.solid import steps_to_surface
 from tests.robots import scaled_robot
 
 T = TypeVar("T")
@@ -74,7 +75,10 @@ def _box(fields: dict[str, Any]) -> Box:
     length_m, width_m, height_m = fields["size_m"]
     if fields["shape"] == "cylinder":
         width_m = length_m
-    return Box(**{**fields, "size_m": (length_m, width_m, height_m)})
+    even = Box(**{**fields, "size_m": (length_m, width_m, height_m), "com_offset_m": (0.0, 0.0, 0.0)})
+    offset = fields["com_offset_m"]
+    share = 0.8 * steps_to_surface(even.shape, even.size_m, offset)
+    return replace(even, com_offset_m=tuple(part * min(share, 1.0) for part in offset))
 
 
 def _robot(scale: float, max_torque_n_m: float) -> RobotSpec:

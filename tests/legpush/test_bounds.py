@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from legpush.bounds import MAX_APPEARING, MAX_OBSTACLES, MAX_OVERLAP
 from legpush.errors import MessageError, ScenarioError
 from legpush.fields import range_of
-from legpush.history.journal import Acted, Planned
+from legpush.history.entries import Acted, Planned
 from legpush.messages import codec
 from legpush.messages.schemas import MESSAGES
 from legpush.messages.stepping import Reset
@@ -41,7 +41,8 @@ MESSAGE_SIZE_SUFFICES: Final = {
     *("Copies.copies", "Copies.published", "Copies.facts", "Reward.terms"),
     # One row per tick of a step, which the simulator decides about; the agent hands them on.
     *("Trace.tick", "Trace.qpos", "Trace.roll_pitch_rad", "Trace.tips_m", "Trace.contact_forces_n", "Trace.com_m"),
-    *("Trace.zmp_m", "Trace.support_margin_m"),
+    *("Trace.zmp_m", "Trace.support_margin_m", "Trace.zmp_margin_m", "Trace.capture_margin_m"),
+    *("Trace.foot_moment_n_m", "Trace.joint_velocities_rad_s", "Trace.joint_torques_n_m"),
     # In a file that its owner wrote.
     *("CellSource.grid_file", "MapSource.grid_file", "MapServerFile.image"),
 }

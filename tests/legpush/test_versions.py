@@ -12,7 +12,7 @@ from legpush.versions import Package, installed_versions, recorder_versions
 
 def test_reports_name_what_a_mission_depends_on() -> None:
     found = installed_versions()
-    names = "numerics protocol python glibc legpush zenoh mujoco ompl numpy scipy msgpack msgspec matplotlib"
+    names = "numerics motions protocol python glibc legpush zenoh mujoco ompl numpy scipy msgpack msgspec matplotlib"
     assert list(found) == names.split()
     assert (found["protocol"], found["python"]) == (str(PROTOCOL_VERSION), platform.python_version())
     assert found["zenoh"] == version("eclipse-zenoh")

@@ -6,22 +6,34 @@ from pathlib import Path
 
 from tests.project.test_layout import PACKAGES, modules
 
-BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/model", "sim_proc/physics")
+BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/measures", "sim_proc/model", "sim_proc/physics")
 """Folders of the robot's body and motion."""
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
-    "control/footsteps.py": {"ADVANCES", "SAME_M", "STRIDE_SHARES"},
+    "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
     "control/steps.py": {"SHIFT_WEIGHT", "LIFTED_SHARE", "CAUTION"},
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
-    "kinematics/leg.py": {"SIDE"},
-    "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M"},
-    "model/robot_body.py": {"BODYWORK", "DARK", "CAP_SHARES", "ANKLE_SHARE"},
-    "model/scenery.py": {"WALL_GREY", "APPEARED_OCHRE", "GOAL_GREEN"},
+    "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
+    "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
+    "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},
+    "model/collisions.py": {"SOLREF", "WALL_FRICTION", "TURNING_FRICTION_M", "ROLLING_FRICTION_M", "WALL"},
+    "model/robot_body.py": {"BODYWORK", "DARK", "ANKLE_SHARE"},
+    "model/scenery.py": {
+        "WALL_GREY",
+        "APPEARED_OCHRE",
+        "GOAL_GREEN",
+        "LEAST_SQUARE_M",
+        "SQUARES_ALONG",
+        "MOST_ALONE",
+        "UNMOVED",
+    },
     "model/shapes.py": {"FLOOR_GREY"},
-    "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "SOLREF", "WALL_FRICTION", "NET_FORCE"},
+    "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "NET_FORCE"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
+    "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
+    "physics/landing.py": {"BLOCKED_SHARE"},
     "physics/physics.py": {"PARKED_M"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""

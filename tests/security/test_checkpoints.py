@@ -7,8 +7,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent_proc.learning.checkpoint import FORMAT, MAGIC, CheckpointError
-from agent_proc.learning.training import CHECKPOINT_FILE
+from agent_proc.learning.checkpoint import CHECKPOINT_FILE, FORMAT, MAGIC, CheckpointError
 from tests.agent.learning.small_training import make_training, small_profile
 from tests.security.evil import RAN, Bomb, marks, weights_of_bombs
 

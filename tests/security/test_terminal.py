@@ -10,7 +10,8 @@ from rich.console import Console
 
 from legpush.cli import command as cli
 from legpush.errors import DiskFullError
-from legpush.history.journal import Journal, Queried
+from legpush.history.entries import Queried
+from legpush.history.journal import Journal
 from legpush.launch.display import LiveDisplay, PlainDisplay
 from legpush.launch.recover import is_harmless
 from legpush.launch.summary import print_summary

@@ -15,7 +15,8 @@ LEGPUSH: Final = str(Path(sys.executable).with_name("legpush"))
 RECORDING: Final = "RECORDING"
 CUT: Final = "cut.mcap"
 RUN: Final = "RUN"
-"""Words for a short recording, for one that is cut off, and for the folder of its run."""
+STUDY: Final = "STUDY"
+"""Words for a short recording, for one that is cut off, for the folder of its run, and for that of a study."""
 COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "run": ("run", "--scenario", "push", "--out", "run", "--no-video", "--record", "new.mcap"),
     "run with a film": ("run", "--scenario", "push", "--out", "run"),
@@ -42,6 +43,10 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "view": ("view", RECORDING, "--port", "0"),
     "canary": ("canary",),
     "study run": ("study", "run", "study.toml", "--out", "study", "--workers", "1"),
+    "study status": ("study", "status", STUDY),
+    "study table": ("study", "table", STUDY, "--csv", "table.csv"),
+    "study verify": ("study", "verify", STUDY, "--share", "1", "--workers", "1"),
+    "study merge": ("study", "merge", STUDY, "--out", "merged"),
     "bench soak": ("bench", "soak", "--out", "soak", "--cells", "kill-sim-walking"),
     "bench faults": ("bench", "faults"),
     "help": ("--help",),
@@ -50,7 +55,7 @@ ENDLESS: Final = {"record": (0, 1), "view": (0,)}
 """Commands that go on until they are interrupted, and their exit codes then."""
 PYTORCH: Final = "torchinductor_"
 """How PyTorch calls its own directory of compiled code, which it keeps in the temporary directory."""
-STUDY: Final = """
+STUDY_FILE: Final = """
 name = "interrupted"
 cell = "push"
 
@@ -86,7 +91,7 @@ def handles_signals(process: "subprocess.Popen[bytes]") -> bool:
 def interrupt(name: str, after_s: float, folder: Path, words: dict[str, str]) -> Interrupted:
     """Start a command in an empty folder, and interrupt it so long after it began to handle signals."""
     (folder / "tmp").mkdir()
-    (folder / "study.toml").write_text(STUDY)
+    (folder / "study.toml").write_text(STUDY_FILE)
     data = Path(words[RECORDING]).read_bytes()
     (folder / CUT).write_bytes(data[: len(data) // 2])
     command = [LEGPUSH, *(words.get(word, word) for word in COMMANDS[name])]

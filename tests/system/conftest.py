@@ -2,13 +2,15 @@
 their files as they are.
 """
 
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from legpush.scenarios.file import dump_scenario, load_scenario, override
-from tests.system.missions import do_mission, once
+from tests.system.commands import STUDY_FILE
+from tests.system.missions import LEGPUSH, LIMIT_S, do_mission, once
 
 SEED = 4711
 
@@ -52,6 +54,18 @@ def push_mission(shared: Path) -> RecordedMission:
 
     folder = once(shared / "push-mission", make)
     return RecordedMission(folder / "run", folder / "mission.mcap")
+
+
+@pytest.fixture(scope="session")
+def short_study(shared: Path) -> Path:
+    """The folder of a study of eight episodes of pushes."""
+
+    def make(folder: Path) -> None:
+        (folder / "study.toml").write_text(STUDY_FILE)
+        words = ("study", "run", str(folder / "study.toml"), "--out", str(folder / "study"), "--workers", "1")
+        subprocess.run([*LEGPUSH, *words], check=True, timeout=LIMIT_S)
+
+    return once(shared / "short-study", make) / "study"
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,8 @@ from typing import Any, Final, Literal, TypeVar
 import psutil
 from filelock import FileLock
 
-from legpush.history.journal import Acted, Queried, read_entries
+from legpush.history.entries import Acted, Queried
+from legpush.history.journal import read_entries
 from legpush.messages.common import Role
 from legpush.messages.stepping import Push, Walk
 

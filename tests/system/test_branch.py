@@ -6,11 +6,13 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from legpush.errors import DivergedError
+from legpush.errors import DivergedError, OtherVersionError
 from legpush.history.journal import Journal
 from legpush.lockstep.episode import Episode
 from legpush.messages.stepping import Motion, Outcome, Push
+from legpush.numerics.computed_with import ComputedWith
 from legpush.numerics.current import current
+from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.recording.branch import BranchPoint, RecordedPast
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import FakeStepper, agent, crc_after, mission, opened, sim
@@ -73,14 +75,13 @@ def test_a_trace_that_the_recording_lacks_is_made_again(tmp_path: Path) -> None:
 
 
 OTHER_STATE = (
-    "other numerics: recorded with numerics that were not noted, here .*; "
-    "Expected state 00000007 after step 5, as recorded, got "
+    "^other numerics: recorded with native/1, here .*; Expected state 00000007 after step 5, as recorded, got "
 )
 
 
 def test_a_simulator_with_the_recorded_numerics_that_comes_to_another_state_has_diverged(tmp_path: Path) -> None:
     past = past_of(tmp_path, Traceless)
-    past.numerics = current().name
+    past.computed_with = ComputedWith(str(MOTION_VERSION), current().name)
     past.changes = lambda outcome: replace(outcome, state_crc=7)  # type: ignore[attr-defined]
     with sim(tmp_path), pytest.raises(DivergedError, match=r"^Expected state 00000007 after step 5, as recorded, got "):
         run(tmp_path, mission()[:BRANCH_AT], past)
@@ -88,6 +89,15 @@ def test_a_simulator_with_the_recorded_numerics_that_comes_to_another_state_has_
 
 def test_a_simulator_that_comes_to_another_state_than_was_recorded_is_refused(tmp_path: Path) -> None:
     past = past_of(tmp_path, Traceless)
+    past.computed_with = ComputedWith(str(MOTION_VERSION), "native/1")
     past.changes = lambda outcome: replace(outcome, state_crc=7)  # type: ignore[attr-defined]
     with sim(tmp_path), pytest.raises(DivergedError, match=OTHER_STATE):
+        run(tmp_path, mission()[:BRANCH_AT], past)
+
+
+def test_a_recording_of_another_version_that_comes_to_another_state_is_told_as_that(tmp_path: Path) -> None:
+    past = past_of(tmp_path, Traceless)
+    past.changes = lambda outcome: replace(outcome, state_crc=7)  # type: ignore[attr-defined]
+    words = r"^other version: recorded before motions had a version, here \d+; it cannot be verified or "
+    with sim(tmp_path), pytest.raises(OtherVersionError, match=words):
         run(tmp_path, mission()[:BRANCH_AT], past)

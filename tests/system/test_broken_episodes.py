@@ -11,7 +11,8 @@ from msgspec.structs import replace
 
 from legpush.bus import endpoints
 from legpush.errors import BrokenEpisodeError
-from legpush.history.journal import Acted, Observed, read_entries
+from legpush.history.entries import Acted, Observed
+from legpush.history.journal import read_entries
 from legpush.messages.common import Role
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome

@@ -6,13 +6,15 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from legpush.errors import DivergedError, JournalError, MotionError
-from legpush.history.journal import Acted, Journal, Numbered, Observed, Opened, read_entries
+from legpush.errors import DivergedError, JournalError, LegpushError, MotionError, OtherVersionError
+from legpush.history.entries import Acted, Numbered, Observed, Opened
+from legpush.history.journal import Journal, read_entries
 from legpush.history.steps import PlanRecord, StepRecord, read_episode
 from legpush.lockstep.episode import Episode
 from legpush.messages.stepping import Motion, Outcome, Walk
+from legpush.numerics.computed_with import NUMERICS
 from legpush.numerics.current import current
-from legpush.versions import NUMERICS
+from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from tests.legpush.examples import QUERY, RESET
 from tests.legpush.fakes import (
     FakeStepper,
@@ -27,6 +29,7 @@ from tests.legpush.fakes import (
 
 MISSION = mission()
 CRC = crc_after(MISSION)
+MOTIONS_HERE = str(MOTION_VERSION)
 
 
 def run_episode(directory: Path, journal_path: Path, n_steps: int) -> Outcome:
@@ -121,15 +124,33 @@ def test_an_episode_that_was_led_through_again_has_its_new_number_in_the_journal
 
 
 @pytest.mark.parametrize(
-    ("versions", "words"),
+    ("versions", "kind", "words"),
     [
-        ({}, "^other numerics: recorded with numerics that were not noted, here .*; Expected state "),
-        ({NUMERICS: "native/1"}, "^other numerics: recorded with native/1, here .*; Expected state "),
-        ({NUMERICS: current().name}, "^Expected state .* after step 0 of the journal, got "),
+        (
+            {MOTIONS: MOTIONS_HERE},
+            DivergedError,
+            "^other numerics: recorded with numerics that were not noted, here .*; Expected state ",
+        ),
+        (
+            {MOTIONS: MOTIONS_HERE, NUMERICS: "native/1"},
+            DivergedError,
+            "^other numerics: recorded with native/1, here .*; Expected state ",
+        ),
+        (
+            {MOTIONS: MOTIONS_HERE, NUMERICS: current().name},
+            DivergedError,
+            "^Expected state .* after step 0 of the journal, got ",
+        ),
+        (
+            {MOTIONS: "1", NUMERICS: current().name},
+            OtherVersionError,
+            "^other version: recorded with motion version 1, here .*; the mission in .* cannot go on here: ",
+        ),
+        ({}, OtherVersionError, "^other version: recorded before motions had a version, here "),
     ],
 )
-def test_a_mission_that_goes_on_under_other_numerics_is_told_apart_from_one_that_diverged(
-    tmp_path: Path, versions: dict[str, str], words: str
+def test_a_mission_of_another_version_or_other_numerics_is_told_apart_from_one_that_diverged(
+    tmp_path: Path, versions: dict[str, str], kind: type[LegpushError], words: str
 ) -> None:
     """The simulator is another one, so it is led through the journal."""
 
@@ -148,5 +169,5 @@ def test_a_mission_that_goes_on_under_other_numerics_is_told_apart_from_one_that
         episode = Episode(journal, asking.sim, asking.planner)
         for motion in MISSION[:3]:
             episode.step(motion)
-        with pytest.raises(DivergedError, match=words):
+        with pytest.raises(kind, match=words):
             episode.step(MISSION[3])

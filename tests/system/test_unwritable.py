@@ -7,7 +7,7 @@ from typing import Final
 
 import pytest
 
-from tests.system.commands import LEGPUSH, STUDY
+from tests.system.commands import LEGPUSH, STUDY, STUDY_FILE
 from tests.system.conftest import RecordedMission
 
 OUT: Final = "OUT"
@@ -30,19 +30,24 @@ COMMANDS: Final = {
     "branch": ("branch", RECORDING, "--at", "0:2", "--policy", "scripted", "--out", OUT),
     "branch --record": ("branch", RECORDING, "--at", "0:2", "--policy", "scripted", "--record", f"{OUT}.mcap"),
     "export": ("export", RECORDING, "--out", f"{OUT}.csv"),
+    "study merge": ("study", "merge", STUDY, "--out", OUT),
+    "study table --csv": ("study", "table", STUDY, "--csv", f"{OUT}.csv"),
+    "study table --plot": ("study", "table", STUDY, "--plot", f"{OUT}.png"),
+    "bench soak": ("bench", "soak", "--cells", "kill-sim-walking", "--out", OUT),
     "study run": ("study", "run", "study.toml", "--out", OUT),
 }
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_what_cannot_be_written_is_refused_before_the_work(
-    name: str, tmp_path: Path, push_mission: RecordedMission
+    name: str, tmp_path: Path, push_mission: RecordedMission, short_study: Path
 ) -> None:
     (tmp_path / "file").touch()
-    (tmp_path / "study.toml").write_text(STUDY)
+    (tmp_path / "study.toml").write_text(STUDY_FILE)
     # Even root cannot make files in /proc or below a file.
     folder = "/proc" if len(name) % 2 else "file"
-    words = [str(push_mission.file) if word == RECORDING else word for word in COMMANDS[name]]
+    places = {RECORDING: str(push_mission.file), STUDY: str(short_study)}
+    words = [places.get(word, word) for word in COMMANDS[name]]
     command = [LEGPUSH, *(word.replace(OUT, f"{folder}/new") for word in words)]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
 

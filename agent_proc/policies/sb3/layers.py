@@ -18,12 +18,17 @@ NAMES: Final = {
 
 def actor_layers(algorithm: Literal["ppo", "sac", "td3"], weights: Mapping[str, Any]) -> tuple[Layer, ...]:
     """The layers of the actor, from the observation to the action; `weights` is the `state_dict` of a policy."""
+    return tuple(
+        Layer(weight=_array(weights[weight]), bias=_array(weights[bias]))
+        for weight, bias in layer_names(algorithm, weights)
+    )
+
+
+def layer_names(algorithm: Literal["ppo", "sac", "td3"], weights: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The names of weight and bias of each layer of the actor, in their order."""
     found = [(name, match) for name in weights if (match := NAMES[algorithm].fullmatch(name))]
     found.sort(key=lambda each: int(each[1][1]) if each[1][1] is not None else len(weights))
-    return tuple(
-        Layer(weight=_array(weights[name]), bias=_array(weights[name.removesuffix("weight") + "bias"]))
-        for name, _ in found
-    )
+    return [(name, name.removesuffix("weight") + "bias") for name, _ in found]
 
 
 def _array(tensor: Any) -> Float32s:

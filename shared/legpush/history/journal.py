@@ -14,93 +14,35 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
-from msgspec import Struct
-
-from legpush.bounds import Count
-from legpush.errors import DiskFullError, JournalError, MessageError
-from legpush.fields import Name
+from legpush.errors import DiskFullError, JournalError, MessageError, OtherVersionError
 from legpush.files import new_file
 from legpush.history.disk_sync import DiskSync
+from legpush.history.entries import (
+    Acted,
+    AnyEntry,
+    Awaited,
+    Entry,
+    Numbered,
+    Observed,
+    Opened,
+    Planned,
+    Queried,
+    Refused,
+)
 from legpush.history.journal_file import MAGIC, cut, frame, is_incomplete, is_whole_after, lock, payloads
 from legpush.messages import codec
-from legpush.messages.planning import Plan, PlanQuery
-from legpush.messages.stepping import Motion, Outcome
 
 log = logging.getLogger(__name__)
 
-JOURNAL_VERSION: Final = 2
 _FULL: Final = (errno.ENOSPC, errno.EDQUOT)
-
-
-class Opened(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="opened"):
-    """The first entry: which episode of which run this is."""
-
-    journal_version: int = JOURNAL_VERSION
-    protocol: int
-    run: Name
-    seed: Count
-    versions: dict[str, str]
-    """Package to version, of the agent that began the episode."""
-    began_unix_s: float
-
-
-class Numbered(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="numbered"):
-    """From here on the simulator knows the episode by this number."""
-
-    episode: Count
-
-
-class Acted(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="acted"):
-    """An action that is about to be sent."""
-
-    motion: Motion
-    with_trace: bool
-
-
-class Observed(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="observed"):
-    """What the action before led to."""
-
-    outcome: Outcome
-
-
-class Refused(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="refused"):
-    """The action before cannot be carried out; the state is as it was."""
-
-    reason: str
-
-
-class Queried(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="queried"):
-    """A plan query that is about to be sent."""
-
-    query: PlanQuery
-
-
-class Awaited(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="awaited"):
-    """A better plan for the last query is waited for."""
-
-    revision: Count
-
-
-class Planned(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="entry", tag="planned"):
-    """The plan that answers the query before, or the better one that was waited for."""
-
-    plan: Plan
-
-
-Entry = Opened | Numbered | Acted | Observed | Refused | Queried | Awaited | Planned
-
-
-class _AnyEntry(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What one frame holds."""
-
-    e: Entry
 
 
 def read_entries(path: Path) -> Iterator[Entry]:
     """Yield all entries in order, the first an `Opened`; an incomplete last one is left out.
 
     Raises:
-        JournalError: The file cannot be read, is no journal, is damaged, or is of another version.
+        JournalError: The file cannot be read, is no journal, or is damaged.
+        OtherVersionError: An entry is whole, but of another version.
     """
     try:
         file = path.open("rb")
@@ -136,13 +78,15 @@ class Reading:
         """Yield the entries that are whole.
 
         Raises:
-            JournalError: An entry is whole, but of another version.
+            OtherVersionError: An entry is whole, but of another version.
         """
         for payload, end in payloads(self._file, self.end):
             try:
-                entry = codec.decode(payload, _AnyEntry).e
+                entry = codec.decode(payload, AnyEntry).e
             except MessageError as error:
-                raise JournalError(f"{self._path}: entry {self.n_entries} is not of this version ({error})") from error
+                raise OtherVersionError(
+                    f"{self._path}: other version: entry {self.n_entries} cannot be read here ({error})"
+                ) from error
             yield entry
             self._count(entry, end)
 
@@ -197,6 +141,7 @@ class Journal:
 
         Raises:
             JournalError: It is another run's, damaged before its end, or in use.
+            OtherVersionError: It is of another version of the protocol.
             DiskFullError: The disk is full.
         """
         self.path = path
@@ -230,7 +175,7 @@ class Journal:
             JournalError: The journal cannot be written for another reason.
         """
         before = os.fstat(self._file).st_size
-        left = frame(codec.encode(_AnyEntry(e=entry)))
+        left = frame(codec.encode(AnyEntry(e=entry)))
         try:
             self._disk.note_write()
             while left:
@@ -243,13 +188,23 @@ class Journal:
     def _check(self, opened: Opened) -> Opened:
         """Return the first entry, after what is torn at the end was cut off."""
         first, reading = read_whole(self.path, self._file)
-        for field in ("protocol", "run", "seed"):
+        if first.protocol != opened.protocol:
+            raise OtherVersionError(
+                f"{self.path}: other version: expected a journal of protocol version {opened.protocol}, got one of "
+                f"{first.protocol}; {cannot_go_on(self.path.parent)}"
+            )
+        for field in ("run", "seed"):
             expected, got = getattr(opened, field), getattr(first, field)
             if expected != got:
                 raise JournalError(f"{self.path}: expected a journal of {field} {expected}, got one of {got}")
         if not reading.is_at_end():
             log.warning("%s", cut_at(self.path, self._file, reading))
         return first
+
+
+def cannot_go_on(folder: Path) -> str:
+    """Return what can be done with the folder of a mission of another version, for people."""
+    return f"the mission in {folder} cannot go on here: begin it again with another --out"
 
 
 def read_whole(path: Path, file: int) -> tuple[Opened, Reading]:
@@ -290,7 +245,7 @@ def _create(path: Path, opened: Opened) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     # If another process makes the same journal at this moment, the lock decides between the two.
     with suppress(FileExistsError), new_file(path) as scratch:
-        scratch.write_bytes(MAGIC + frame(codec.encode(_AnyEntry(e=opened))))
+        scratch.write_bytes(MAGIC + frame(codec.encode(AnyEntry(e=opened))))
 
 
 def _cannot_write(path: Path, error: OSError) -> JournalError | DiskFullError:

@@ -6,7 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from legpush.errors import JournalError
-from legpush.history.journal import Opened, Reading, cut_at, read_whole
+from legpush.history.entries import Opened
+from legpush.history.journal import Reading, cut_at, read_whole
 from legpush.history.journal_file import lock
 
 

@@ -5,18 +5,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from legpush.errors import JournalError
-from legpush.history.journal import (
-    Acted,
-    Awaited,
-    Entry,
-    Numbered,
-    Observed,
-    Opened,
-    Planned,
-    Queried,
-    Refused,
-    read_entries,
-)
+from legpush.history.entries import Acted, Awaited, Entry, Numbered, Observed, Opened, Planned, Queried, Refused
+from legpush.history.journal import read_entries
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome
 

@@ -10,13 +10,32 @@ import numpy as np
 from legpush.arrays import Floats, Indices
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import Motion, Outcome, Trace, WorldState
-from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, N_QPOS, TRUNK_QPOS
+from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEG_JOINTS, N_QPOS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 
 TRUNK: Final = TRUNK_QPOS
 JOINTS: Final = JOINT_QPOS
 BOX: Final = BOX_QPOS
 """Columns of `Timeline.qpos`."""
+COLUMNS: Final[dict[str, tuple[int, ...]]] = {
+    "tick": (),
+    "qpos": (N_QPOS,),
+    "roll_pitch_rad": (2,),
+    "tips_m": (4, 3),
+    "contact_forces_n": (4, 3),
+    "com_m": (3,),
+    "zmp_m": (2,),
+    "support_margin_m": (),
+}
+"""Shapes of a row of the fields that every trace has."""
+LATER_COLUMNS: Final[dict[str, tuple[int, ...]]] = {
+    "zmp_margin_m": (),
+    "capture_margin_m": (),
+    "foot_moment_n_m": (3,),
+    "joint_velocities_rad_s": (len(LEG_JOINTS),),
+    "joint_torques_n_m": (len(LEG_JOINTS),),
+}
+"""Shapes of a row of the fields that are empty before protocol 8."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,19 +65,7 @@ class Timeline:
         self.steps: list[TimelineStep] = []
         self.rewards: dict[int, float] = {}
         """By the number of the step that earned it."""
-        self._columns = {
-            name: _Column(shape)
-            for name, shape in (
-                ("tick", ()),
-                ("qpos", (N_QPOS,)),
-                ("roll_pitch_rad", (2,)),
-                ("tips_m", (4, 3)),
-                ("contact_forces_n", (4, 3)),
-                ("com_m", (3,)),
-                ("zmp_m", (2,)),
-                ("support_margin_m", ()),
-            )
-        }
+        self._columns = {name: _Column(shape) for name, shape in {**COLUMNS, **LATER_COLUMNS}.items()}
 
     def add(self, number: int, motion: Motion, outcome: Outcome, time_ns: int) -> None:
         """The next step was carried out."""
@@ -128,6 +135,31 @@ class Timeline:
         """Signed distance of the CoM's ground projection to the border of the support polygon, inside positive."""
         return self._columns["support_margin_m"].view()
 
+    @property
+    def zmp_margin_m(self) -> Floats:
+        """The same distance for the zero-moment point, (n,). This and what follows is NaN before protocol 8."""
+        return self._columns["zmp_margin_m"].view()
+
+    @property
+    def capture_margin_m(self) -> Floats:
+        """The same distance for the capture point, (n,)."""
+        return self._columns["capture_margin_m"].view()
+
+    @property
+    def foot_moment_n_m(self) -> Floats:
+        """Moment of all forces on the feet about the centre of mass, world frame, (n, 3)."""
+        return self._columns["foot_moment_n_m"].view()
+
+    @property
+    def joint_velocities_rad_s(self) -> Floats:
+        """Speeds of the joints, (n, 12)."""
+        return self._columns["joint_velocities_rad_s"].view()
+
+    @property
+    def joint_torques_n_m(self) -> Floats:
+        """Torques of the servos, (n, 12)."""
+        return self._columns["joint_torques_n_m"].view()
+
     def box_error(self, rows: slice | Indices = slice(None)) -> Floats:
         """Distance of the box from its goal [m] and the angle between their headings [rad], in [0, pi], (n, 2)."""
         pose = self.scenario.goal.pose.pose()
@@ -164,7 +196,10 @@ class Timeline:
 
     def _extend(self, trace: Trace) -> None:
         for name, column in self._columns.items():
-            column.extend(np.array(getattr(trace, name), dtype=np.float64))
+            rows = getattr(trace, name)
+            if not rows:
+                rows = np.full((len(trace.tick), *LATER_COLUMNS[name]), nan)
+            column.extend(np.array(rows, dtype=np.float64))
 
     def _append(self, world: WorldState) -> None:
         trunk, box = world.trunk, world.box
@@ -180,20 +215,23 @@ class Timeline:
             "qpos": qpos,
             "roll_pitch_rad": rpy_from_quaternion(np.array(trunk.orientation_wxyz)[None])[0, :2],
             "tips_m": world.tips_m,
-            "contact_forces_n": (nan,) * 3,
-            "com_m": (nan,) * 3,
-            "zmp_m": (nan,) * 2,
-            "support_margin_m": nan,
+            "joint_velocities_rad_s": world.joint_velocities_rad_s,
         }
         for name, column in self._columns.items():
             shape = column.view().shape[1:]
-            column.extend(np.broadcast_to(np.asarray(row[name], dtype=np.float64), shape)[None])
+            column.extend(np.broadcast_to(np.asarray(row.get(name, nan), dtype=np.float64), shape)[None])
 
 
 def is_whole(trace: Trace) -> bool:
-    """Whether it has a whole row for each of its ticks."""
-    lengths = {len(getattr(trace, name)) for name in trace.__struct_fields__}
-    return len(lengths) == 1 and all(len(row) == BOX.stop for row in trace.qpos)
+    """Whether it has a whole row for each of its ticks, with or without all that is empty before protocol 8."""
+    n_ticks = len(trace.tick)
+    later = {len(getattr(trace, name)) for name in LATER_COLUMNS}
+    return (
+        all(len(getattr(trace, name)) == n_ticks for name in COLUMNS)
+        and later in ({n_ticks}, {0})
+        and all(len(row) == BOX.stop for row in trace.qpos)
+        and all(len(row) == len(LEG_JOINTS) for row in (*trace.joint_velocities_rad_s, *trace.joint_torques_n_m))
+    )
 
 
 class _Column:

@@ -5,18 +5,21 @@ import subprocess
 from pathlib import Path
 from typing import Final
 
-from legpush.errors import DISK_FULL, ConfigError, LegpushError
+from legpush.errors import DISK_FULL, ConfigError, LegpushError, OtherVersionError
+from legpush.history.entries import Opened
+from legpush.history.journal import cannot_go_on, read_entries
 from legpush.launch.last_words import ERROR
 from legpush.launch.process_commands import Place, Programs, agent_flags
+from legpush.numerics.computed_with import computed_with
 from legpush.options.checks import require_writable_folder
 from legpush.options.run import RunOptions
 from legpush.policy_names import policy_kind
 from legpush.processes.child import TAIL_LINES, describe_exit
 from legpush.processes.environment import child_environment
 from legpush.processes.start_program import Program, program_command
-from legpush.runs.folder import SCENARIO_FILE
+from legpush.runs.folder import SCENARIO_FILE, journals
 from legpush.runs.temporary import temporary_folder
-from legpush.scenarios.file import write_scenario
+from legpush.scenarios.file import dump_scenario, write_scenario
 from legpush.scene.scenario import Scenario
 from legpush.scene.steering import steering_fault
 
@@ -30,9 +33,11 @@ def check_mission(options: RunOptions, scenario: Scenario, folder: Path, program
     Raises:
         ConfigError: The folder cannot be written to, the planner cannot steer so, or the policy, the push map or the
             recording to continue cannot be used.
+        OtherVersionError: The folder has the mission of another version, whose scenarios were written otherwise.
         LegpushError: The check itself failed.
     """
     require_writable_folder(folder, "--out")
+    _require_this_version(folder, scenario)
     if options.planner_command is None and (fault := steering_fault(scenario.planning)):
         raise ConfigError(f"{fault} (`planning` of the scenario, --planner, --steering, --turning-radius-m)")
     if policy_kind(options.policy) == "own" and options.push_map is None and not programs.agent_flags:
@@ -57,3 +62,14 @@ def check_mission(options: RunOptions, scenario: Scenario, folder: Path, program
         raise ConfigError(*(line[len(ERROR) :] for line in lines[begin:]))
     what = f"the check of the policy {options.policy} {describe_exit(done.returncode)}"
     raise LegpushError(f"{what}; its last lines:" if lines else what, *(f"    {line}" for line in lines[-TAIL_LINES:]))
+
+
+def _require_this_version(folder: Path, scenario: Scenario) -> None:
+    """Do nothing if the folder has the scenario as this version writes it, or was begun by this version."""
+    file = folder / SCENARIO_FILE
+    if not file.is_file() or file.read_bytes() == dump_scenario(scenario).encode():
+        return
+    for journal in journals(folder):
+        opened = next(read_entries(journal), None)
+        if isinstance(opened, Opened) and (other := computed_with(opened.versions).other_version()):
+            raise OtherVersionError(f"{other}; {cannot_go_on(folder)}")

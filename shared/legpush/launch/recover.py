@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError, one_line, printable
-from legpush.history.journal import Opened
+from legpush.history.entries import Opened
 from legpush.history.mending import step_back
 from legpush.options.checks import require_new_file
 from legpush.options.recordings import RecoverOptions

@@ -11,14 +11,13 @@ from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
-from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError, one_line, printable
+from legpush.errors import INTERRUPTED, ConfigError, OtherVersionError, StopRequestedError, one_line, printable
 from legpush.launch.display import make_display
 from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
 from legpush.launch.run import launch_mission
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
 from legpush.messages.common import Role
-from legpush.numerics.current import told_as_other
 from legpush.options.recordings import ReplayOptions
 from legpush.options.run import RunOptions
 from legpush.plans.client import PlanLink
@@ -27,7 +26,7 @@ from legpush.processes.child_numerics import child_numerics
 from legpush.processes.pool import SimPool
 from legpush.processes.start_program import program_command
 from legpush.recording.episodes import difference, same
-from legpush.recording.facts import recorded_numerics, unpack_mission
+from legpush.recording.facts import STILL, recorded_with, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import read_plans
 from legpush.recording.publish import from_start, publish
@@ -101,7 +100,11 @@ def play(options: ReplayOptions, role: Literal["sim", "planner"], console: Conso
 
 
 def play_agent(files: tuple[Path, ...], console: Console) -> int:
-    """Send the recorded requests to a live planner and simulator, and compare the answers; return 0 if identical."""
+    """Send the recorded requests to a live planner and simulator, and compare the answers; return 0 if identical.
+
+    Raises:
+        OtherVersionError: Plans are different, and the recording is of another version.
+    """
     recording = read_recording(files)
     plans, stop = read_plans(recording), stop_on_signals()
     with ExitStack() as stack:
@@ -115,7 +118,10 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
                 got = link.revision(revision, record.query) if revision else link.plan(record.query)
                 if expected.status != "cancelled" and not same(expected, got):
                     path, one, other = difference(expected, got)
-                    numerics = told_as_other(recorded_numerics(recording), child_numerics())
+                    recorded = recorded_with(recording)
+                    if version := recorded.other_version():
+                        raise OtherVersionError(f"{version}; {STILL}")
+                    numerics = recorded.other_numerics(child_numerics())
                     what = f"{numerics}; first difference" if numerics else "first divergence"
                     where = f"plan {number}, field {path}"
                     sys.stdout.write(printable(f"{what} at {where}: expected {one}, got {other}\n"))
@@ -128,7 +134,8 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
 def verify_files(files: tuple[Path, ...], console: Console) -> int:
     """Compare the recording with a simulator process of its own; return 0 if identical and whole, 1 if not.
 
-    A recording with other numerics is not called diverged: the words say what was recorded with, and what is here.
+    A recording with other numerics is not called diverged: the words say what was recorded with, and what is here. One
+    of another version cannot be verified unless it is identical: then the exit code is 2.
 
     Raises:
         RecordingError: No episode was recorded from its reset on.
@@ -154,4 +161,6 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
     if checked.is_sound and not recording.is_complete:
         notes = recording.completeness.get("notes") or "its recorder did not finish"
         sys.stdout.write(f"the recording is not complete: {one_line('; '.join(notes.splitlines()))}\n")
+    if checked.other_version:
+        return OtherVersionError.exit_code
     return 0 if checked.is_sound else 1

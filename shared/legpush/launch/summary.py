@@ -9,8 +9,9 @@ from rich.table import Table
 from rich.text import Text
 
 from legpush.errors import one_line
+from legpush.launch.phases_table import phases_table
+from legpush.numerics.computed_with import computed_with
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
-from legpush.versions import NUMERICS
 
 
 def _recorded(recording: dict[str, Any]) -> str:
@@ -20,6 +21,12 @@ def _recorded(recording: dict[str, Any]) -> str:
 
 def _when(appeared: dict[str, Any]) -> str:
     return f"room.obstacles[{appeared['obstacle']}] at {appeared['time_s']:.1f} s"
+
+
+def _computed(versions: dict[str, str | None]) -> str:
+    """Return what a mission was computed with."""
+    motions, numerics = (each or "-" for each in computed_with(versions))
+    return f"{numerics}, motions {motions}"
 
 
 ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
@@ -45,7 +52,7 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
     "state_crc": ("state CRC", str),
     "seed": ("seed", str),
-    "versions": ("numerics", lambda versions: versions.get(NUMERICS, "-")),
+    "versions": ("computed with", _computed),
     "recording": ("recording", _recorded),
     "notes": ("note", "; ".join),
 }
@@ -77,6 +84,8 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
         if (folder / name).exists():
             files.add_row(Text(name, style="cyan"), Text(what, style="dim"))
     console.print("", numbers, "", sep="\n")
+    if (phases := phases_table(report)) is not None:
+        console.print(phases, "", sep="\n")
     console.print(Text(f"In {folder}:"), soft_wrap=True)
     console.print(files)
 

@@ -2,7 +2,14 @@
 
 from msgspec.structs import replace
 
-from legpush.errors import BrokenEpisodeError, LegpushError, MotionError, RecordingError, ScenarioError
+from legpush.errors import (
+    BrokenEpisodeError,
+    LegpushError,
+    MotionError,
+    OtherVersionError,
+    RecordingError,
+    ScenarioError,
+)
 from legpush.lockstep.simulator import Stepper
 from legpush.messages import codec
 from legpush.messages.stepping import Motion, Outcome
@@ -15,13 +22,14 @@ def carry_out(stepper: Stepper, motion: Motion, *, with_trace: bool) -> Outcome:
         MotionError: The motion cannot be carried out; the state is as it was.
         ScenarioError: The world of a reset cannot be built; the state is as it was.
         RecordingError: The simulator plays a recording, which does not have this motion.
+        OtherVersionError: The same, and the recording is of another version.
         BrokenEpisodeError: Another exception was raised, or the state holds a number that is not finite: nobody
             knows the state any more.
     """
     try:
         outcome = stepper.perform(motion, with_trace=with_trace)
         codec.encode(replace(outcome, trace=None))
-    except (MotionError, ScenarioError, RecordingError):
+    except (MotionError, ScenarioError, RecordingError, OtherVersionError):
         raise
     except Exception as error:
         what = str(error) if isinstance(error, LegpushError) else f"{type(error).__name__}: {error}"

@@ -4,27 +4,15 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from legpush.errors import DivergedError, JournalError, MotionError
-from legpush.history.journal import (
-    Acted,
-    Awaited,
-    Entry,
-    Journal,
-    Numbered,
-    Observed,
-    Opened,
-    Planned,
-    Queried,
-    Refused,
-    read_entries,
-)
+from legpush.errors import DivergedError, JournalError, LegpushError, MotionError
+from legpush.history.entries import Acted, Awaited, Entry, Numbered, Observed, Opened, Planned, Queried, Refused
+from legpush.history.journal import Journal, cannot_go_on, read_entries
 from legpush.history.steps import words_of
 from legpush.lockstep.client import PastStep, SimLink
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
-from legpush.numerics.current import explained
+from legpush.numerics.computed_with import ComputedWith, computed_with, told
 from legpush.plans.client import PlanLink
-from legpush.versions import NUMERICS
 
 log = logging.getLogger(__name__)
 
@@ -36,8 +24,10 @@ class Past(Protocol):
     """Number of steps that are answered."""
     alter: Alter | None
     """Carried out where the past ends, before anything new."""
-    numerics: str | None
-    """Name of the numerics that it was computed with; None if it is not noted."""
+    computed_with: ComputedWith
+    """What it was computed with."""
+    still: str
+    """What can be done with it if it is of another version."""
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
         """Return what the motion leads to as this step, with its trace if that is known.
@@ -174,13 +164,13 @@ class Episode:
         try:
             outcome = self._sim.step(motion, self._past, with_trace=with_trace)
         except DivergedError as error:
-            raise DivergedError(self._explained(str(error))) from error
+            raise self._told(error) from error
         if known is not None and known.state_crc != outcome.state_crc:
             difference = (
                 f"Expected state {known.state_crc:08x} after step {self.n_steps}, as recorded, got "
                 f"{outcome.state_crc:08x} from sim/{self._sim.sim}: it computes something else"
             )
-            raise DivergedError(self._explained(difference))
+            raise self._told(DivergedError(difference))
         return outcome
 
     def _take(self) -> Entry | None:
@@ -207,17 +197,18 @@ class Episode:
         self._number = self._sim.episode
         self._journal.append(Numbered(episode=self._number))
 
-    def _mismatch(self, expected: str, got: Entry) -> JournalError:
-        return JournalError(
-            self._explained(
+    def _mismatch(self, expected: str, got: Entry) -> LegpushError:
+        return self._told(
+            JournalError(
                 f"{self._journal.path}: expected {expected} as entry {self._n_entries - 1}, got {words_of(got)}, "
                 f"at step {self.n_steps}; the journal is of another mission, or the mission does not depend on its "
                 "answers alone"
             )
         )
 
-    def _explained(self, difference: str) -> str:
-        """Return the text of a difference, after other numerics if they explain it."""
-        versions = self._journal.opened.versions
-        recorded = versions.get(NUMERICS) if self._origin is None else self._origin.numerics
-        return explained(difference, recorded)
+    def _told(self, error: LegpushError) -> LegpushError:
+        """Return a difference as one of versions or numerics, if it comes from these."""
+        if self._origin is not None:
+            return told(error, self._origin.computed_with, self._origin.still)
+        still = cannot_go_on(self._journal.path.parent)
+        return told(error, computed_with(self._journal.opened.versions), still)

@@ -8,6 +8,7 @@ from legpush.bounds import MAX_APPEARING, MAX_WAYPOINTS, BoxMass, Count, Crc, De
 from legpush.fields import Name, Seed
 from legpush.geometry import Point3, Pose2, Quaternion
 from legpush.messages.common import Header
+from legpush.messages.measures import Measures
 from legpush.scene.conventions import FrontLeg
 from legpush.scene.names import Face
 from legpush.scene.scenario import Scenario
@@ -53,7 +54,10 @@ class Alter(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_f
     box_mass_kg: BoxMass | None = None
     """The new mass; nil keeps it."""
     box_friction: Friction | None = None
-    """The new friction coefficient; nil keeps it."""
+    """The new friction coefficient with the floor; nil keeps it. It also holds with the robot, unless the scenario or
+    `box_foot_friction` states that one."""
+    box_foot_friction: Friction | None = None
+    """The new friction coefficient with the feet and all other parts of the robot; nil keeps it."""
 
 
 Motion = Reset | Follow | Walk | Push | Alter
@@ -151,7 +155,9 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Measurements at every tick of a step: each field has one row per tick."""
+    """Measurements at every tick of a step: each field has one row per tick. Positions in `qpos`, and the angles of the
+    trunk, are those at the end of the tick; other quantities are those at the beginning of its last physics step, 2 ms
+    before."""
 
     tick: tuple[Count, ...]
     qpos: tuple[tuple[Reading, ...], ...]
@@ -166,7 +172,19 @@ class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Zero-moment point on the floor: the centre of pressure of the feet, or the point below the CoM if no foot carries
     load."""
     support_margin_m: tuple[Reading, ...]
-    """Distance from the CoM's projection on the floor to the border of the support polygon, positive inside."""
+    """Distance from the CoM's projection on the floor to the border of the support polygon, positive inside: the least
+    one in the physics steps of the tick, with the loaded feet as `Measures` defines them. Before protocol 8: that of
+    the last step, with all feet that carried at least 1 N."""
+    zmp_margin_m: tuple[Reading, ...] = ()
+    """The same distance for the zero-moment point. This and the fields below are empty before protocol 8."""
+    capture_margin_m: tuple[Reading, ...] = ()
+    """The same distance for the capture point."""
+    foot_moment_n_m: tuple[Point3, ...] = ()
+    """Moment of all forces on the feet, from floor and box, about the CoM, world frame: the sum of Eq. 9."""
+    joint_velocities_rad_s: tuple[tuple[Reading, ...], ...] = ()
+    """Speeds of the twelve joints, in the order of `qpos`."""
+    joint_torques_n_m: tuple[tuple[Reading, ...], ...] = ()
+    """Torques of the twelve servos."""
 
 
 class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -174,8 +192,11 @@ class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     world: WorldState
     state_crc: Crc
-    """CRC-32 of the simulator's whole state: equal CRCs mean equal states, bit for bit."""
+    """CRC-32 of the robot's numbers and the simulator's whole state: equal CRCs mean equal states of equal robots, bit
+    for bit."""
     trace: Trace | None = None
+    measures: Measures | None = None
+    """Nil if nothing moved, and before protocol 8."""
 
 
 class Observation(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="observation"):

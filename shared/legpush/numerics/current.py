@@ -11,6 +11,7 @@ import msgspec
 from msgspec import Struct
 
 from legpush.numerics.effect import Kernels, kernels
+from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.numerics.profile import VARIABLE, X86_64_V3, Profile, glibc_version, why_not_here
 
 log = logging.getLogger(__name__)
@@ -43,8 +44,9 @@ class Numerics(Struct, frozen=True, kw_only=True):
         return f"{self.profile}/{self.identity}"
 
     def as_json(self) -> bytes:
-        """Return all fields and the name as JSON."""
-        return msgspec.json.encode({"name": self.name, **msgspec.to_builtins(self)})
+        """Return all fields, the name, and the version of the motions as JSON."""
+        named = {"name": self.name, MOTIONS: str(MOTION_VERSION)}
+        return msgspec.json.encode({**named, **msgspec.to_builtins(self)})
 
 
 @cache
@@ -75,19 +77,3 @@ def tell_if_native() -> None:
     numerics = current()
     if numerics.why_native:
         log.warning("numerics profile native: %s; other machines may get other bits", numerics.why_native)
-
-
-def told_as_other(recorded: str | None, here: str) -> str:
-    """Return why other bits are no surprise: what was recorded has other numerics than `here`; empty if the same.
-
-    Both are names of `Numerics`; None for files of versions that did not note it.
-    """
-    if recorded == here:
-        return ""
-    return f"other numerics: recorded with {recorded or 'numerics that were not noted'}, here {here}"
-
-
-def explained(difference: str, recorded: str | None) -> str:
-    """Return the text of a difference, after other numerics if this process has others than were recorded."""
-    other = told_as_other(recorded, current().name)
-    return f"{other}; {difference}" if other else difference

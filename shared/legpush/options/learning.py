@@ -13,6 +13,11 @@ from legpush.fields import Seed, require, require_seeds
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
 
+DEFAULT_WORLD: Final = "mujoco"
+"""The simulators, which are processes."""
+SERIES_DEPTHS_M: Final = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+SERIES_CURVES: Final = (0.5,)
+N_SERIES: Final = 2
 USUAL_SIMULATORS: Final = 8
 """Most simulators to start by default."""
 
@@ -26,8 +31,12 @@ def default_simulators() -> int:
 class SimulatorOptions:
     """The simulators to use."""
 
+    world: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = DEFAULT_WORLD
+    """What is pushed in: `mujoco`, the simulators; `map`, a map of the default box without physics, about a hundred
+    times as fast; `map_mean`, the same without its scatter; another plug-in; or the path of a map that `legpush
+    calibrate --random-pushes` wrote. All but `mujoco` run in the process of the command."""
     simulators: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Number of simulators; if not given, one per core, 8 at most."""
+    """Number of simulators or other worlds; if not given, one per core, 8 at most."""
     join: Annotated[str | None, tyro.conf.arg(metavar="RUN")] = None
     """Join the running simulators of this run instead of starting some."""
     listen: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
@@ -41,6 +50,10 @@ class SimulatorOptions:
         require(Simulators, self.simulators, "--simulators")
         if self.join is None and (self.listen or self.connect):
             raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
+        if self.world != DEFAULT_WORLD and (self.join is not None or self.record is not None):
+            raise ConfigError(
+                f"Expected --world {DEFAULT_WORLD} with --join and --record: {self.world} is no process on a bus"
+            )
         if self.join is not None and self.record is not None:
             raise ConfigError("Expected either --join or --record, got both; `legpush record` records a live run")
         if self.record is not None:
@@ -80,6 +93,9 @@ class TrainOptions(SimulatorOptions):
     """Draw the friction of the box for each episode."""
     distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
     """Draw the distance from box to goal for each episode."""
+    init: Annotated[str | None, tyro.conf.arg(metavar="POLICY|DIR")] = None
+    """Begin with the actor of this trained policy instead of random weights, or with actor and critics of the training
+    in this folder."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the training; `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
@@ -98,6 +114,8 @@ class TrainOptions(SimulatorOptions):
                 require(kind, value, flag)
         if self.resume is not None and self.out is not None:
             raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
+        if self.resume is not None and self.init is not None:
+            raise ConfigError("Expected either --resume DIR, which continues a training, or --init, got both")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,12 +166,17 @@ class CalibrateOptions(SimulatorOptions):
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Replaces the scenario's box mass."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Replaces the scenario's box friction."""
-    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+    """Replaces the scenario's friction of box and floor."""
+    box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's friction of box and foot."""
+    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = SERIES_DEPTHS_M
     """Depths of the pushes."""
-    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = (0.5,)
+    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = SERIES_CURVES
     """Shapes of the curve: w1 = w2. Missions use the first one."""
-    series: Annotated[int, tyro.conf.arg(metavar="N")] = 2
+    random_pushes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Measure N or more random pushes at each face instead of series of equal ones, with random leg, curve and depth,
+    and fit a map for --world to them."""
+    series: Annotated[int, tyro.conf.arg(metavar="N")] = N_SERIES
     """Number of series of eight pushes, four with each leg, for every face, curve and depth."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 8000
     """Seed of the place of the box in the first series; each later series has the next seed."""
@@ -164,8 +187,13 @@ class CalibrateOptions(SimulatorOptions):
         super().__post_init__()
         require(BoxMass, self.box_mass_kg, "--box-mass-kg")
         require(Friction, self.box_friction, "--box-friction")
+        require(Friction, self.box_foot_friction, "--box-foot-friction")
         require(Amount, self.series, "--series")
-        require_seeds(self.first_seed, self.series, "--first-seed")
+        require(Amount, self.random_pushes, "--random-pushes")
+        require_seeds(self.first_seed, max(self.series, self.random_pushes or 0), "--first-seed")
+        usual = (self.depths_m, self.curves, self.series) == (SERIES_DEPTHS_M, SERIES_CURVES, N_SERIES)
+        if self.random_pushes is not None and not usual:
+            raise ConfigError("Expected either --random-pushes or --depths-m, --curves and --series, got both")
         if not self.depths_m or not all(0.0 < depth_m <= MAX_DEPTH_M for depth_m in self.depths_m):
             raise ConfigError(
                 f"Expected depths above 0 and at most {MAX_DEPTH_M} m for --depths-m, got {self.depths_m}"

@@ -153,7 +153,9 @@ class BranchOptions:
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Mass of the box from that step on; the mission is not told about it."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Friction of the box from that step on; the mission is not told about it."""
+    """Friction of box and floor from that step on; the mission is not told about it."""
+    box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Friction of box and foot from that step on; the mission is not told about it."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the run; `runs/<time>-<scenario>-seed<N>` if not given. An unfinished run in this folder continues."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
@@ -167,3 +169,4 @@ class BranchOptions:
         episode_and_step(self.at, "--at")
         require(BoxMass, self.box_mass_kg, "--box-mass-kg")
         require(Friction, self.box_friction, "--box-friction")
+        require(Friction, self.box_foot_friction, "--box-foot-friction")

@@ -50,7 +50,9 @@ class RunOptions:
     box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Replaces the scenario's box mass."""
     box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Replaces the scenario's box friction."""
+    """Replaces the scenario's friction of box and floor."""
+    box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    """Replaces the scenario's friction of box and foot."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Record all messages of the processes into this new MCAP file; see `legpush replay`."""
     picture: bool = True
@@ -75,6 +77,7 @@ class RunOptions:
         require(Distance, self.turning_radius_m, "--turning-radius-m")
         require(BoxMass, self.box_mass_kg, "--box-mass-kg")
         require(Friction, self.box_friction, "--box-friction")
+        require(Friction, self.box_foot_friction, "--box-foot-friction")
 
     def resolved_scenario(self) -> "Scenario":
         """Return the scenario, with the values that these options replace.
@@ -89,7 +92,11 @@ class RunOptions:
             planner=self.planner,
             steering=self.steering,
             turning_radius_m=self.turning_radius_m,
-            changes={"box.mass_kg": self.box_mass_kg, "box.friction": self.box_friction},
+            changes={
+                "box.mass_kg": self.box_mass_kg,
+                "box.friction": self.box_friction,
+                "box.foot_friction": self.box_foot_friction,
+            },
         )
 
 

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterator
 
-from legpush.errors import RecordingError
+from legpush.errors import OtherVersionError, RecordingError
 from legpush.messages import codec
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.plans.planner import Interrupted, MakePlans, PlanningInterruptedError
@@ -20,6 +20,7 @@ def search_plans(make_plans: MakePlans, query: PlanQuery, interrupted: Interrupt
     Raises:
         PlanningInterruptedError: The search has to make way.
         RecordingError: The planner plays a recording, which does not have this query.
+        OtherVersionError: The same, and the recording is of another version.
     """
     n_plans, reason = 0, "The planner ended without a plan"
     try:
@@ -27,7 +28,7 @@ def search_plans(make_plans: MakePlans, query: PlanQuery, interrupted: Interrupt
             codec.encode(plan)
             yield plan
             n_plans += 1
-    except (PlanningInterruptedError, RecordingError):
+    except (PlanningInterruptedError, RecordingError, OtherVersionError):
         raise
     except Exception as error:
         reason = f"The planner failed: {type(error).__name__}: {error}"

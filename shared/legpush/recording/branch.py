@@ -9,9 +9,9 @@ from legpush.errors import MotionError, RecordingError
 from legpush.fields import episode_and_step
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Alter, Motion, Outcome
-from legpush.numerics.current import explained
+from legpush.numerics.computed_with import told
 from legpush.recording.episodes import Asked, EpisodeRecord, read_episodes
-from legpush.recording.facts import recorded_numerics
+from legpush.recording.facts import STILL, recorded_with
 from legpush.recording.mcap_file.contents import Recording
 from legpush.recording.plans import query_bytes, read_plans
 from legpush.recording.play import RecordedPlanner, instead
@@ -60,10 +60,11 @@ class RecordedPast:
             raise RecordingError(f"Expected a step {_range(1, n_done)} of episode {at.episode} for --at, got {at.step}")
         self.n_steps = at.step
         self.alter = alter
-        self.numerics = recorded_numerics(recording)
+        self.computed_with = recorded_with(recording)
+        self.still = STILL
         records = read_plans(recording)
         self._plans = {query_bytes(record.query): record.plans for record in records}
-        self._planner = RecordedPlanner(records)
+        self._planner = RecordedPlanner(records, self.computed_with)
         self._others = [episode for episode in episodes if episode is not self._episode]
 
     def act(self, step: int, motion: Motion, *, with_trace: bool) -> Outcome:
@@ -71,6 +72,7 @@ class RecordedPast:
 
         Raises:
             RecordingError: Another motion was recorded.
+            OtherVersionError: Another motion was recorded, by another version.
             MotionError: The recorded simulator refused the motion.
         """
         asked = next((one for one in self._episode.steps[step] if one.motion == motion), None)
@@ -79,7 +81,7 @@ class RecordedPast:
                 f"step {step} of the recording: {instead([self._episode], step, motion)}; the recorded decision "
                 "depended on something that is not in the recording, such as another version of legpush"
             )
-            raise RecordingError(explained(difference, self.numerics))
+            raise told(RecordingError(difference), self.computed_with, STILL)
         outcome = asked.outcome
         if outcome is None:
             raise MotionError(asked.refusal or "not answered")
@@ -90,6 +92,7 @@ class RecordedPast:
 
         Raises:
             RecordingError: The query was not recorded.
+            OtherVersionError: It was not, and the recording is of another version.
         """
         return self.revision(query, 0)
 
@@ -98,10 +101,11 @@ class RecordedPast:
 
         Raises:
             RecordingError: The query was not recorded.
+            OtherVersionError: It was not, and the recording is of another version.
         """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
-            raise RecordingError(explained(self._planner.instead(query), self.numerics))
+            raise self._planner.unknown(query)
         return plans[min(revision, max(plans))]
 
     def _with_trace(self, step: int, asked: Asked, outcome: Outcome) -> Outcome:

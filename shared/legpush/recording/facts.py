@@ -9,7 +9,9 @@ from msgspec import Meta, Struct
 
 from legpush.bounds import Count
 from legpush.errors import RecordingError, ScenarioError
+from legpush.numerics.computed_with import NUMERICS, ComputedWith
 from legpush.numerics.current import NUMERICS_FILE
+from legpush.numerics.motion_version import MOTIONS
 from legpush.recording.mcap_file.contents import Recording
 from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import load_scenario
@@ -18,6 +20,9 @@ from legpush.scene.scenario import Scenario
 MISSION_FILE: Final = "mission.json"
 VERSIONS_FILE: Final = "versions.json"
 PUSH_MAP_FILE: Final = "push_map.json"
+
+STILL: Final = "it cannot be verified or continued here; `legpush info`, `view` and `export` show it as before"
+"""What can be done with a recording of another version of the motions."""
 
 CONTINUED: Final = "continued"
 """Key in the metadata of a recording that continues an interrupted mission."""
@@ -76,22 +81,28 @@ def scenario_in(data: bytes) -> Scenario | None:
             return None
 
 
-def recorded_numerics(recording: Recording) -> str | None:
-    """Return the name of the numerics of the simulator, or else of the agent; None if neither was noted.
+def recorded_with(recording: Recording) -> ComputedWith:
+    """Return what the simulator computed with, or else the agent, as far as it was noted.
 
     Raises:
-        RecordingError: The file that notes them is damaged.
+        RecordingError: The file that notes it is damaged.
     """
-    for file, key in ((NUMERICS_FILE, "name"), (VERSIONS_FILE, "numerics")):
-        noted = recording.attachment(file)
-        if noted is not None:
-            try:
-                name = msgspec.json.decode(noted.data, type=dict[str, Any]).get(key)
-            except (msgspec.DecodeError, UnicodeDecodeError) as error:
-                raise RecordingError(f"{file} of the recording: {error}") from error
-            if isinstance(name, str):
-                return name
-    return None
+    simulator, agent = _noted(recording, NUMERICS_FILE), _noted(recording, VERSIONS_FILE)
+    return ComputedWith(
+        motions=simulator.get(MOTIONS, agent.get(MOTIONS)), numerics=simulator.get("name", agent.get(NUMERICS))
+    )
+
+
+def _noted(recording: Recording, file: str) -> dict[str, str]:
+    """Return the texts in a JSON file of the recording by their keys; none if it has no such file."""
+    attachment = recording.attachment(file)
+    if attachment is None:
+        return {}
+    try:
+        said = msgspec.json.decode(attachment.data, type=dict[str, Any])
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise RecordingError(f"{file} of the recording: {error}") from error
+    return {key: text for key, text in said.items() if isinstance(text, str)}
 
 
 def unpack_mission(recording: Recording, folder: Path) -> MissionFiles:

@@ -9,7 +9,7 @@ from legpush.errors import RecordingError
 from legpush.policy_names import runs_code
 from legpush.recording.damage import damage_of
 from legpush.recording.episodes import read_episodes
-from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts, recorded_numerics
+from legpush.recording.facts import CONTINUED, MISSION_FILE, read_facts, recorded_with
 from legpush.recording.mcap_file.contents import Recording
 from legpush.scene.conventions import CONTROL_PERIOD_S
 
@@ -81,9 +81,14 @@ def _policy(recording: Recording) -> Iterator[str]:
 
 def _numerics(recording: Recording) -> Iterator[str]:
     try:
-        yield f"numerics      {recorded_numerics(recording) or 'not noted'}"
+        recorded = recorded_with(recording)
     except RecordingError as error:
         yield f"numerics      cannot be read: {error}"
+        return
+    yield f"numerics      {recorded.numerics or 'not noted'}"
+    yield f"motions       {'not noted' if recorded.motions is None else f'version {recorded.motions}'}"
+    if other := recorded.other_version():
+        yield f"              {other}"
 
 
 def _result(recording: Recording) -> Iterator[str]:

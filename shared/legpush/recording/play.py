@@ -15,13 +15,15 @@ import tyro
 from msgspec.structs import replace
 
 from legpush.bus.bus import Bus
-from legpush.errors import MotionError, RecordingError
+from legpush.errors import LegpushError, MotionError, RecordingError
 from legpush.lockstep.server import serve_actions
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.numerics.computed_with import ComputedWith, told
 from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from legpush.plans.server import serve_plans
 from legpush.recording.episodes import EpisodeRecord, difference, read_episodes
+from legpush.recording.facts import STILL, recorded_with
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.plans import RecordedPlans, query_bytes, read_plans
 from legpush.service import ServiceConfig, run_process
@@ -40,8 +42,10 @@ class PlayConfig(ServiceConfig):
 class RecordedSim:
     """A simulator that knows only the recorded episodes."""
 
-    def __init__(self, episodes: Sequence[EpisodeRecord]) -> None:
+    def __init__(self, episodes: Sequence[EpisodeRecord], recorded: ComputedWith) -> None:
+        """`recorded` is what the episodes were computed with."""
         self._episodes = episodes
+        self._recorded = recorded
         self._candidates: list[EpisodeRecord] = []
         self._step = 0
 
@@ -51,6 +55,7 @@ class RecordedSim:
         Raises:
             MotionError: The recorded simulator refused the motion.
             RecordingError: Another motion was recorded.
+            OtherVersionError: Another motion was recorded, by another version.
         """
         step = 0 if isinstance(motion, Reset) else self._step
         among = self._episodes if step == 0 else self._candidates
@@ -67,7 +72,8 @@ class RecordedSim:
         if outcome is None:
             if refusal is not None and not answered:
                 raise MotionError(refusal)
-            raise RecordingError(f"step {step}: {instead(among, step, motion, with_trace=with_trace)}")
+            difference = f"step {step}: {instead(among, step, motion, with_trace=with_trace)}"
+            raise told(RecordingError(difference), self._recorded, STILL)
         self._candidates, self._step = [episode for episode, _ in answered], step + 1
         return outcome if with_trace else replace(outcome, trace=None)
 
@@ -89,8 +95,10 @@ def instead(among: Sequence[EpisodeRecord], step: int, motion: Motion, *, with_t
 class RecordedPlanner:
     """A planner that knows only the recorded queries."""
 
-    def __init__(self, records: Sequence[RecordedPlans]) -> None:
+    def __init__(self, records: Sequence[RecordedPlans], recorded: ComputedWith) -> None:
+        """`recorded` is what the plans were computed with."""
         self._records = records
+        self._recorded = recorded
         self._plans = {query_bytes(record.query): record.plans for record in records}
 
     def make_plans(self, query: PlanQuery, interrupted: Interrupted) -> Iterator[Plan]:
@@ -98,19 +106,23 @@ class RecordedPlanner:
 
         Raises:
             RecordingError: The query was not recorded.
+            OtherVersionError: It was not, and the recording is of another version.
             PlanningInterruptedError: `interrupted` returned True.
         """
         plans = self._plans.get(query_bytes(query))
         if plans is None:
-            raise RecordingError(self.instead(query))
+            raise self.unknown(query)
         for revision in sorted(plans):
             yield plans[revision]
         while not interrupted():
             sleep(IDLE_S)
         raise PlanningInterruptedError
 
-    def instead(self, query: PlanQuery) -> str:
-        """Return a text that says what the recording has in the place of a query that was not recorded."""
+    def unknown(self, query: PlanQuery) -> LegpushError:
+        """Return the error of a query that was not recorded, which says what was recorded instead."""
+        return told(RecordingError(self._instead(query)), self._recorded, STILL)
+
+    def _instead(self, query: PlanQuery) -> str:
         same_kind = [record.query for record in self._records if type(record.query) is type(query)]
         if not same_kind:
             return f"the recording answers no {type(query).__name__}"
@@ -124,9 +136,10 @@ def main() -> int:
 
     def serve(config: PlayConfig, bus: Bus, stop: threading.Event) -> None:
         recording = read_recording(config.files)
+        recorded = recorded_with(recording)
         if role == "sim":
-            serve_actions(bus, RecordedSim(read_episodes(recording)), stop)
+            serve_actions(bus, RecordedSim(read_episodes(recording), recorded), stop)
         else:
-            serve_plans(bus, RecordedPlanner(read_plans(recording)).make_plans, stop)
+            serve_plans(bus, RecordedPlanner(read_plans(recording), recorded).make_plans, stop)
 
     return run_process(role, PlayConfig, serve)

@@ -6,10 +6,10 @@ from typing import Protocol
 
 from legpush.errors import MotionError, RecordingError
 from legpush.messages.stepping import Motion, Outcome, Reset
-from legpush.numerics.current import told_as_other
+from legpush.numerics.computed_with import ComputedWith
 from legpush.recording.damage import damage_of
 from legpush.recording.episodes import Asked, Damage, EpisodeRecord, difference, read_episodes, same
-from legpush.recording.facts import recorded_numerics
+from legpush.recording.facts import STILL, recorded_with
 from legpush.recording.mcap_file.contents import Recording
 from legpush.scene.conventions import CONTROL_PERIOD_S
 
@@ -62,6 +62,8 @@ class Checked:
     why_not: str = ""
     """Why they cannot be verified."""
     damage: list[str]
+    other_version: str = ""
+    """Says that the recording has other bits because it is of another version; empty if it is not so."""
     other_numerics: str = ""
     """Why other bits are no surprise: the recording has other numerics; empty if they are the same."""
 
@@ -75,6 +77,8 @@ class Checked:
         damaged = f"damaged: {', '.join(self.damage)}" if self.damage else ""
         if self.verified is None:
             return f"not verified: {self.why_not}\n{damaged}\n"
+        if self.other_version:
+            return f"{self.other_version}; {STILL}\n" + (f"{damaged}\n" if damaged else "")
         if self.verified.divergence is not None:
             found = str(self.verified.divergence)
             if self.other_numerics:
@@ -105,18 +109,20 @@ def check(
         if not damage:
             raise
         return Checked(verified=None, why_not=str(error), damage=damage)
-    return Checked(verified=verified, damage=damage, other_numerics=_other_numerics(recording, verified, numerics))
+    recorded = _recorded_with(recording)
+    if verified.divergence is None or verified.divergence.is_damage or recorded is None:
+        return Checked(verified=verified, damage=damage)
+    if other := recorded.other_version():
+        return Checked(verified=verified, damage=damage, other_version=other)
+    return Checked(verified=verified, damage=damage, other_numerics=recorded.other_numerics(numerics()))
 
 
-def _other_numerics(recording: Recording, verified: Verified, numerics: Callable[[], str]) -> str:
-    """Return why the simulator computes other bits; empty if it does not, or that is not known."""
-    if verified.divergence is None or verified.divergence.is_damage:
-        return ""
+def _recorded_with(recording: Recording) -> ComputedWith | None:
+    """Return what the recording was computed with; None if that is not known."""
     try:
-        recorded = recorded_numerics(recording)
+        return recorded_with(recording)
     except RecordingError:  # the file that notes it is damaged, which is told as damage
-        return ""
-    return told_as_other(recorded, numerics())
+        return None
 
 
 def _episodes(recording: Recording) -> list[EpisodeRecord]:

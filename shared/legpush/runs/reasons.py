@@ -50,9 +50,9 @@ REASONS: Final[dict[Reason, Note]] = {
     ),
     "box_tipped": Note(
         meaning="The box leans by more than 15°.",
-        keys=("box.size_m", "box.friction", "pushing.faces"),
-        remedy="lower the height in `box.size_m`, lower `box.friction`, or leave the narrow faces out of "
-        "`pushing.faces`",
+        keys=("box.size_m", "box.com_offset_m", "box.friction", "pushing.faces"),
+        remedy="lower the height in `box.size_m` or the centre of mass (`box.com_offset_m`), lower `box.friction`, or "
+        "leave the narrow faces out of `pushing.faces`",
     ),
     "no_path": Note(
         meaning="The planner found no path of the robot or of the box.",
@@ -74,8 +74,9 @@ REASONS: Final[dict[Reason, Note]] = {
     ),
     "missed_station": Note(
         meaning="The robot walked to the box, but ended too far from the place to push from.",
-        keys=("planning.margin_m", "mission.handover_distance_m"),
-        remedy="raise `planning.margin_m`, or measure the box from nearer by with `mission.handover_distance_m`",
+        keys=("planning.margin_m", "mission.handover_distance_m", "box.friction"),
+        remedy="raise `planning.margin_m`, or measure the box from nearer by with `mission.handover_distance_m`; raise "
+        "`box.friction` if the box slid away",
     ),
     "left_reference": Note(
         meaning="The box deviates from the reference by more than 10 cm or 25°.",
@@ -83,7 +84,7 @@ REASONS: Final[dict[Reason, Note]] = {
         remedy="widen the curves of `reference`, or measure the box first with `pushing.calibration_pushes`",
     ),
     "max_push_cycles": Note(
-        meaning="The push cycles of the mission are used up.",
+        meaning="The push cycles of the mission are used up, or cannot do, which is told before the robot walks.",
         keys=("mission.max_push_cycles",),
         remedy="raise `mission.max_push_cycles`, or leave it out: it then follows from the path of the box",
     ),
@@ -101,8 +102,8 @@ REASONS: Final[dict[Reason, Note]] = {
     "motion_refused": Note(
         meaning="The simulator refused a motion in the state that it was in.",
         keys=("--planner-command", "box.size_m"),
-        remedy="the motion came from a path of the planner (`--planner-command`), or `box.size_m` puts the box out of "
-        "reach",
+        remedy="the motion came from a path of the planner (`--planner-command`), or `box.size_m` puts the contact "
+        "point or the curve of a push out of reach",
     ),
     "episode_broken": Note(
         meaning="The simulator failed in a motion, such as at numbers that physics cannot carry.",

@@ -8,6 +8,7 @@ from msgspec import Struct, to_builtins
 
 from legpush.errors import LegpushError
 from legpush.files import write_whole
+from legpush.messages.measures import UnexpectedContact
 from legpush.runs.folder import REPORT_FILE
 from legpush.runs.reasons import Reason
 
@@ -19,6 +20,61 @@ class Appeared(Struct, frozen=True, kw_only=True):
     """Its place in `room.obstacles`, from 0."""
     time_s: float
     """Simulated time since the reset."""
+
+
+class OfJoints(Struct, frozen=True, kw_only=True):
+    """A number for each kind of joint: the largest one of the four legs."""
+
+    hip_x: float
+    hip_y: float
+    knee: float
+
+
+class PhaseReport(Struct, frozen=True, kw_only=True):
+    """What was measured at every physics step of 2 ms while the robot walked, or while it pushed. A foot is loaded from
+    4.8 % of the robot's weight on until it has less than 1.6 %."""
+
+    n_steps: int
+    """Number of physics steps."""
+    n_footsteps: int
+    max_torque_n_m: OfJoints
+    usual_torque_n_m: OfJoints
+    """Torques that 99.9 % of all are below, rounded up to a hundredth of the largest torque of the joint."""
+    max_speed_rad_s: OfJoints
+    max_power_w: OfJoints
+    share_at_torque_limit: float
+    """Share of steps and joints with all the torque that the servo had at its angle and speed."""
+    least_to_joint_limit_deg: float
+    """Least distance of a joint from the end of its range; negative beyond it."""
+    energy_j: float
+    """Mechanical work of the servos while their power was positive."""
+    travel_m: float
+    """Way of the trunk."""
+    cost_of_transport: float | None
+    """Energy over weight and way; None if the robot did not move."""
+    min_support_margin_m: float
+    """Least distance of the CoM's ground projection from the border of the support polygon; negative outside."""
+    n_outside_support: int
+    """Number of physics steps in which that was negative."""
+    min_zmp_margin_m: float
+    """The same of the zero-moment point."""
+    min_capture_margin_m: float
+    """The same of the capture point."""
+    max_push_moment_n_m: float | None
+    """Largest horizontal moment of all forces on the feet about the CoM (Eq. 9) while the box pressed on a foot; None
+    if it never did."""
+    touchdowns_per_footstep: float | None
+    """How often the force on a foot rose above 1 N; None without a footstep."""
+    loadings_per_footstep: float | None
+    """How often a foot became loaded; None without a footstep."""
+    usual_landing_speed_m_s: float | None
+    """Downward speed that 99 % of the landings are below; None without a landing."""
+    max_landing_speed_m_s: float | None
+    max_penetration_m: float
+    """How deep a foot was in the floor at most."""
+    n_unexpected_steps: int
+    """Number of physics steps with a contact that no plan asked for."""
+    unexpected: tuple[UnexpectedContact, ...]
 
 
 class Report(Struct, frozen=True, kw_only=True):
@@ -43,7 +99,12 @@ class Report(Struct, frozen=True, kw_only=True):
     trunk_max_abs_pitch_deg: float | None
     trunk_max_abs_roll_deg: float | None
     min_support_margin_m: float | None
-    """Least distance of the CoM's ground projection from the border of the support polygon; negative outside."""
+    """Least distance of the CoM's ground projection from the border of the support polygon in all physics steps;
+    negative outside."""
+    walking: PhaseReport | None
+    """None if the robot did not walk."""
+    pushing: PhaseReport | None
+    """None if it did not push. A push cycle includes the steps to the box after the push."""
     n_better_paths: int
     """How often the robot took a better path while it walked."""
     n_replans: int
@@ -62,7 +123,7 @@ class Report(Struct, frozen=True, kw_only=True):
     versions: dict[str, str | None]
     """Of the host that wrote the report; None for what is not installed there."""
     notes: tuple[str, ...] = ()
-    """Why there is no picture or no film."""
+    """Contacts that no plan asked for, and why there is no picture or no film."""
 
 
 class ReportError(LegpushError):

@@ -95,8 +95,14 @@ def dump_scenario(scenario: Scenario, *, whole_robot: bool = False) -> str:
 def scenario_table(scenario: Scenario) -> dict[str, Any]:
     """Return the scenario as a table for a file: every field, but of the robot only what differs from the defaults."""
     plain: dict[str, Any] = msgspec.to_builtins(scenario)
-    robot = _differing(plain.pop("robot"), _DEFAULT_ROBOT)
+    del plain["robot"]
+    robot = robot_table(scenario.robot)
     return plain | ({"robot": robot} if robot else {})
+
+
+def robot_table(robot: RobotSpec) -> dict[str, Any]:
+    """Return what differs from the defaults of a robot, as a table for a file."""
+    return _differing(msgspec.to_builtins(robot), _DEFAULT_ROBOT)
 
 
 def resolve_scenario(

@@ -18,8 +18,9 @@ LEG_JOINTS: Final = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
 
 CONTROL_PERIOD_S: Final = 0.02
 """One tick: the period at which the simulator commands the joints and records the state."""
+GRAVITY_M_S2: Final = 9.81
 LOADED_N: Final = 1.0
-"""A foot with at least this vertical force counts as standing."""
+"""A foot with at least this vertical force touches the floor."""
 
 TRUNK_QPOS: Final = slice(0, 7)
 JOINT_QPOS: Final = slice(7, 19)

@@ -9,7 +9,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from legpush.geometry import Pose2
+from legpush.geometry import Point3, Pose2
 from legpush.scene.names import BoxShape, Face
 from legpush.scene.scenario import Box
 
@@ -31,6 +31,21 @@ def pushed_pose(pose: Pose2, face: Face) -> Pose2:
 
 
 def pushed_box(box: Box, face: Face) -> Box:
-    """Return the box with its size in the pushed frame."""
+    """Return the box with its size in the pushed frame. For its centre of mass there, see `pushed_com_m`."""
     length_m, width_m, height_m = box.size_m
-    return replace(box, size_m=(width_m, length_m, height_m)) if face in ("right", "left") else box
+    size_m = (width_m, length_m, height_m) if face in ("right", "left") else box.size_m
+    return replace(box, size_m=size_m, com_offset_m=(0.0, 0.0, 0.0))
+
+
+def pushed_com_m(box: Box, face: Face) -> Point3:
+    """Return the centre of mass in the pushed frame."""
+    x_m, y_m, z_m = box.com_m
+    match face:
+        case "rear":
+            return x_m, y_m, z_m
+        case "right":
+            return y_m, -x_m, z_m
+        case "front":
+            return -x_m, -y_m, z_m
+        case "left":
+            return -y_m, x_m, z_m

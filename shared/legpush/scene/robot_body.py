@@ -7,7 +7,7 @@ the knee (RAI Institute, `relic`, `TORQUE_SPEED_LIMIT`). For the hips no such li
 """
 
 from itertools import pairwise
-from math import radians
+from math import cos, radians, sin
 from typing import Annotated
 
 from msgspec import Meta, Struct
@@ -25,6 +25,7 @@ from legpush.bounds import (
     PartMass,
     PositionGain,
     Torque,
+    Unit,
     VelocityGain,
 )
 
@@ -34,8 +35,20 @@ class Trunk(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     size_m: tuple[BodyLength, BodyLength, BodyLength] = (0.7, 0.22, 0.17)
     """Length, width and height."""
+    cap_shares: tuple[Unit, Unit, Unit] = (0.034, 0.864, 0.824)
+    """Half sizes of the boxes in the middles of its front and rear side, as shares of those of the trunk."""
     mass_kg: PartMass = 18.0
     """With the legs, the whole robot weighs 31.84 kg; Spot's public figure is about 32 kg."""
+
+    def ahead_m(self, below_m: float, turn_rad: float) -> float:
+        """Return how far the trunk reaches ahead of its centre, where it is turned and at most `below_m` below it."""
+        half = [side / 2 for side in self.size_m]
+        cap = [share * side for share, side in zip(self.cap_shares, half, strict=True)]
+        parts = (half, (half[0] + cap[0], cap[1], cap[2]))
+        reaches = [
+            length * cos(turn_rad) + width * abs(sin(turn_rad)) for length, width, height in parts if height > below_m
+        ]
+        return max(reaches, default=0.0)
 
 
 class Legs(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

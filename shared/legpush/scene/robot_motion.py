@@ -11,6 +11,7 @@ from legpush.bounds import (
     BodyLength,
     FallTilt,
     LandingSpeed,
+    ReachMargin,
     SideShare,
     StationTurn,
     StepTurn,
@@ -81,6 +82,12 @@ class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How fast a foot comes down at the end of a swing."""
     landing_ticks: Ticks = 2
     """Last part of the swing, in which it moves down at this speed."""
+    contact_share: Unit = 0.05
+    """A swinging foot that feels this share of the robot's weight is down, and its swing ends."""
+    search_speed_m_s: LandingSpeed = 0.3
+    """How fast a foot that did not meet the floor goes on down, after a slow beginning."""
+    search_depth_m: BodyDistance = 0.05
+    """How far below the end of its swing a foot looks for the floor."""
     press_m: BodyDistance = 0.001
     """How far a landing foot is commanded into the floor."""
     shift_ticks: Ticks = 6
@@ -127,10 +134,13 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     obstacle."""
     contact_height_share: Unit = 0.5
     """Height of the contact point, as a share of the height of the box."""
-    reach_height_share: Unit = 0.65
+    reach_height_share: Unit = 0.42
     """Greatest height of the contact point, as a share of the standing height."""
     tip_share: Unit = 0.8
     """Greatest height of the contact point, as a share of the height above which a box tips instead of sliding."""
+    reach_margin_deg: ReachMargin = 1.0
+    """A push is refused if the pushing leg, with all its joints this far from their limits, would leave the curve by
+    more than the radius of its foot."""
     contact_side_share: SideShare = 0.3
     """Distance of the contact point from the middle of the face, to the left (FL) or right (FR), as a share of the
     width of the box."""

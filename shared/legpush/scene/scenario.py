@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from legpush.bounds import (
+    LARGEST_LOAD,
     LEAST_THICKNESS_M,
     MAX_APPEARING,
     MAX_OBSTACLES,
@@ -13,6 +14,7 @@ from legpush.bounds import (
     MAX_TEXT,
     AngleTolerance,
     BoxMass,
+    BoxOffset,
     BoxSide,
     CalibrationPushes,
     Coordinate,
@@ -35,11 +37,12 @@ from legpush.bounds import (
     Waypoints,
 )
 from legpush.fields import Name
-from legpush.geometry import Pose2
+from legpush.geometry import Point3, Pose2
 from legpush.scene.names import BoxShape, Face, PlannerName, Steering
 from legpush.scene.overlap import deepest_overlap
 from legpush.scene.reference import Reference
 from legpush.scene.robot import RobotSpec
+from legpush.scene.solid import even_com_m, steps_to_surface
 
 
 class Rectangle(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -128,10 +131,17 @@ class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     from above."""
     mass_kg: BoxMass = 0.1
     friction: Friction = 0.5
-    """Sliding friction coefficient with the floor and with the foot."""
+    """Sliding friction coefficient with the floor."""
+    foot_friction: Friction | None = None
+    """Sliding friction coefficient with the feet and all other parts of the robot; without it, the same as with the
+    floor."""
+    com_offset_m: tuple[BoxOffset, BoxOffset, BoxOffset] = (0.0, 0.0, 0.0)
+    """Where the centre of mass is, from where even density puts it, along the axes of the box. A small load at the
+    surface, in this direction, is as heavy as that takes, and the rest of the box is of even density. The load has at
+    most nine tenths of the mass."""
 
     def __post_init__(self) -> None:
-        """Check that a cylinder is round.
+        """Check that a cylinder is round, and that the centre of mass is within the solid.
 
         Raises:
             ValueError: It is not.
@@ -140,6 +150,27 @@ class Box(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
             raise ValueError(
                 f"Expected equal length and width of a cylinder in size_m, got {self.size_m[0]} and {self.size_m[1]}"
             )
+        if not self.load_share <= LARGEST_LOAD:
+            raise ValueError(
+                f"Expected com_offset_m at most {LARGEST_LOAD:g} of the way to the surface of the {self.shape} in that "
+                f"direction, got {self.com_offset_m}, which is {self.load_share:.2f} of it"
+            )
+
+    @property
+    def friction_with_robot(self) -> float:
+        """Sliding friction coefficient with the feet and all other parts of the robot."""
+        return self.friction if self.foot_friction is None else self.foot_friction
+
+    @property
+    def com_m(self) -> Point3:
+        """Centre of mass in the frame of the box, whose origin is the middle of `size_m`."""
+        x, y, z = (a + b for a, b in zip(even_com_m(self.shape, self.size_m), self.com_offset_m, strict=True))
+        return x, y, z
+
+    @property
+    def load_share(self) -> float:
+        """Share of the mass that the load has; 0 without an offset."""
+        return 1.0 / steps_to_surface(self.shape, self.size_m, self.com_offset_m)
 
 
 class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

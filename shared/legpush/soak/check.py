@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from legpush.errors import LegpushError, MessageError
-from legpush.history.journal import Acted, Awaited, Entry, Numbered, Observed, Opened, Planned, Queried, read_entries
+from legpush.history.entries import Acted, Awaited, Entry, Numbered, Observed, Opened, Planned, Queried
+from legpush.history.journal import read_entries
 from legpush.messages import codec
 from legpush.messages.stepping import Action, Answer, Motion, Observation, Refusal
 from legpush.recording.mcap_file.reader import read_recording

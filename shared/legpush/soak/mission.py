@@ -14,7 +14,8 @@ from typing import Final, TypeVar
 import psutil
 
 from legpush.errors import JournalError, PeerError
-from legpush.history.journal import Acted, Entry, Observed, Planned, Queried, Reading
+from legpush.history.entries import Acted, Entry, Observed, Planned, Queried
+from legpush.history.journal import Reading
 from legpush.messages.stepping import Push, Walk
 from legpush.soak.in_child import ENVIRONMENT
 from legpush.soak.table import FaultRole, Phase

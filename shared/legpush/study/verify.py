@@ -9,7 +9,8 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from legpush.errors import INTERRUPTED, ConfigError
+from legpush.errors import INTERRUPTED, ConfigError, OtherVersionError
+from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.options.study import VerifyStudy
 from legpush.service import stop_on_signals
 from legpush.study.engines.choose import SLURM, make_engine, require_engine
@@ -27,7 +28,8 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
     Nothing that runs comes from the rows: every cell is made again from the copy of the study file.
 
     Raises:
-        ConfigError: The folder has no study with rows, or one of another code version.
+        ConfigError: The folder has no study with rows.
+        OtherVersionError: Other code ran the study.
         LegpushError: The engine failed.
     """
     require_engine(options.on, options.slurm_options)
@@ -89,10 +91,17 @@ def _studies(options: VerifyStudy, folder: StudyFolder, record: StudyRecord) -> 
         if study.kind_name != record.kind:
             raise ConfigError(f"{folder.path}: expected cells of the kind {record.kind}, got {study.kind_name}")
         if study.code != record.code:
-            raise ConfigError(
-                f"{folder.path}: expected the code version {record.code}, which ran the study, got {study.code} here"
-            )
+            raise _other_version(folder, record, study.code)
     return studies
+
+
+def _other_version(folder: StudyFolder, record: StudyRecord, code: str) -> OtherVersionError:
+    """Return the error of a study that other code ran; it names the versions of code and motions."""
+    motions = record.versions.get(MOTIONS) or "not noted"
+    return OtherVersionError(
+        f"{folder.path}: other version: run by code version {record.code} (motion version {motions}), here is {code} "
+        f"({MOTION_VERSION}); its cells cannot be run again here, `legpush study table` shows them as before"
+    )
 
 
 def _places(cells: Sequence[str], chosen: Sequence[str]) -> list[int]:

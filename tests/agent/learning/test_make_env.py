@@ -136,3 +136,12 @@ def test_a_closed_environment_may_be_reset_if_nobody_else_has_its_simulator() ->
     env.close()
 
     np.testing.assert_array_equal(env.reset(seed=0)[0], start)
+
+
+def test_an_environment_pushes_in_the_map_by_its_name() -> None:
+    env = make_push_env(simulator="map", max_steps=3)
+    env.reset(seed=0)
+    steps = [env.step(PUSH_AHEAD) for _ in range(3)]
+
+    assert [truncated for *_, truncated, _ in steps] == [False, False, True]
+    assert steps[-1][-1]["position_error_m"] < steps[0][-1]["position_error_m"]

@@ -10,8 +10,8 @@ import pytest
 import torch
 
 from agent_proc.frames.push_view import push_view
-from agent_proc.learning.checkpoint import CheckpointError, load_checkpoint
-from agent_proc.learning.training import BEST, CHECKPOINT_FILE, LAST, Training
+from agent_proc.learning.checkpoint import CHECKPOINT_FILE, CheckpointError, load_checkpoint
+from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import Progress, TrainingResult
 from agent_proc.policies.learned import load_learned
 from agent_proc.profiles.profile import AnyProfile, PpoProfile, load_profile

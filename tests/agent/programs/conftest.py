@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from agent_proc.programs import calibrate, evaluate, train
+from agent_proc.programs import evaluate, measure_parts, train
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.options.learning import SimulatorOptions
@@ -52,7 +52,7 @@ def stopping(stop: threading.Event, n_finished: int) -> Callable[..., AbstractCo
 def stop(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
     """The event that a signal to a program sets."""
     event = threading.Event()
-    for program in (calibrate, evaluate, train):
+    for program in (evaluate, measure_parts, train):
         monkeypatch.setattr(program, "simulators", fake_simulators)
         monkeypatch.setattr(program, "stop_on_signals", lambda: event)
     return event

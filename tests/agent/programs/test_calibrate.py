@@ -8,12 +8,14 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from agent_proc.programs import calibrate
+from agent_proc.map_world.response_map import load_response_map
+from agent_proc.programs import measure_parts
 from agent_proc.programs.calibrate import run
 from agent_proc.push_model.map import load_push_map
 from agent_proc.push_model.model import NOMINAL
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning import CalibrateOptions
+from legpush.scenarios.file import change_fields, dump_scenario, load_scenario
 from tests.agent.programs.conftest import stopping
 
 
@@ -38,6 +40,37 @@ def test_it_writes_the_map_and_shows_it(options: CalibrateOptions) -> None:
     assert said[-3].startswith("rear face, one foot: turns on a radius of 0.")
     assert said[-1] == f"written to {options.out}"
     assert [path.name for path in options.out.parent.iterdir()] == [options.out.name]
+
+
+@pytest.mark.usefixtures("stop")
+def test_random_pushes_give_a_response_map(tmp_path: Path) -> None:
+    options = CalibrateOptions(simulators=2, random_pushes=181, out=tmp_path / "map.json")
+    console = Console(file=io.StringIO(), width=200)
+
+    assert run(options, console) == 0
+    response_map = load_response_map(options.out)
+    assert [(surface.face, surface.quality.n) for surface in response_map.surfaces] == [("rear", 200), ("right", 200)]
+    assert all(r_squared > 0.99 for surface in response_map.surfaces for r_squared in surface.quality.r_squared)
+    said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert said[0].endswith("pushing  20 of 20 series")
+    assert " ".join(said[1].split()) == "face depth [cm] forward [mm] left [mm] turn [deg] n"
+    assert said[-2].startswith("right face, 200 pushes, cross-validated: forward: R² 1.0000, error 0.0")
+    assert [path.name for path in tmp_path.iterdir()] == ["map.json"]
+
+
+@pytest.mark.usefixtures("stop")
+def test_random_pushes_need_a_box_that_is_its_own_mirror_image(tmp_path: Path) -> None:
+    scenario = tmp_path / "wedge.toml"
+    plain = dump_scenario(change_fields(load_scenario("default"), {"box.shape": "wedge"}))
+    scenario.write_text(plain, encoding="utf-8")
+    options = CalibrateOptions(scenario=str(scenario), random_pushes=100, out=tmp_path / "map.json")
+
+    with pytest.raises(
+        ConfigError, match="Expected a box of the shape cuboid or cylinder for random pushes, got wedge"
+    ):
+        run(options, Console(file=io.StringIO()))
+    with pytest.raises(ConfigError, match="Expected either --random-pushes or --depths-m, --curves and --series"):
+        CalibrateOptions(random_pushes=100, curves=(0.2,))
 
 
 @pytest.mark.usefixtures("stop")
@@ -71,7 +104,7 @@ def test_an_interrupted_calibration_goes_on_to_the_map_of_an_undisturbed_one(
     options = replace(options, simulators=1)
     assert run(replace(options, out=tmp_path / "whole.json"), Console(file=io.StringIO())) == 0
     with monkeypatch.context() as patch:
-        patch.setattr(calibrate, "simulators", stopping(stop, n_finished))
+        patch.setattr(measure_parts, "simulators", stopping(stop, n_finished))
         words = (
             rf"interrupted: {n_finished} of 4 series are kept in .*push_map\.json\.unfinished; the same command goes on"
         )

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from agent_proc.programs import evaluate
 from agent_proc.programs.evaluate import run
+from agent_proc.simulators import simulators
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning import EvaluateOptions
 from tests.agent.programs.conftest import stopping
@@ -23,6 +24,20 @@ def options(tmp_path: Path) -> EvaluateOptions:
     return EvaluateOptions(
         policy="scripted", simulators=2, episodes=2, first_seed=40, sweep=("box.mass_kg=0.1,0.5",), out=tmp_path / "out"
     )
+
+
+@pytest.mark.usefixtures("stop")
+def test_it_evaluates_in_the_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(evaluate, "simulators", simulators)
+    options = EvaluateOptions(policy="variable", world="map", simulators=1, episodes=3, out=tmp_path / "out")
+
+    assert run(options, Console(file=io.StringIO(), width=200)) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["world"] == "map"
+    (case,) = summary["cases"].values()
+    assert case["position_error_m"]["value"] < 0.01
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "episodes.csv").read_text())))
+    assert [row["ending"] for row in rows] == ["done"] * 3
 
 
 @pytest.mark.usefixtures("stop")

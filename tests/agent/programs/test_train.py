@@ -15,9 +15,11 @@ from rich.console import Console
 from agent_proc.policies.folder import read_policy
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import dump_profile
+from agent_proc.programs import train as program
 from agent_proc.programs.train import kept_words, read_plan, train
+from agent_proc.simulators import simulators
 from agent_proc.task.file import load_task
-from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, exit_code_of
+from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, PluginError, PolicyError, exit_code_of
 from legpush.options.learning import TrainOptions
 from tests.agent.learning.small_training import small_profile
 
@@ -155,6 +157,45 @@ def test_only_the_folder_of_a_training_can_be_resumed(tmp_path: Path) -> None:
             file.write_text(text)
         with pytest.raises(ConfigError, match=message):
             train(TrainOptions(resume=tmp_path), Console(file=io.StringIO()))
+
+
+def test_a_training_in_the_map_is_resumed_there_and_another_begins_with_it(
+    options: TrainOptions, stop: threading.Event, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(program, "simulators", simulators)
+    options = replace(options, world="map", mass_kg=None)
+    folder = options.out
+    assert folder is not None
+    stop.set()
+    assert said(options)[0] == INTERRUPTED
+    stop.clear()
+
+    assert said(TrainOptions(resume=folder))[0] == 0
+    assert said(replace(options, out=tmp_path / "whole"))[0] == 0
+    assert (read_plan(folder).world, read_plan(folder).init) == ("map", None)
+    resumed, whole = (read_policy(path / "last") for path in (folder, tmp_path / "whole"))
+    assert encode_weights(resumed.layers, resumed.normalizer) == encode_weights(whole.layers, whole.normalizer)
+    for init in (folder, folder / "last"):
+        tuned = replace(options, init=str(init), out=tmp_path / f"from-{init.name}")
+        assert said(tuned)[0] == 0
+        assert read_plan(tmp_path / f"from-{init.name}").init == str(init)
+    with pytest.raises(PolicyError, match="or the folder of one, got 'nothing'"):
+        said(replace(options, init="nothing", out=tmp_path / "none"))
+    with pytest.raises(PluginError, match="Expected a simulator"):
+        said(replace(options, world="nothing", out=tmp_path / "none"))
+    assert not (tmp_path / "none").exists()
+
+
+def test_the_plan_of_an_earlier_version_has_no_world(options: TrainOptions, stop: threading.Event) -> None:
+    stop.set()
+    said(options)
+    assert options.out is not None
+    file = options.out / "config.json"
+    plain = json.loads(file.read_text())
+    del plain["world"], plain["init"]
+    file.write_text(json.dumps(plain))
+
+    assert (read_plan(options.out).world, read_plan(options.out).init) == ("mujoco", None)
 
 
 @pytest.mark.usefixtures("stop")

@@ -1,12 +1,15 @@
 """The charts in the picture of a mission show the numbers of its record."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from agent_proc.reporting.charts import draw_box_error, draw_margin, draw_tilt
+from agent_proc.reporting.charts import draw_box_error, draw_margins, draw_tilt, draw_torques
+from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import MAX_POINTS
 from legpush.arrays import Floats
 from tests.agent.reporting.missions import push_alone, whole_mission
@@ -14,6 +17,21 @@ from tests.agent.reporting.missions import push_alone, whole_mission
 
 def new_axes() -> Axes:
     return Figure().add_subplot()
+
+
+def measured_mission() -> MissionRecord:
+    """A mission whose last motion has all that traces have since protocol 8."""
+    record, _ = whole_mission()
+    last = record.steps[-1]
+    n = len(last.ticks.time_s)
+    draw = np.random.default_rng(0).uniform
+    ticks = dataclasses.replace(
+        last.ticks,
+        zmp_margin_m=draw(0.0, 0.1, n),
+        capture_margin_m=draw(-0.1, 0.1, n),
+        torques_n_m=draw(0.0, 90.0, (n, 3)),
+    )
+    return dataclasses.replace(record, steps=[*record.steps[:-1], dataclasses.replace(last, ticks=ticks)])
 
 
 def labels(axes: Axes) -> list[str]:
@@ -43,13 +61,32 @@ def test_pitch_and_roll_keep_their_extremes() -> None:
         assert heights(axes, index).max() == pytest.approx(values.max())
 
 
-def test_the_support_margin_is_in_centimetres() -> None:
-    record, _ = whole_mission()
-    axes = new_axes()
-    draw_margin(axes, record)
+def test_margins_and_torques_keep_their_extremes() -> None:
+    record = measured_mission()
+    ticks = record.ticks()
+    margins, torques = new_axes(), new_axes()
+    draw_margins(margins, record)
+    draw_torques(torques, record)
 
-    assert heights(axes, 0).min() == pytest.approx(100.0 * record.ticks().support_margin_m.min())
-    assert axes.get_ylabel() == "margin [cm]"
+    assert labels(margins) == ["ZMP", "CoM", "capture point"]
+    for line, values in zip(
+        margins.lines, (ticks.zmp_margin_m, ticks.support_margin_m, ticks.capture_margin_m), strict=False
+    ):
+        assert np.nanmin(values_of(line)) == pytest.approx(100.0 * np.nanmin(values))
+    assert margins.get_ylabel() == "margin [cm]"
+    assert labels(torques) == ["hip-x", "hip-y", "knee"]
+    for line, values in zip(torques.lines, ticks.torques_n_m.T, strict=True):
+        assert np.nanmax(values_of(line)) == np.nanmax(values) > 0.0
+
+
+def test_a_mission_of_an_older_protocol_has_the_margin_of_the_com_alone() -> None:
+    record, _ = whole_mission()
+    margins, torques = new_axes(), new_axes()
+    draw_margins(margins, record)
+    draw_torques(torques, record)
+
+    assert labels(margins) == ["CoM"]
+    assert labels(torques) == []
 
 
 def test_walking_and_pushing_are_told_apart_and_named() -> None:

@@ -10,6 +10,7 @@ from agent_proc.reporting.mission_record import read_record
 from legpush.errors import JournalError
 from legpush.history.steps import StepRecord
 from legpush.messages.poses import planar_pose
+from legpush.messages.stepping import Push, Walk
 from tests.agent.fake_world import FakeWorld
 from tests.agent.reporting.missions import SCENARIO, journal_by_hand
 
@@ -28,6 +29,14 @@ def test_the_ticks_of_a_mission_end_where_its_state_does() -> None:
     np.testing.assert_allclose(ticks.trunk_m[-1], last.trunk.position_m[:2])
     np.testing.assert_allclose(ticks.tips_m[-1], last.tips_m)
     assert record.pushing()[0].world.box.position_m[:2] == (6.02, 3.03)
+
+
+def test_walks_between_pushes_are_no_push_cycles() -> None:
+    reset, follow, walk, push = journal_by_hand()
+    record = read_record([reset, follow, walk, push, follow, walk, walk, push])
+    assert [type(step.motion) for step in record.push_cycles()] == [Walk, Push, Push]
+    assert len(record.pushing()) == 6
+    assert read_record([reset, follow, walk]).push_cycles() == []
 
 
 def test_a_journal_that_does_not_begin_with_a_reset_is_refused() -> None:

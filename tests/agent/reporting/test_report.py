@@ -39,7 +39,7 @@ REPORT_KEYS = (
         "trunk_max_abs_roll_deg",
         "min_support_margin_m",
     ),
-    *("n_better_paths", "n_replans", "appeared"),
+    *("walking", "pushing", "n_better_paths", "n_replans", "appeared"),
     *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed", "versions"),
     "notes",
 )
@@ -87,6 +87,7 @@ def test_what_was_not_measured_is_none() -> None:
     assert report.trunk_max_abs_pitch_deg is None
     assert report.trunk_max_abs_roll_deg is None
     assert report.min_support_margin_m is None
+    assert (report.walking, report.pushing, report.notes) == (None, None, ())
     assert (report.n_push_cycles, report.sim_time_s) == (0, 0.0)
 
 

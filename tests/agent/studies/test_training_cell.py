@@ -5,10 +5,11 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from safetensors.numpy import load
 
 from agent_proc.policies.folder import policy_path, read_card, read_policy
 from agent_proc.studies.training_cell import TRAINING, TrainingCell, of_last, pack, resolve
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, PolicyError
 from legpush.study.cells import columns_of
 
 
@@ -25,6 +26,24 @@ def test_a_training_returns_its_best_policy(tmp_path: Path) -> None:
         archive.extractall(tmp_path / "policy")
     card = read_policy(tmp_path / "policy").card
     assert (card.steps, card.seed, card.n_simulators) == (columns["best_step"], 0, 2)
+
+
+def test_a_training_in_the_map_begins_with_a_policy() -> None:
+    cell = TrainingCell(steps=16, world="map", init="variable", changes={"mission.max_push_cycles": 4})
+    resolved = resolve(cell, ())
+    profile = {**resolved.profile, "evaluation_episodes": 1, "evaluate_every": 16}
+    profile["settings"] = {**profile["settings"], "n_steps": 8, "batch_size": 8, "learning_rate": 1e-9}
+    small = msgspec.structs.replace(resolved, profile=profile)
+
+    columns = columns_of(TRAINING, small)
+    with zipfile.ZipFile(io.BytesIO(base64.b64decode(columns["policy_zip"]))) as archive:
+        content = archive.read("policy.safetensors")
+    weight = load(content)["layers.0.weight"]
+    assert weight == pytest.approx(read_policy(policy_path("variable")).layers[0].weight, abs=1e-5)
+    with pytest.raises(PolicyError, match="Expected the policy variable with the SHA-256 other"):
+        columns_of(TRAINING, msgspec.structs.replace(small, init_sha256="other"))
+    with pytest.raises(ConfigError, match="Expected a world among"):
+        resolve(TrainingCell(world="magic"), ())
 
 
 def test_a_resolved_cell_comes_back_from_plain_values() -> None:

@@ -153,17 +153,27 @@ def test_an_approach_without_a_path_ends_the_mission() -> None:
     assert ended.value.reason == "no_path"
 
 
-def test_an_approach_that_ends_elsewhere_ends_the_mission() -> None:
+@pytest.mark.parametrize(
+    ("drifts", "words", "key"),
+    [
+        ("_trunk", r"the approach ended 0\.7\d m from the box, not at the station", "planning.margin_m"),
+        ("_box", r"the approach ended \d\.\d\d m from the box, which moved by \d\.\d\d m meanwhile", "box.friction"),
+    ],
+)
+def test_an_approach_that_ends_elsewhere_ends_the_mission(drifts: str, words: str, key: str) -> None:
     class Drifting(KinematicSimulator):
         def _move(self, motion: Motion) -> int:
             n_ticks = super()._move(motion)
             if isinstance(motion, Walk):
-                self._trunk = replace(self._trunk, y_m=self._trunk.y_m - 0.4)
+                pose: Pose2 = getattr(self, drifts)
+                setattr(self, drifts, replace(pose, y_m=pose.y_m - 0.4))
             return n_ticks
 
-    with pytest.raises(MissionEndedError, match=r"the approach ended 0\.7\d m from the box") as ended:
+    with pytest.raises(MissionEndedError, match=words) as ended:
         parts_in(FakeWorld(simulator=Drifting()), make_scenario()).walker.approach("rear")
     assert ended.value.reason == "missed_station"
+    assert ended.value.remedy.startswith("raise ")
+    assert f"`{key}`" in ended.value.remedy.partition(";")[0]
 
 
 def test_a_robot_that_is_stopped_without_space_to_turn_steps_back() -> None:

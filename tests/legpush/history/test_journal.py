@@ -6,21 +6,11 @@ import shutil
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
-from legpush.errors import DiskFullError, JournalError
-from legpush.history.journal import (
-    Acted,
-    Awaited,
-    Entry,
-    Journal,
-    Numbered,
-    Observed,
-    Opened,
-    Planned,
-    Queried,
-    Refused,
-    read_entries,
-)
+from legpush.errors import DiskFullError, JournalError, OtherVersionError
+from legpush.history.entries import Acted, Awaited, Entry, Numbered, Observed, Opened, Planned, Queried, Refused
+from legpush.history.journal import Journal, read_entries
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.stepping import Outcome, Walk
 from tests.legpush.examples import PLAN, QUERY, RESET, TRACE, WORLD
@@ -110,11 +100,17 @@ def test_a_file_that_is_no_journal_is_refused_and_left_as_it_is(tmp_path: Path, 
     assert path.read_bytes() == content
 
 
-@pytest.mark.parametrize(("field", "value"), [("run", "other"), ("seed", 4), ("protocol", 99)])
+@pytest.mark.parametrize(("field", "value"), [("run", "other"), ("seed", 4)])
 def test_a_journal_of_something_else_is_refused(path: Path, field: str, value: object) -> None:
     fields = {"protocol": PROTOCOL_VERSION, "run": "test", "seed": 3, "versions": {}, "began_unix_s": 0.0}
     with pytest.raises(JournalError, match=rf"expected a journal of {field} {value}, got one of"):
         Journal(path, Opened(**{**fields, field: value}))  # type: ignore[arg-type]
+
+
+def test_a_journal_of_another_protocol_is_of_another_version(path: Path) -> None:
+    words = f": other version: expected a journal of protocol version 99, got one of {PROTOCOL_VERSION}; the mission"
+    with pytest.raises(OtherVersionError, match=words):
+        Journal(path, replace(OPENED, protocol=99))
 
 
 def test_a_journal_is_written_by_one_process_at_a_time(path: Path) -> None:

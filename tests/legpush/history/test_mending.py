@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from legpush.errors import JournalError
-from legpush.history.journal import Journal, Opened, Queried, read_entries
+from legpush.history.entries import Opened, Queried
+from legpush.history.journal import Journal, read_entries
 from legpush.history.mending import mend, step_back
 from legpush.messages.common import PROTOCOL_VERSION
 from tests.legpush.examples import QUERY

@@ -122,7 +122,7 @@ def test_a_motion_that_was_refused_twice_as_it_was_sent_twice_is_one_motion() ->
     assert refused not in [step.motion for step in timeline.steps]
 
 
-@pytest.mark.parametrize("lacking", [{"qpos": ((0.0,) * 25,)}, {"zmp_m": ()}])
+@pytest.mark.parametrize("lacking", [{"qpos": ((0.0,) * 25,)}, {"zmp_m": ()}, {"zmp_margin_m": (0.1,)}])
 def test_an_answer_whose_trace_lacks_numbers_is_none(lacking: dict[str, Any]) -> None:
     asked, answered = heard(*traffic(mission()))
     topic, origin, last = answered[-1]

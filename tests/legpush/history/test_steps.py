@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from legpush.errors import JournalError
-from legpush.history.journal import Acted, Awaited, Entry, Journal, Numbered, Observed, Planned, Queried, Refused
+from legpush.history.entries import Acted, Awaited, Entry, Numbered, Observed, Planned, Queried, Refused
+from legpush.history.journal import Journal
 from legpush.history.steps import PlanRecord, StepRecord, read_episode, words_of
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Outcome, Walk

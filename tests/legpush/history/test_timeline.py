@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from legpush.history.timeline import Timeline, is_whole
+from legpush.history.timeline import LATER_COLUMNS, Timeline, is_whole
 from legpush.messages.stepping import Outcome, Trace, Walk
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from tests.legpush.examples import SCENARIO, TIPS, TRACE, WORLD
@@ -49,6 +49,16 @@ def test_there_is_a_row_for_each_tick_of_a_trace_and_one_for_a_step_without(time
     assert timeline.time_s.tolist() == pytest.approx([0.0, 0.02, 0.04, 0.06, 0.14])
     assert [(step.first_row, step.n_rows) for step in timeline.steps] == [(0, 1), (1, 3), (4, 1), (5, 0)]
     assert timeline.qpos[1:4, 5].tolist() == [1.0, 2.0, 3.0]
+
+
+def test_a_trace_of_an_older_protocol_has_nan_for_what_it_lacks(timeline: Timeline) -> None:
+    assert is_whole(trace(1, 2, 3))
+    timeline.add(4, Walk(), outcome(9, replace(TRACE, tick=(8, 9))), 10 * SECOND_NS)
+    for name in LATER_COLUMNS:
+        rows = getattr(timeline, name)
+        assert len(rows) == timeline.n_rows
+        assert np.isnan(rows[1:4]).all()
+        np.testing.assert_array_equal(rows[-2:], getattr(TRACE, name))
 
 
 def test_a_row_without_a_trace_has_the_state_and_nan_for_the_rest(timeline: Timeline) -> None:

@@ -6,14 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 from rich.console import Console
 
-from legpush.errors import ConfigError, LegpushError
+from legpush.errors import ConfigError, LegpushError, OtherVersionError
+from legpush.history.journal import Journal
 from legpush.launch import run as launch
 from legpush.launch.preflight import check_mission
 from legpush.launch.process_commands import Programs
+from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.options.run import RunOptions
 from legpush.scenarios.file import load_scenario
+from tests.legpush.fakes import opened
 
 FACTORIES = """
 import os
@@ -103,3 +107,18 @@ def test_a_mission_of_this_package_alone_is_checked_without_a_process(
     monkeypatch.setattr(sys, "executable", "/nowhere")
     for policy in ("scripted", "variable", "fixed"):
         check_mission(RunOptions(policy=policy), load_scenario("push"), here / "run", Programs())
+
+
+@pytest.mark.parametrize(("motions", "refused"), [("1", True), (None, True), (str(MOTION_VERSION), False)])
+def test_the_folder_of_another_version_is_not_that_of_another_scenario(
+    here: Path, motions: str | None, refused: bool
+) -> None:
+    versions = {} if motions is None else {MOTIONS: motions}
+    with Journal(here / "run" / "episode-0000.journal", replace(opened(), versions=versions)):
+        (here / "run" / "scenario.toml").write_text("name = 'push'")
+    options = RunOptions(scenario="push")
+    if not refused:
+        check_mission(options, load_scenario("push"), here / "run", Programs())
+        return
+    with pytest.raises(OtherVersionError, match=r"^other version: recorded .*; the mission in .* cannot go on here"):
+        check_mission(options, load_scenario("push"), here / "run", Programs())

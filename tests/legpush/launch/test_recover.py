@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from legpush.errors import ConfigError
-from legpush.history.journal import Journal, Queried, read_entries
+from legpush.history.entries import Queried
+from legpush.history.journal import Journal, read_entries
 from legpush.launch.recover import run_recover
 from legpush.options.recordings import RecoverOptions
 from legpush.recording.mcap_file.reader import read_recording

@@ -5,10 +5,13 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
+from msgspec import to_builtins
 from rich.console import Console
 
+from legpush.launch.phases_table import PHASES
 from legpush.launch.summary import ROWS, print_summary
-from legpush.runs.report import read_report
+from legpush.runs.report import Report, read_report
+from tests.legpush.launch.phases import WALKING
 
 REPORT = {
     "success": True,
@@ -35,7 +38,7 @@ REPORT = {
     "seed": 3,
     "recording": {"file": "mission.mcap", "complete": True, "notes": []},
     "notes": ["no mission.png: it is too dark", "no video: it is too late"],
-    "versions": {"legpush": "0.1.0", "numerics": "x86-64-v3/1a2b3c4d"},
+    "versions": {"legpush": "0.1.0", "numerics": "x86-64-v3/1a2b3c4d", "motions": "2"},
 }
 
 
@@ -87,3 +90,14 @@ def test_the_summary_tells_what_appeared_if_anything_did(
 
 def test_the_table_shows_every_field_of_a_report() -> None:
     assert ROWS.keys() == REPORT.keys()
+    assert {*ROWS, *PHASES} == {*Report.__struct_fields__, "recording"}
+
+
+def test_the_summary_has_a_table_of_each_phase_that_was_measured(tmp_path: Path) -> None:
+    console = Console(file=StringIO(), width=200)
+    print_summary(console, tmp_path, {**REPORT, "walking": to_builtins(WALKING), "pushing": None})
+    assert isinstance(console.file, StringIO)
+    text = console.file.getvalue()
+    assert "walking" in text
+    assert "pushing" not in text
+    assert "cost of transport" in text

@@ -5,7 +5,7 @@ import json
 import pytest
 from msgspec.structs import replace
 
-from legpush.numerics.current import Numerics, current, told_as_other
+from legpush.numerics.current import Numerics, current
 from legpush.numerics.effect import Kernels
 from legpush.numerics.profile import with_profile
 from tests.processors import plain_environment, python
@@ -63,11 +63,3 @@ def test_a_process_that_loaded_numpy_before_says_once_that_it_is_native() -> Non
 
 def test_under_the_profile_nothing_is_told() -> None:
     assert python("-c", NOTEBOOK, environment=with_profile(plain_environment())).stderr == ""
-
-
-def test_other_numerics_are_told_apart_from_none_that_were_noted() -> None:
-    assert told_as_other("x86-64-v3/1", "x86-64-v3/1") == ""
-    assert told_as_other("native/2", "x86-64-v3/1") == "other numerics: recorded with native/2, here x86-64-v3/1"
-    assert told_as_other(None, "x86-64-v3/1") == (
-        "other numerics: recorded with numerics that were not noted, here x86-64-v3/1"
-    )

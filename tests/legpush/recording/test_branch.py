@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from legpush.errors import ConfigError, RecordingError
+from legpush.errors import ConfigError, OtherVersionError, RecordingError
 from legpush.messages.stepping import Push
+from legpush.numerics.computed_with import ComputedWith
+from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.recording.branch import BranchPoint, RecordedPast, parse_point
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import FakeStepper, mission
@@ -16,10 +18,18 @@ OTHER = Push(w1=0.5, w2=0.123, leg="FL", depth_m=0.1)
 
 def test_the_past_of_a_branch_answers_the_recorded_motions_only(tmp_path: Path) -> None:
     past = RecordedPast(read_recording([a_recording(tmp_path / "a.mcap")]), BranchPoint(0, 8))
+    past.computed_with = ComputedWith(str(MOTION_VERSION))
     fake = FakeStepper()
     for step, motion in enumerate(mission()[:8]):
         assert past.act(step, motion, with_trace=True) == fake.perform(motion, with_trace=True)
     with pytest.raises(RecordingError, match=r"step 7 of the recording: expected push with w2 0.15 as recorded"):
+        past.act(7, OTHER, with_trace=True)
+
+
+def test_another_motion_than_another_version_recorded_is_told_as_that(tmp_path: Path) -> None:
+    past = RecordedPast(read_recording([a_recording(tmp_path / "a.mcap")]), BranchPoint(0, 8))
+    past.act(0, mission()[0], with_trace=True)
+    with pytest.raises(OtherVersionError, match=r"^other version: recorded before motions had a version, here \d+; "):
         past.act(7, OTHER, with_trace=True)
 
 

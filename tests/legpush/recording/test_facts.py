@@ -6,7 +6,7 @@ import pytest
 
 from legpush.errors import RecordingError
 from legpush.messages.telemetry import Fact
-from legpush.recording.facts import CONTINUED, read_facts, recorded_numerics, unpack_mission
+from legpush.recording.facts import CONTINUED, read_facts, recorded_with, unpack_mission
 from legpush.recording.info import lines
 from legpush.recording.mcap_file.reader import read_recording
 from tests.legpush.fakes import mission
@@ -70,21 +70,32 @@ def test_the_name_of_a_policy_that_is_a_flag_or_has_control_characters_is_refuse
     assert any("policy        cannot be read" in line for line in lines(recording))
 
 
-def test_the_numerics_of_the_simulator_count_before_those_of_the_agent(tmp_path: Path) -> None:
-    versions = Fact(name="versions.json", media_type="application/json", data=b'{"numerics":"native/1"}')
-    simulators = Fact(name="numerics.json", media_type="application/json", data=b'{"name":"x86-64-v3/2"}')
-    older = Fact(name="versions.json", media_type="application/json", data=b'{"numpy":"2.4.6"}')
-    for facts, name in (
-        ((), None),
-        ((older,), None),
-        ((versions,), "native/1"),
-        ((versions, simulators), "x86-64-v3/2"),
-    ):
-        file = tmp_path / f"{len(facts)}-{(name or 'none')[:6]}.mcap"
-        (path,) = write(file, *traffic(MISSION), facts=facts)
-        recording = read_recording([path])
-        assert recorded_numerics(recording) == name
-        assert f"numerics      {name or 'not noted'}" in lines(recording)
+AGENT_NOTED = b'{"numerics":"native/1","motions":"1"}'
+SIMULATOR_NOTED = b'{"name":"x86-64-v3/2","motions":"7","versions":{}}'
+
+
+@pytest.mark.parametrize(
+    ("noted", "motions", "numerics"),
+    [
+        ({}, None, None),
+        ({"versions.json": b'{"numpy":"2.4.6"}'}, None, None),
+        ({"versions.json": b'{"numerics":"native/1"}'}, None, "native/1"),
+        ({"versions.json": AGENT_NOTED}, "1", "native/1"),
+        ({"versions.json": AGENT_NOTED, "numerics.json": b'{"name":"x86-64-v3/2"}'}, "1", "x86-64-v3/2"),
+        ({"versions.json": AGENT_NOTED, "numerics.json": SIMULATOR_NOTED}, "7", "x86-64-v3/2"),
+    ],
+)
+def test_what_the_simulator_noted_counts_before_what_the_agent_did(
+    tmp_path: Path, noted: dict[str, bytes], motions: str | None, numerics: str | None
+) -> None:
+    facts = tuple(Fact(name=name, media_type="application/json", data=data) for name, data in noted.items())
+    (path,) = write(tmp_path / "a.mcap", *traffic(MISSION), facts=facts)
+    recording = read_recording([path])
+    assert recorded_with(recording) == (motions, numerics)
+    shown = list(lines(recording))
+    assert f"numerics      {numerics or 'not noted'}" in shown
+    assert f"motions       {'not noted' if motions is None else f'version {motions}'}" in shown
+    assert any("other version: recorded" in line for line in shown)
 
 
 def test_numerics_that_cannot_be_read_are_told(tmp_path: Path) -> None:
@@ -92,4 +103,4 @@ def test_numerics_that_cannot_be_read_are_told(tmp_path: Path) -> None:
         tmp_path / "a.mcap", *traffic(MISSION), facts=(Fact(name="numerics.json", media_type="a", data=b"{"),)
     )
     with pytest.raises(RecordingError, match=r"numerics.json of the recording: "):
-        recorded_numerics(read_recording([path]))
+        recorded_with(read_recording([path]))

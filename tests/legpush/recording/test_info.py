@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.telemetry import Fact
 from legpush.recording.info import lines
 from legpush.recording.mcap_file.reader import read_recording
@@ -14,7 +15,13 @@ from tests.legpush.recording.recordings import a_recording, beyond_the_bounds, t
 def test_info_says_what_is_there(tmp_path: Path) -> None:
     path = a_recording(tmp_path / "a.mcap")
     text = "\n".join(lines(read_recording([path])))
-    for words in ("run test, protocol 7", "complete      yes", "sim/main/action", "24 messages", "steps 0 to 23"):
+    for words in (
+        f"run test, protocol {PROTOCOL_VERSION}",
+        "complete      yes",
+        "sim/main/action",
+        "24 messages",
+        "steps 0 to 23",
+    ):
         assert words in text
 
 

@@ -6,11 +6,14 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.bus import keys
-from legpush.errors import MotionError, RecordingError
+from legpush.errors import MotionError, OtherVersionError, RecordingError
 from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
 from legpush.messages.stepping import Motion, Push, Walk
 from legpush.messages.telemetry import Copies
+from legpush.numerics.computed_with import ComputedWith
+from legpush.numerics.current import current
+from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.plans.planner import PlanningInterruptedError
 from legpush.recording.episodes import read_episodes
 from legpush.recording.mcap_file.contents import Recording
@@ -24,11 +27,12 @@ from tests.legpush.fakes import RUN, FakeStepper, fake_plan, mission
 from tests.legpush.recording.recordings import ABOUT, AGENT, a_recording, batch, copy, header
 
 PLANNER = replace(AGENT, role="planner", incarnation="planner-1")
+HERE = ComputedWith(str(MOTION_VERSION), current().name)
 OTHER = Push(w1=0.5, w2=0.123, leg="FL", depth_m=0.1)
 
 
 def sim_of(tmp_path: Path, motions: list[Motion] | None = None) -> RecordedSim:
-    return RecordedSim(read_episodes(read_recording([a_recording(tmp_path / "a.mcap", motions)])))
+    return RecordedSim(read_episodes(read_recording([a_recording(tmp_path / "a.mcap", motions)])), HERE)
 
 
 def test_a_recorded_simulator_gives_the_recorded_answers_with_trace_or_without(tmp_path: Path) -> None:
@@ -89,10 +93,21 @@ def planned(path: Path, n: int = 2) -> Recording:
 
 
 def test_a_recorded_planner_gives_the_recorded_revisions_and_then_waits(tmp_path: Path) -> None:
-    player = RecordedPlanner(read_plans(planned(tmp_path / "a.mcap")))
+    player = RecordedPlanner(read_plans(planned(tmp_path / "a.mcap")), HERE)
     plans = player.make_plans(replace(QUERY, seed=1), lambda: True)
     assert [next(plans).n_iterations, next(plans).n_iterations] == [1, 2]
     with pytest.raises(PlanningInterruptedError):
         next(plans)
     with pytest.raises(RecordingError, match="no such query; it differs from the last one of its kind in seed: 1, 77"):
         next(player.make_plans(replace(QUERY, seed=77), lambda: True))
+
+
+def test_what_another_version_did_not_record_is_told_as_that(tmp_path: Path) -> None:
+    recording = read_recording([a_recording(tmp_path / "a.mcap")])
+    simulator = RecordedSim(read_episodes(recording), ComputedWith("1"))
+    simulator.perform(mission()[0], with_trace=False)
+    with pytest.raises(OtherVersionError, match=r"^other version: recorded with motion version 1, here \d+; it cannot"):
+        simulator.perform(OTHER, with_trace=False)
+    planner = RecordedPlanner(read_plans(planned(tmp_path / "b.mcap")), ComputedWith())
+    with pytest.raises(OtherVersionError, match=r"^other version: recorded before motions had a version, here "):
+        next(planner.make_plans(replace(QUERY, seed=77), lambda: True))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -9,6 +10,7 @@ from legpush.errors import RecordingError
 from legpush.messages import codec
 from legpush.messages.stepping import Motion, Observation, Outcome, Walk
 from legpush.messages.telemetry import Copy, Fact
+from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.recording.episodes import read_episodes
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.recording.verify import Verified, check, verify
@@ -77,9 +79,10 @@ class Rounding(FakeStepper):
         return replace(outcome, state_crc=outcome.state_crc ^ 1) if len(self.performed) > 5 else outcome
 
 
-def with_numerics(file: Path, name: str | None) -> Path:
-    data = f'{{"name":"{name}","profile":"x86-64-v3"}}'.encode()
-    facts = () if name is None else (Fact(name="numerics.json", media_type="application/json", data=data),)
+def recorded_here(file: Path, numerics: str | None, motions: str | None = str(MOTION_VERSION)) -> Path:
+    noted = {"name": numerics, "profile": "x86-64-v3", "motions": motions}
+    data = msgspec.json.encode({key: text for key, text in noted.items() if text is not None})
+    facts = (Fact(name="numerics.json", media_type="application/json", data=data),)
     (path,) = write(file, *traffic(mission()), facts=facts)
     return path
 
@@ -93,20 +96,42 @@ def with_numerics(file: Path, name: str | None) -> Path:
     ],
 )
 def test_other_bits_of_other_numerics_are_no_divergence(tmp_path: Path, recorded: str | None, words: str) -> None:
-    path = with_numerics(tmp_path / "a.mcap", recorded)
+    path = recorded_here(tmp_path / "a.mcap", recorded)
     checked = check(read_recording([path]), Rounding().perform, lambda: "x86-64-v3/1")
     assert checked.words(1.0).startswith(words)
     assert not checked.is_sound
 
 
-def test_equal_bits_are_identical_whatever_the_numerics(tmp_path: Path) -> None:
-    path = with_numerics(tmp_path / "a.mcap", "native/2")
+@pytest.mark.parametrize(
+    ("motions", "words"),
+    [
+        ("1", f"other version: recorded with motion version 1, here {MOTION_VERSION}; it cannot be verified"),
+        (None, f"other version: recorded before motions had a version, here {MOTION_VERSION}; it cannot be verified"),
+    ],
+)
+@pytest.mark.parametrize("numerics", ["x86-64-v3/1", "native/2", None])
+def test_other_bits_of_another_version_are_told_as_that_and_nothing_else(
+    tmp_path: Path, numerics: str | None, motions: str | None, words: str
+) -> None:
+    path = recorded_here(tmp_path / "a.mcap", numerics, motions)
+    checked = check(read_recording([path]), Rounding().perform, lambda: pytest.fail("asked without need"))
+    assert checked.other_version
+    assert not checked.is_sound
+    assert checked.words(1.0).startswith(words)
+    assert len(checked.words(1.0).splitlines()) == 1
+    assert "divergence" not in checked.words(1.0)
+
+
+@pytest.mark.parametrize("motions", [str(MOTION_VERSION), "1", None])
+def test_equal_bits_are_identical_whatever_the_numerics_and_the_version(tmp_path: Path, motions: str | None) -> None:
+    path = recorded_here(tmp_path / "a.mcap", "native/2", motions)
     checked = check(read_recording([path]), FakeStepper().perform, lambda: pytest.fail("asked without need"))
     assert checked.words(1.0).startswith("identical: 24 steps")
 
 
-def test_damage_is_not_put_down_to_other_numerics(tmp_path: Path) -> None:
-    path = with_numerics(tmp_path / "a.mcap", "native/2")
+@pytest.mark.parametrize("motions", [str(MOTION_VERSION), "1"])
+def test_damage_is_not_put_down_to_other_numerics_or_another_version(tmp_path: Path, motions: str) -> None:
+    path = recorded_here(tmp_path / "a.mcap", "native/2", motions)
     data = bytearray(path.read_bytes())
     data[data.index(traffic(mission())[0][3].payload) + 40] ^= 1
     path.write_bytes(data)

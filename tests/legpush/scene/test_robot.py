@@ -29,6 +29,16 @@ def test_the_robot_weighs_as_much_as_spot() -> None:
     assert ROBOT.mass_kg == pytest.approx(31.84)
 
 
+@pytest.mark.parametrize(
+    ("below_m", "turn_deg", "ahead_m"),
+    [(0.0, 0.0, 0.3619), (0.08, 0.0, 0.35), (0.2, 0.0, 0.0), (0.08, 10.0, 0.3638), (0.08, -10.0, 0.3638)],
+)
+def test_the_trunk_reaches_ahead_as_far_as_its_parts_at_that_height(
+    below_m: float, turn_deg: float, ahead_m: float
+) -> None:
+    assert ROBOT.trunk.ahead_m(below_m, np.radians(turn_deg)) == pytest.approx(ahead_m, abs=1e-4)
+
+
 @given(st.floats(0.2, 3.0))
 def test_what_follows_from_the_numbers_scales_with_the_robot(scale: float) -> None:
     robot = scaled_robot(scale)

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from legpush.history.journal import Acted, Entry, Journal, Observed, Planned, Queried
+from legpush.history.entries import Acted, Entry, Observed, Planned, Queried
+from legpush.history.journal import Journal
 from legpush.messages import codec
 from legpush.messages.stepping import Motion, Observation, Walk
 from legpush.messages.telemetry import Copy

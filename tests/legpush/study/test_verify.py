@@ -90,7 +90,9 @@ def test_a_row_of_no_cell_is_found(folder: StudyFolder, capsys: pytest.CaptureFi
 def test_another_code_version_is_refused(folder: StudyFolder, capsys: pytest.CaptureFixture[str]) -> None:
     (folder.path / "study.json").write_bytes(msgspec.json.encode(replace(folder.record(), code="0123")))
     assert verify(folder) == 2
-    assert "expected the code version 0123, which ran the study, got " in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"{folder.path}: other version: run by code version 0123 (motion version " in said
+    assert "`legpush study table` shows them as before" in said
 
 
 def test_code_in_the_folder_is_not_run_without_the_users_word(

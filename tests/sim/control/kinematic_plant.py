@@ -9,8 +9,8 @@ from legpush.geometry import Pose2
 from legpush.scene.conventions import N_QPOS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
-from sim_proc.control.joint_commands import COMMAND_PERIOD_S, JointCommands, Knots
-from sim_proc.control.plant import TickLog
+from sim_proc.control.joint_commands import COMMAND_PERIOD_S, COMMANDS_PER_TICK, JointCommands, Knots
+from sim_proc.control.plant import StepLog, TickLog, Touchdown
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
 from tests.robots import ROBOT
@@ -57,20 +57,45 @@ class KinematicPlant:
         assert len(motion.positions_rad) == len(yaw_rad) + 1
         return np.zeros_like(motion.positions_rad[1:])
 
-    def run(self, commands: JointCommands) -> TickLog:
+    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
         assert commands.positions_rad.shape == commands.torques_n_m.shape
         before, last = commands.velocities_rad_s[:, -2], commands.velocities_rad_s[:, -1]
         ends = commands.positions_rad[:, -1] + COMMAND_PERIOD_S * (last + 0.5 * (last - before))
         rows: list[tuple[Floats, ...]] = []
-        for command, end in zip(commands.positions_rad, ends, strict=True):
+        touched_down = False
+        for tick, (command, end) in enumerate(zip(commands.positions_rad, ends, strict=True)):
             self._move(end.reshape(4, 3))
             rows.append((self._qpos(), self.tips_m(), self._floor_forces(), self._push_box(), self.com_m(), command))
             self.n_ticks += 1
             if self.n_ticks == self._falls_at_tick:
                 self.fallen = True
                 break
+            if until is not None and tick >= until.first_tick:
+                touched_down = bool(rows[-1][2][until.leg, 2] >= until.force_n)
+                if touched_down and tick < until.landing_tick:
+                    break
         qpos, tips, floor, box, com, ctrl = (np.array(column) for column in zip(*rows, strict=True))
-        return TickLog(qpos=qpos, tips_m=tips, floor_forces_n=floor, box_forces_n=box, com_m=com, ctrl=ctrl)
+        n = len(qpos)
+        steps = StepLog(
+            tips_m=_each_step(tips),
+            floor_forces_n=_each_step(floor),
+            box_forces_n=_each_step(box),
+            com_m=_each_step(com),
+            com_velocity_m_s=np.zeros((n, COMMANDS_PER_TICK, 3)),
+            joint_positions_rad=ctrl,
+            joint_velocities_rad_s=commands.velocities_rad_s[:n],
+            joint_torques_n_m=commands.torques_n_m[:n],
+        )
+        return TickLog(
+            qpos=qpos,
+            tips_m=tips,
+            floor_forces_n=floor,
+            box_forces_n=box,
+            com_m=com,
+            ctrl=ctrl,
+            steps=steps,
+            touched_down=touched_down,
+        )
 
     def _move(self, joints_rad: Floats) -> None:
         """Place the trunk so that the feet that stand before and after the move stay where they are."""
@@ -123,3 +148,8 @@ class KinematicPlant:
         )
         assert qpos.shape == (N_QPOS,)
         return qpos
+
+
+def _each_step(rows: Floats) -> Floats:
+    """Rows of ticks, the same in each physics step."""
+    return np.repeat(rows[:, None], COMMANDS_PER_TICK, axis=1)

@@ -1,4 +1,4 @@
-"""Support polygon, ZMP preview and foot forces."""
+"""ZMP preview and foot forces."""
 
 import numpy as np
 import pytest
@@ -6,43 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from legpush.scene.conventions import CONTROL_PERIOD_S
-from sim_proc.control.balance import foot_forces, plan_com, shifted_reference, support_margin
+from sim_proc.control.balance import foot_forces, plan_com, shifted_reference, triangle_margin
 from sim_proc.gravity import GRAVITY_M_S2
 from tests.robots import ROBOT
-
-ALL = np.ones((1, 4), dtype=bool)
-RECTANGLE = ROBOT.stance.foot_rectangle_b()[None]
-
-
-def margin(point: list[float], standing: list[bool]) -> float:
-    return float(support_margin(np.array([point]), RECTANGLE, np.array([standing]))[0])
-
-
-def test_the_margin_in_the_middle_of_the_rectangle_is_half_its_width() -> None:
-    assert margin([0.0, 0.0], [True] * 4) == pytest.approx(0.3346 / 2)
-
-
-def test_the_margin_is_negative_by_the_distance_outside() -> None:
-    assert margin([0.0, 0.3346 / 2 + 0.03], [True] * 4) == pytest.approx(-0.03)
-
-
-def test_the_middle_of_the_rectangle_lies_on_the_border_of_every_triangle() -> None:
-    for lifted in range(4):
-        standing = [leg != lifted for leg in range(4)]
-        assert margin([0.0, 0.0], standing) == pytest.approx(0.0, abs=1e-12)
-
-
-def test_with_two_feet_the_margin_is_minus_the_distance_to_their_line() -> None:
-    assert margin([0.0, 0.0], [True, True, False, False]) == pytest.approx(-0.5963 / 2)
-    assert margin([0.0, 0.0], [True, False, False, True]) == pytest.approx(0.0, abs=1e-12)
-    assert margin([0.0, 0.0], [False] * 4) == pytest.approx(0.0, abs=1e-12)
-
-
-@given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
-def test_the_margin_does_not_depend_on_the_order_of_the_feet(x: float, y: float) -> None:
-    shuffled = RECTANGLE[:, [2, 0, 3, 1]]
-    point = np.array([[x, y]])
-    np.testing.assert_allclose(support_margin(point, RECTANGLE, ALL), support_margin(point, shuffled, ALL), atol=1e-12)
 
 
 @given(st.integers(0, 3), st.floats(-0.1, 0.1), st.floats(-0.1, 0.1))
@@ -50,8 +16,7 @@ def test_the_shifted_reference_has_the_margin_and_lies_towards_the_centroid(lift
     nominal = np.array([x, y])
     support = np.delete(ROBOT.stance.foot_rectangle_b(), lifted, axis=0)
     shifted = shifted_reference(nominal, support, 0.05)
-    standing = np.array([[leg != lifted for leg in range(4)]])
-    assert support_margin(shifted[None], RECTANGLE, standing)[0] >= 0.05 - 1e-9
+    assert triangle_margin(shifted[None], support)[0] >= 0.05 - 1e-9
     to_centroid = support.mean(axis=0) - nominal
     moved = shifted - nominal
     assert to_centroid[0] * moved[1] - to_centroid[1] * moved[0] == pytest.approx(0.0, abs=1e-12)

@@ -7,7 +7,7 @@ from legpush.geometry import Pose2
 from legpush.scene.conventions import N_QPOS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK
-from sim_proc.control.plant import Plant, TickLog
+from sim_proc.control.plant import Plant, StepLog, TickLog
 from sim_proc.physics.physics import Physics
 from tests.sim.commands import held
 from tests.sim.control.kinematic_plant import KinematicPlant
@@ -21,7 +21,18 @@ SHAPES = {
     "com_m": (3,),
     "ctrl": (COMMANDS_PER_TICK, 12),
 }
-"""Shape of a row of each field of a `TickLog`."""
+"""Shape of a row of each array of a `TickLog`."""
+STEP_SHAPES = {
+    "tips_m": (4, 3),
+    "floor_forces_n": (4, 3),
+    "box_forces_n": (4, 3),
+    "com_m": (3,),
+    "com_velocity_m_s": (3,),
+    "joint_positions_rad": (12,),
+    "joint_velocities_rad_s": (12,),
+    "joint_torques_n_m": (12,),
+}
+"""Shape of a row of each array of a `StepLog`."""
 
 
 def physics(scenario: Scenario) -> Plant:
@@ -65,9 +76,21 @@ def test_a_plant_logs_one_row_for_each_command(plant: Plant) -> None:
 
     log = plant.run(held(commands))
 
-    assert set(SHAPES) == set(TickLog.__dataclass_fields__)
+    assert {*SHAPES, "steps", "touched_down", "not_down"} == set(TickLog.__dataclass_fields__)
+    assert (log.touched_down, log.not_down) == (False, None)
     assert {name: getattr(log, name).shape for name in SHAPES} == {name: (7, *row) for name, row in SHAPES.items()}
     assert all(np.isfinite(getattr(log, name)).all() for name in SHAPES)
+    assert set(STEP_SHAPES) == set(StepLog.__dataclass_fields__)
+    for name, row in STEP_SHAPES.items():
+        steps = getattr(log.steps, name)
+        assert steps.shape == (7, COMMANDS_PER_TICK, *row)
+        assert np.isfinite(steps).all()
+
+
+def test_a_row_of_a_tick_is_its_last_physics_step(plant: Plant) -> None:
+    log = plant.run(held(np.repeat(plant.joints_rad()[None], 4, axis=0)))
+    for name in SHAPES.keys() & STEP_SHAPES.keys():
+        np.testing.assert_array_equal(getattr(log, name), getattr(log.steps, name)[:, -1])
 
 
 def test_what_a_plant_measured_does_not_change_when_it_moves_on(plant: Plant) -> None:

@@ -130,7 +130,7 @@ def test_the_scene_has_every_shape_of_the_model_once(messages: list[Read], timel
     assert all(entity.frame_id == entity.id for entity in entities)
     cubes = {entity.id: [numbers(cube.size) for cube in entity.cubes] for entity in entities}
     assert numbers_close(cubes["box"][0], timeline.scenario.box.size_m)
-    assert [0.5, 1.0, 0.6] in [np.round(size, 9).tolist() for size in cubes["world"]]
+    assert [0.5, 1.0, 0.6] in [np.round(size, 9).tolist() for size in cubes["walls_0"]]
     lower = next(entity for entity in entities if entity.id == "FL_lower")
     assert len(lower.cylinders) == 1
     assert sorted(round(sphere.pose.position.z, 9) for sphere in lower.spheres) == [-0.37, -0.34, 0.0]

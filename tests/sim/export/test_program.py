@@ -13,6 +13,7 @@ import pytest
 from pyarrow import parquet
 
 from legpush.errors import ConfigError
+from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.formats import ENDINGS, Format
 from sim_proc.export.columns import columns_of
 from sim_proc.export.program import whole_file
@@ -71,8 +72,9 @@ def empty(_: bytes) -> bytes:
 
 def other_version(data: bytes) -> bytes:
     """The length of the words stays; the MCAP reader looks at no CRC of them."""
-    assert data.count(b"protocol\x01\x00\x00\x007") == 1
-    return data.replace(b"protocol\x01\x00\x00\x007", b"protocol\x01\x00\x00\x004")
+    protocol = b"protocol\x01\x00\x00\x00" + str(PROTOCOL_VERSION).encode()
+    assert data.count(protocol) == 1
+    return data.replace(protocol, protocol[:-1] + b"4")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +83,7 @@ def other_version(data: bytes) -> bytes:
         (cut, "expected a whole recording, got one that is cut off or damaged at byte"),
         (foreign, "expected a recording, an MCAP file, got one that begins with"),
         (empty, "expected a recording, an MCAP file, got an empty file"),
-        (other_version, "expected a recording of protocol version 6 or 7, got one of 4"),
+        (other_version, "expected a recording of protocol version 6, 7 or 8, got one of 4"),
     ],
 )
 @pytest.mark.parametrize("made", ["foxglove", "csv", "mp4"])

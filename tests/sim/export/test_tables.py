@@ -14,6 +14,8 @@ from sim_proc.export.source import Source
 from sim_proc.export.table_csv import write_csv
 from sim_proc.export.table_parquet import write_parquet
 
+UNITS = {"_n_m": b"N m", "_rad_s": b"rad/s", "_m": b"m", "_rad": b"rad", "_n": b"N", "_s": b"s"}
+
 
 @pytest.fixture
 def timelines(source: Source) -> list[Timeline]:
@@ -27,7 +29,9 @@ def expected(timelines: list[Timeline]) -> dict[str, np.ndarray]:
     columns: dict[str, list[np.ndarray]] = {}
     for timeline in timelines:
         one = {"tick": timeline.tick, "time_s": timeline.tick * 0.02, "support_margin_m": timeline.support_margin_m}
+        one["zmp_margin_m"], one["capture_margin_m"] = timeline.zmp_margin_m, timeline.capture_margin_m
         for i, axis in enumerate(xyz):
+            one[f"foot_moment_{axis}_w_n_m"] = timeline.foot_moment_n_m[:, i]
             one[f"trunk_{axis}_w_m"] = timeline.qpos[:, i]
             one[f"box_{axis}_w_m"] = timeline.qpos[:, 19 + i]
             one[f"com_{axis}_w_m"] = timeline.com_m[:, i]
@@ -39,6 +43,8 @@ def expected(timelines: list[Timeline]) -> dict[str, np.ndarray]:
             one[f"box_q{part}_w"] = timeline.qpos[:, 22 + i]
         one["joint_FL_hip_x_rad"], one["joint_FR_hip_y_rad"] = timeline.qpos[:, 7], timeline.qpos[:, 11]
         one["joint_RR_knee_rad"] = timeline.qpos[:, 18]
+        one["joint_FR_hip_y_rad_s"] = timeline.joint_velocities_rad_s[:, 4]
+        one["joint_RR_knee_n_m"] = timeline.joint_torques_n_m[:, 11]
         for name, values in one.items():
             columns.setdefault(name, []).append(values)
     return {name: np.concatenate(parts) for name, parts in columns.items()}
@@ -50,7 +56,7 @@ def test_a_parquet_file_has_the_numbers_of_the_recording_bit_for_bit(
     write_parquet(columns_of(source.episodes), {"source": "a.mcap"}, tmp_path / "a.parquet")
     table = parquet.read_table(tmp_path / "a.parquet")
     wanted = expected(timelines)
-    assert len(wanted) == 3 + 9 + 24 + 8 + 3
+    assert len(wanted) == 3 + 2 + 12 + 24 + 8 + 3 + 2
     for name, values in wanted.items():
         np.testing.assert_array_equal(table[name].to_numpy().astype(np.float64).view(np.int64), values.view(np.int64))
     assert set(table["episode"].to_pylist()) == {0, 1}
@@ -65,7 +71,7 @@ def test_a_parquet_file_says_what_its_columns_are(source: Source, tmp_path: Path
     schema = parquet.read_schema(tmp_path / "a.parquet")
     assert schema.metadata[b"legpush.source"] == b"a.mcap"
     for field in schema:
-        unit = {"m": b"m", "rad": b"rad", "n": b"N", "s": b"s"}.get(field.name.rpartition("_")[2], b"")
+        unit = next((unit for ending, unit in UNITS.items() if field.name.endswith(ending)), b"")
         assert field.metadata[b"unit"] == unit, field.name
         assert field.metadata[b"about"]
 

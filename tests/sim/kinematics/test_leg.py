@@ -2,7 +2,7 @@
 
 import mujoco
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from legpush.scene.conventions import LEGS
@@ -55,6 +55,35 @@ def test_a_tip_out_of_reach_is_nan_unless_the_leg_may_saturate() -> None:
     assert np.isfinite(stretched).all()
     tip = KINEMATICS.forward(stretched, 1.0)
     assert np.linalg.norm(far - tip) < np.linalg.norm(far - KINEMATICS.forward(KINEMATICS.inverse(0.5 * far, 1.0), 1.0))
+
+
+points = st.tuples(*[st.floats(-0.9, 0.9)] * 3).map(np.array)
+
+
+@given(points, points, st.sampled_from([-1.0, 1.0]))
+@settings(max_examples=300, deadline=None)
+def test_joint_angles_never_jump_while_a_tip_moves_anywhere(start: np.ndarray, end: np.ndarray, side: float) -> None:
+    """Where the angles change fastest, steps are made smaller and smaller: a jump would stay."""
+    step = np.inf
+    for _ in range(12):
+        way = start + (end - start) * np.linspace(0.0, 1.0, 200)[:, None]
+        joints = KINEMATICS.inverse(way, side, saturate=True)
+        steps = np.abs(np.diff(joints, axis=0)).max(axis=1)
+        place = int(steps.argmax())
+        start, end, step = way[place], way[place + 1], float(steps[place])
+        if step < 0.01:
+            return
+    raise AssertionError(f"a joint jumps by {step:.3f} rad at {start}")
+
+
+def test_a_leg_that_may_saturate_reaches_what_it_reaches_with_the_foot_below_the_hip() -> None:
+    joints = random_joints(20_000, seed=2)
+    tips = KINEMATICS.forward(joints, SIDE)
+    upper, lower = ROBOT.legs.upper_length_m, ROBOT.legs.lower_length_m
+    below = upper * np.cos(joints[..., 1]) + lower * np.cos(joints[..., 1] - joints[..., 2]) > 2e-3
+    found = KINEMATICS.forward(KINEMATICS.inverse(tips, SIDE, saturate=True), SIDE)
+    assert below.mean() > 0.8
+    np.testing.assert_allclose(found[below], tips[below], atol=1e-9)
 
 
 @given(st.integers(0, 2**31), st.integers(0, 3))

@@ -5,10 +5,11 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.scene.scenario import Goal, PoseDeg, Rectangle, Room, Scenario
+from sim_proc.model.scenery import wall_groups
 from sim_proc.model.world import build_model
 
 
-def test_every_obstacle_of_the_room_is_a_wall_that_feet_trunk_and_box_touch(at_the_box: Scenario) -> None:
+def test_every_obstacle_of_the_room_is_a_wall_in_its_place(at_the_box: Scenario) -> None:
     walls = (
         Rectangle(x_min_m=4.0, x_max_m=4.5, y_min_m=0.0, y_max_m=3.0),
         Rectangle(x_min_m=7.0, x_max_m=9.0, y_min_m=6.0, y_max_m=6.2),
@@ -19,8 +20,34 @@ def test_every_obstacle_of_the_room_is_a_wall_that_feet_trunk_and_box_touch(at_t
         low, high = geom.pos - geom.size, geom.pos + geom.size
         np.testing.assert_allclose(low[:2], [wall.x_min_m, wall.y_min_m])
         np.testing.assert_allclose(high[:2], [wall.x_max_m, wall.y_max_m])
-        pairs = {model.pair(i).name for i in range(model.npair)}
-        assert {f"wall_{index}:{part}" for part in ("trunk", "box", "FL_foot", "RR_foot")} <= pairs
+
+
+def test_walls_near_each_other_are_one_body_and_far_ones_are_others(at_the_box: Scenario) -> None:
+    near = [Rectangle(x_min_m=0.5 + i, x_max_m=1.0 + i, y_min_m=1.0, y_max_m=1.5) for i in range(3)]
+    far = Rectangle(x_min_m=9.0, x_max_m=9.5, y_min_m=8.0, y_max_m=8.5)
+    long = Rectangle(x_min_m=0.0, x_max_m=12.0, y_min_m=0.0, y_max_m=0.2)
+    model = build_model(replace(at_the_box, room=Room(size_m=(12.0, 10.0), obstacles=(*near, far, long))))
+    bodies = [model.body(model.geom(f"wall_{index}").bodyid[0]).name for index in range(5)]
+    assert bodies == ["walls_0", "walls_0", "walls_0", "walls_1", "walls_2"]
+    assert all(model.body(name).weldid[0] == 0 for name in bodies)
+
+
+@pytest.mark.parametrize(
+    ("n", "long_m", "extent_m"), [(1, 1.0, 10.0), (300, 1.0, 30.0), (300, 9.0, 30.0), (50, 1.0, 1e6)]
+)
+def test_there_are_few_groups_however_many_walls_a_room_has(n: int, long_m: float, extent_m: float) -> None:
+    places = np.random.default_rng(0).uniform(0.0, extent_m, (n, 2)).tolist()
+    walls = tuple(Rectangle(x_min_m=x, x_max_m=x + long_m, y_min_m=y, y_max_m=y + 0.1) for x, y in places)
+    groups = wall_groups(Room(size_m=(30.0, 30.0), obstacles=walls))
+    assert sorted(groups) == list(range(n))
+    assert len(set(groups.values())) <= min(n, 6 * 6 + 16)
+
+
+@pytest.mark.parametrize("appears_at_s", [0.0, 1.0])
+def test_the_thinnest_and_lowest_walls_have_a_model(at_the_box: Scenario, appears_at_s: float) -> None:
+    wall = Rectangle(x_min_m=-0.423, x_max_m=-0.4228, y_min_m=0.0, y_max_m=0.0002, appears_at_s=appears_at_s)
+    room = Room(size_m=(12.0, 10.0), obstacles=5 * (wall,), wall_height_m=1e-6)
+    assert build_model(replace(at_the_box, room=room)).geom("wall_4").size[2] == pytest.approx(5e-7)
 
 
 def test_a_wall_that_appears_later_is_a_body_of_its_own_in_its_place(at_the_box: Scenario) -> None:

@@ -1,16 +1,20 @@
 """The running world: what it measures, and what ends an episode."""
 
+from collections.abc import Iterable
 from math import radians
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Reset
 from legpush.scene.conventions import JOINT_QPOS
+from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.physics.physics import Physics
@@ -69,6 +73,18 @@ def test_the_crc_is_that_of_the_state(physics: Physics) -> None:
     assert physics.state_crc() != before
 
 
+def test_equal_states_of_other_robots_have_other_crcs_and_equal_robots_equal_ones(at_the_box: Scenario) -> None:
+    def crc(robot: RobotSpec) -> int:
+        scenario = replace(at_the_box, robot=robot)
+        return Physics(scenario, at_the_box.start.pose(), at_the_box.box.pose.pose()).state_crc()
+
+    gait = at_the_box.robot.gait
+    as_sent = msgspec.msgpack.decode(msgspec.msgpack.encode(at_the_box.robot), type=RobotSpec)
+    whole = replace(at_the_box.robot, legs=replace(at_the_box.robot.legs, foot_friction=1))
+    assert crc(at_the_box.robot) == crc(as_sent) == crc(whole)
+    assert crc(replace(at_the_box.robot, gait=replace(gait, stride_m=gait.stride_m / 2))) != crc(at_the_box.robot)
+
+
 def test_the_angular_velocity_of_the_trunk_is_in_the_world_frame(at_the_box: Scenario) -> None:
     turned = Pose2(x_m=2.0, y_m=5.0, yaw_rad=radians(90.0))
     physics = Physics(at_the_box, turned, at_the_box.box.pose.pose())
@@ -107,7 +123,7 @@ def test_torques_stay_within_the_limits_at_each_angle_and_speed(physics: Physics
     seen: list[bool] = []
     step = physics._run_limited_tick
 
-    def run_limited_tick(controls: Floats, sensors: Floats) -> None:
+    def run_limited_tick(controls: Iterable[Floats], sensors: Floats) -> None:
         step(controls, sensors)
         columns = (sensors[:, columns] for columns in physics._joint_sensors)
         seen.append(bool(limits.beyond(*columns).any()))

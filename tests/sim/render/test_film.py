@@ -12,7 +12,8 @@ from msgspec.structs import replace
 
 from legpush.errors import NO_OPENGL, JournalError, RecordingError
 from legpush.geometry import Pose2
-from legpush.history.journal import Acted, Journal, Observed, Opened
+from legpush.history.entries import Acted, Observed, Opened
+from legpush.history.journal import Journal
 from legpush.history.steps import StepRecord, read_episode
 from legpush.messages.stepping import Follow, Motion, Push, Reset, Walk
 from legpush.scene.scenario import Rectangle, Room, Scenario

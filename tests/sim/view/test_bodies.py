@@ -24,11 +24,11 @@ def with_walls(at_the_box: Scenario) -> Scenario:
 def test_every_visible_body_has_a_mesh_of_its_size_and_the_floor_has_none(with_walls: Scenario) -> None:
     bodies = {body.name: body for body in Bodies(with_walls).all}
     links = {f"{leg}_{link}" for leg in LEGS for link in ("hip", "upper", "lower")}
-    assert set(bodies) == {"world", "trunk", "box", "goal", "wall_1", *links}
+    assert set(bodies) == {"walls_0", "trunk", "box", "goal", "wall_1", *links}
     length, width, height = np.ptp(bodies["box"].mesh.bounds, axis=0)
     assert (length, width) == pytest.approx(with_walls.box.size_m[:2])
     assert height == pytest.approx(with_walls.box.size_m[2], abs=0.003)
-    (low, high) = bodies["world"].mesh.bounds
+    (low, high) = bodies["walls_0"].mesh.bounds
     np.testing.assert_allclose([*low[:2], *high[:2]], [1.0, 8.0, 1.5, 9.0])
 
 

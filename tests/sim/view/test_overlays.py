@@ -10,7 +10,7 @@ from legpush.history.timeline import BOX, Timeline
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Outcome, Push
 from legpush.scene.conventions import LEGS
-from sim_proc.control.balance import support_margin
+from sim_proc.measures.support import support_margins
 from sim_proc.view import overlays
 
 
@@ -47,8 +47,9 @@ def test_the_support_polygon_holds_the_feet_that_stand_and_its_border_is_where_t
         edge, away = np.diff(ring, axis=0), timeline.com_m[row, :2] - ring[:-1]
         inside = (edge[:, 0] * away[:, 1] - edge[:, 1] * away[:, 0]) / np.linalg.norm(edge, axis=1)
         loaded = timeline.contact_forces_n[row : row + 1, :, 2] >= 1.0
-        margin = support_margin(timeline.com_m[row : row + 1, :2], timeline.tips_m[row : row + 1, :, :2], loaded)
-        assert inside.min() == pytest.approx(margin[0], abs=1e-9) or inside.min() < 0.0
+        com, feet = timeline.com_m[None, row : row + 1, :2], timeline.tips_m[row : row + 1, :, :2]
+        margin = support_margins(com, feet, loaded)
+        assert inside.min() == pytest.approx(margin[0, 0], abs=1e-9) or inside.min() < 0.0
     assert {3, 4} <= seen
 
 

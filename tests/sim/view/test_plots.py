@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from legpush.history.timeline import Timeline
-from sim_proc.view.plots import MAX_POINTS, PLOTS, begun, chosen_rows, rewards
+from sim_proc.view.plots import MAX_POINTS, PLOTS, begun, chosen_rows, margins, rewards, torques
 
 
 def test_the_rows_that_are_drawn_are_few_and_have_the_ends() -> None:
@@ -21,6 +21,22 @@ def test_every_plot_has_as_many_curves_as_it_says_and_the_box_comes_nearer(timel
     assert {plot.title: len(plot.curves) for plot in PLOTS} == {title: len(curves) for title, curves in drawn.items()}
     position_cm = drawn["Box error"][0]
     assert position_cm[0] - position_cm[-1] == pytest.approx(11.0, abs=4.0)
+
+
+def test_no_extreme_between_the_rows_that_are_drawn_is_lost(timeline: Timeline) -> None:
+    rows = np.array([0, 3, 3, timeline.n_rows - 2])
+    capture_cm, zmp_cm, support_cm = margins(timeline, rows)
+    for drawn, values in (
+        (support_cm, timeline.support_margin_m),
+        (zmp_cm, timeline.zmp_margin_m),
+        (capture_cm, timeline.capture_margin_m),
+    ):
+        assert drawn.tolist() == pytest.approx(
+            [100 * np.nanmin(values[begin:end]) for begin, end in ((0, 3), (3, 4), (3, -2), (-2, None))]
+        )
+    hip_x, hip_y, knee = torques(timeline, np.array([0, timeline.n_rows - 1]))
+    for drawn, kind in ((hip_x, 0), (hip_y, 1), (knee, 2)):
+        assert drawn[0] == np.nanmax(np.abs(timeline.joint_torques_n_m[:-1, kind::3]))
 
 
 def test_a_reward_is_drawn_over_the_ticks_of_its_step(timeline: Timeline) -> None:

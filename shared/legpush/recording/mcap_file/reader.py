@@ -165,9 +165,10 @@ class Scan:
     def _take_about(self, about: dict[str, str], recording: Recording) -> None:
         version = about.get("protocol")
         if version not in [str(each) for each in READABLE_VERSIONS]:
-            versions = " or ".join(map(str, READABLE_VERSIONS))
+            *others, newest = map(str, READABLE_VERSIONS)
+            versions = f"{', '.join(others)} or {newest}"
             raise RecordingError(
-                f"{self.path}: expected a recording of protocol version {versions}, got one of {version}"
+                f"{self.path}: other version: expected a recording of protocol version {versions}, got one of {version}"
             )
         said = about.pop("part", "0")
         if not said.isdecimal():

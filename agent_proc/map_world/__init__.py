@@ -1,0 +1,1 @@
+"""A world made of measured pushes with their residuals: it moves the box without physics, many times as fast."""

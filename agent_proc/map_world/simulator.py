@@ -1,0 +1,207 @@
+"""A simulator without physics: a push moves the box as the response map says, and the robot stands at its station."""
+
+from functools import cache
+from math import cos, sin
+from pathlib import Path
+from struct import Struct
+from typing import Final
+from zlib import crc32
+
+import numpy as np
+from msgspec.structs import asdict, replace
+
+from agent_proc.map_world.random_pushes import Stance
+from agent_proc.map_world.response_map import ResponseMap, load_response_map
+from agent_proc.push_model.model import MIRROR
+from legpush.errors import ConfigError, MotionError, ScenarioError
+from legpush.geometry import Point3, Pose2, wrap_angle
+from legpush.messages.stepping import (
+    BoxState,
+    Imu,
+    Motion,
+    Outcome,
+    Push,
+    PushReport,
+    Reset,
+    Trace,
+    TrunkState,
+    WorldState,
+)
+from legpush.scenarios.start import drawn_poses
+from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.scenario import Scenario
+from legpush.scene.station import at_station, station
+
+GRAVITY_M_S2: Final = 9.81
+RESIDUALS_KEY: Final = 1
+"""Sets the residuals of a seed apart from the offsets that the same seed draws."""
+NO_TICKS: Final = Trace(
+    tick=(), qpos=(), roll_pitch_rad=(), tips_m=(), contact_forces_n=(), com_m=(), zmp_m=(), support_margin_m=()
+)
+STATE: Final = Struct("<6d2q")
+REST: Final = (0.0, 0.0, 0.0)
+
+
+class MapSimulator:
+    """Pushes the box of a response map. It cannot walk, nothing stops the box, and the robot never falls.
+
+    Start poses and residuals follow from the seed of the reset, so equal motions lead to equal states.
+    """
+
+    def __init__(self, response_map: ResponseMap | Path | None = None, *, residuals: bool = True) -> None:
+        """Use a map, the one in a file, or the one of the default box; without `residuals`, pushes are mean ones.
+
+        Raises:
+            ConfigError: The file cannot be used.
+        """
+        if not isinstance(response_map, ResponseMap):
+            response_map = _default_map() if response_map is None else load_response_map(response_map)
+        self._map = response_map
+        self._residuals = residuals
+        self._checked: Scenario | None = None
+        self._scenario: Scenario | None = None
+        self._seed = 0
+
+    def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
+        """Carry out a reset or a push; the trace has no ticks.
+
+        Raises:
+            MotionError: It is another motion, or the present state does not allow it.
+            ScenarioError: The map does not describe this box, robot or floor.
+        """
+        if isinstance(motion, Reset):
+            self._reset(motion)
+        elif self._scenario is None:
+            raise MotionError(f"Expected `reset` as the first motion of an episode, got `{_tag(motion)}`")
+        elif isinstance(motion, Push):
+            self._push(self._scenario, motion)
+        else:
+            raise MotionError(f"Expected `reset` or `push` in a world without physics, got `{_tag(motion)}`")
+        return Outcome(world=self._world(), state_crc=self._state_crc(), trace=NO_TICKS if with_trace else None)
+
+    def _reset(self, reset: Reset) -> None:
+        scenario = reset.scenario
+        if scenario is not self._checked:
+            self._require_described(scenario)
+            self._checked = scenario
+        self._scenario, self._seed = scenario, reset.seed
+        self._trunk, self._box = drawn_poses(scenario, reset.seed)
+        self._stance = self._map.stances.start
+        self._n_pushes = 0
+        self._last_push: Push | None = None
+        self._normal = np.random.default_rng(np.random.SeedSequence(reset.seed, spawn_key=(RESIDUALS_KEY,)))
+
+    def _require_described(self, scenario: Scenario) -> None:
+        """Require what the map was measured with (`ScenarioError`)."""
+        box, mine = replace(scenario.box, pose=self._map.box.pose), self._map.box
+        if box != mine:
+            was, expected = asdict(box), asdict(mine)
+            differing = [name for name in was if was[name] != expected[name]]
+            raise ScenarioError(
+                f"{scenario.name}: expected the box of the response map, "
+                f"{', '.join(f'{name} {expected[name]}' for name in differing)}, got "
+                f"{', '.join(f'{name} {was[name]}' for name in differing)}; `legpush calibrate --random-pushes` "
+                "measures another box"
+            )
+        if scenario.robot != self._map.robot:
+            raise ScenarioError(f"{scenario.name}: expected the robot of the response map, got another one")
+        if scenario.room.slope_deg != 0.0 or scenario.room.obstacles:
+            raise ScenarioError(
+                f"{scenario.name}: expected a level floor without obstacles for a world without physics, got a slope "
+                f"of {scenario.room.slope_deg:g}° and {len(scenario.room.obstacles)} obstacles"
+            )
+
+    def _push(self, scenario: Scenario, push: Push) -> None:
+        robot, before = scenario.robot, pushed_pose(self._box, push.face)
+        box = pushed_box(scenario.box, push.face)
+        if not at_station(robot, self._trunk, box, before):
+            raise MotionError(f"Expected the robot at its station behind the {push.face} face, got it at {self._trunk}")
+        try:
+            surface = self._map.surface(push.face)
+        except ConfigError as error:
+            raise MotionError(str(error)) from error
+        if push.depth_m > surface.deepest_m or push.locus != "swing":
+            raise MotionError(
+                f"Expected a push of at most {surface.deepest_m:g} m with the locus `swing`, which the map describes, "
+                f"got {push.depth_m:g} m with the locus `{push.locus}`"
+            )
+        after = self._map.push(
+            np.array([[before.x_m, before.y_m, before.yaw_rad]]),
+            np.array([MIRROR[push.leg]]),
+            np.array([push.depth_m]),
+            np.array([push.w1]),
+            np.array([push.w2]),
+            face=push.face,
+            first=self._n_pushes == 0,
+            normal=self._normal.standard_normal((1, 3)) if self._residuals else None,
+        )
+        x_m, y_m, yaw_rad = after[0].tolist()
+        pushed = Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+        self._box = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad - TURN_RAD[push.face]))
+        self._stance = getattr(self._map.stances, push.leg)
+        self._trunk = station(robot, box, pushed) @ self._stance.trunk
+        self._n_pushes += 1
+        self._last_push = push
+
+    def _state_crc(self) -> int:
+        """CRC-32 of the poses, and of seed and number of pushes, from which the residuals to come follow."""
+        poses = (c for pose in (self._trunk, self._box) for c in (pose.x_m, pose.y_m, pose.yaw_rad))
+        return crc32(STATE.pack(*poses, self._n_pushes, self._seed))
+
+    def _world(self) -> WorldState:
+        response_map, stance, trunk, box = self._map, self._stance, self._trunk, self._box
+        orientation = _turned(trunk.yaw_rad)
+        robot, scenario_box = response_map.robot, response_map.box
+        push = self._last_push
+        return WorldState(
+            tick=self._n_pushes * response_map.ticks_per_push,
+            trunk=TrunkState(
+                position_m=(trunk.x_m, trunk.y_m, stance.trunk_height_m),
+                orientation_wxyz=orientation,
+                linear_velocity_m_s=REST,
+                angular_velocity_rad_s=REST,
+            ),
+            joint_positions_rad=stance.joint_positions_rad,
+            joint_velocities_rad_s=(0.0,) * 12,
+            tips_m=_tips_w(stance, trunk),
+            foot_forces_n=(robot.mass_kg * GRAVITY_M_S2 / 4,) * 4,
+            imu=Imu(
+                orientation_wxyz=orientation,
+                angular_velocity_rad_s=REST,
+                linear_acceleration_m_s2=(0.0, 0.0, GRAVITY_M_S2),
+            ),
+            box=BoxState(
+                position_m=(box.x_m, box.y_m, scenario_box.size_m[2] / 2), orientation_wxyz=_turned(box.yaw_rad)
+            ),
+            n_footsteps=self._n_pushes * response_map.footsteps_per_push,
+            fallen=False,
+            path=None,
+            push=None
+            if push is None
+            else PushReport(leg=push.leg, touched=True, peak_force_n=response_map.peak_force_n),
+            appeared=(),
+        )
+
+
+def mean_map_simulator() -> MapSimulator:
+    """A simulator of the default box whose pushes have no residuals."""
+    return MapSimulator(residuals=False)
+
+
+_default_map = cache(load_response_map)
+
+
+def _tips_w(stance: Stance, trunk: Pose2) -> tuple[Point3, Point3, Point3, Point3]:
+    """Centres of the foot spheres, world frame."""
+    c, s = cos(trunk.yaw_rad), sin(trunk.yaw_rad)
+    fl, fr, rl, rr = ((trunk.x_m + c * x - s * y, trunk.y_m + s * x + c * y, z) for x, y, z in stance.tips_m)
+    return fl, fr, rl, rr
+
+
+def _turned(yaw_rad: float) -> tuple[float, float, float, float]:
+    """Quaternion of a level body with this heading."""
+    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)
+
+
+def _tag(motion: Motion) -> object:
+    return motion.__struct_config__.tag

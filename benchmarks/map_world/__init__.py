@@ -1,0 +1,1 @@
+"""The world without physics against the simulator: speed, errors, and the order of policies."""

@@ -1,0 +1,1 @@
+"""What is measured of a motion at every physics step: joints, loads of the feet, stability, and contacts."""

@@ -1,0 +1,79 @@
+"""Ends a run at the touchdown of a foot."""
+
+from collections.abc import Iterable, Iterator
+from typing import Final
+
+import numpy as np
+
+from legpush.arrays import Flags, Floats
+from legpush.scene.conventions import JOINTS
+from sim_proc.control.plant import Touchdown
+
+BLOCKED_SHARE: Final = 0.25
+"""A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
+
+Lag = tuple[slice, Floats, Floats]
+
+
+class Landing:
+    """Watches the force sensor of a foot while a run goes on, and stops its leg if it moves fast at touchdown."""
+
+    def __init__(self, touchdown: Touchdown, forces: slice, holds: Floats, joints: Lag) -> None:
+        """Watch for a touchdown.
+
+        `forces` are the columns of the sensors with the vertical forces of the feet on their surroundings, and `holds`
+        (n, steps, 12) are the controls that hold the joints in the places of all steps. `joints` are the columns of the
+        measured joint angles, the planned angles (n, steps, 12), and how far the joints may stay behind them, (12,).
+        """
+        self._touchdown, self._forces, self._holds = touchdown, forces, holds
+        self._measured, self._positions, self._allowed_rad = joints
+        self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
+
+    def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterable[Floats]:
+        """Controls (12,) of the steps of a tick, from planned ones (steps, 12), which are replaced if a leg stops.
+
+        `sensors` (steps, n) gets a row after each step.
+        """
+        touchdown = self._touchdown
+        if touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick:
+            return self._stopping(tick, controls, sensors)
+        return controls
+
+    def _stopping(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
+        stopped = False
+        for step, control in enumerate(controls):
+            if step and not stopped and self._down(sensors[step - 1])[self._touchdown.leg]:
+                controls[step:, self._joints] = self._holds[tick, step, self._joints]
+                stopped = True
+            yield control
+
+    def ends(self, tick: int, sensors: Floats) -> bool:
+        """Whether the run ends with a tick with sensors (steps, n)."""
+        touched_down = tick < self._touchdown.landing_tick and self.touched_down(tick, sensors)
+        return touched_down or self.not_down(tick, sensors) is not None
+
+    def touched_down(self, tick: int, sensors: Floats) -> bool:
+        """Whether the foot touched down in a tick with sensors (steps, n)."""
+        if tick < self._touchdown.first_tick:
+            return False
+        return bool(self._down(sensors)[:, self._touchdown.leg].any()) or self._is_blocked(tick, sensors)
+
+    def _is_blocked(self, tick: int, sensors: Floats) -> bool:
+        """Whether a slow leg is stopped by something that its foot does not feel, such as an edge under the shank."""
+        if self._touchdown.stops_leg:
+            return False
+        behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
+        return bool((behind > self._allowed_rad[self._joints]).any())
+
+    def not_down(self, tick: int, sensors: Floats) -> int | None:
+        """The leg whose foot is not down at the end of a tick after which another foot is to be lifted."""
+        if tick + 1 != self._touchdown.lift_tick:
+            return None
+        down = self._down(sensors[-1])
+        down[[self._touchdown.leg, *self._touchdown.carried]] = True
+        return None if down.all() else int(np.argmin(down))
+
+    def _down(self, sensors: Floats) -> Flags:
+        """Whether the feet are down, (..., 4)."""
+        down: Flags = -sensors[..., self._forces] >= self._touchdown.force_n
+        return down

@@ -1,0 +1,52 @@
+"""Where the readings of each sensor of the model are among all of them."""
+
+from legpush.arrays import Floats
+from legpush.scene.conventions import LEGS
+from sim_proc.control.plant import StepLog
+from sim_proc.headless import mujoco
+
+
+class Sensors:
+    """Columns of MuJoCo's `sensordata`. Those of the legs stand side by side in the order of `LEGS`."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self.of = {model.sensor(i).name: _columns(model, i) for i in range(model.nsensor)}
+        """Columns of each sensor by its name."""
+        self.joint_positions, self.joint_velocities, self.joint_torques = (
+            self._from_to(f"FL_hip_x_{what}", f"RR_knee_{what}") for what in ("position", "velocity", "torque")
+        )
+        """Columns of the twelve joints."""
+        self._tips = self._from_to("FL_tip", "RR_tip")
+        self._floor_forces = self._from_to("FL_floor_force", "RR_floor_force")
+        self._box_forces = self._from_to("FL_box_force", "RR_box_force")
+
+    def floor_forces_n(self, readings: Floats) -> Floats:
+        """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""
+        forces: Floats = -readings[..., self._floor_forces].reshape(*readings.shape[:-1], len(LEGS), 3)
+        return forces
+
+    def box_forces_n(self, readings: Floats) -> Floats:
+        """Forces of the box on the feet, (..., 4, 3), from all readings, (..., n)."""
+        forces: Floats = -readings[..., self._box_forces].reshape(*readings.shape[:-1], len(LEGS), 3)
+        return forces
+
+    def steps(self, readings: Floats) -> StepLog:
+        """The measurements in the readings (ticks, steps, n) of physics steps."""
+        return StepLog(
+            tips_m=readings[..., self._tips].reshape(*readings.shape[:-1], len(LEGS), 3),
+            floor_forces_n=self.floor_forces_n(readings),
+            box_forces_n=self.box_forces_n(readings),
+            com_m=readings[..., self.of["com"]],
+            com_velocity_m_s=readings[..., self.of["com_velocity"]],
+            joint_positions_rad=readings[..., self.joint_positions],
+            joint_velocities_rad_s=readings[..., self.joint_velocities],
+            joint_torques_n_m=readings[..., self.joint_torques],
+        )
+
+    def _from_to(self, first: str, last: str) -> slice:
+        return slice(self.of[first].start, self.of[last].stop)
+
+
+def _columns(model: mujoco.MjModel, sensor: int) -> slice:
+    start = int(model.sensor_adr[sensor])
+    return slice(start, start + int(model.sensor_dim[sensor]))
