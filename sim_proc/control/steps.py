@@ -24,6 +24,9 @@ from sim_proc.gravity import GRAVITY_M_S2
 
 SHIFT_WEIGHT: Final = 0.02
 """Weight of the ZMP reference while four feet stand; it is 1 while three do."""
+LAST_SHARE: Final = 0.05
+"""Share of its full load planned for a foot in the tick before its lift. With none it would leave the floor and touch
+it again before it rises; with twice as much it would push itself off."""
 LIFTED_SHARE: Final = 1e-4
 """Share of its full load planned for a foot in the air: nothing, but the forces stay determined."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
@@ -169,7 +172,7 @@ class Steps:
         if leg is not None and swing is not None:
             feet[step.shift_ticks :, leg] = swing(posture.feet_m[leg])
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
-            np.minimum(unload, np.linspace(1.0, LIFTED_SHARE, ramp + 1)[1:], out=unload)
+            np.minimum(unload, np.linspace(1.0, LAST_SHARE, ramp + 1)[1:], out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share

@@ -12,7 +12,7 @@ OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
     "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
-    "control/steps.py": {"SHIFT_WEIGHT", "LIFTED_SHARE", "CAUTION"},
+    "control/steps.py": {"SHIFT_WEIGHT", "LAST_SHARE", "LIFTED_SHARE", "CAUTION"},
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
