@@ -1,4 +1,4 @@
-"""The tuned reward: progress adds up, the end counts, and falling never pays."""
+"""Progress adds up, the end counts, and falling never pays with the weights of the task `tuned`."""
 
 from itertools import pairwise
 from math import degrees, radians
@@ -8,23 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView, push_view
-from agent_proc.task.config import TaskConfig
-from agent_proc.task.ending import ASTRAY
-from agent_proc.task.reward_tuned import (
-    CYCLE_COST,
-    FALL_PENALTY,
-    POSITION_WEIGHT,
-    STEERING_WEIGHT,
-    errors_in_tolerances,
-    steering_in_tolerances,
-    tuned_reward,
-)
+from agent_proc.task.episode import earned
+from agent_proc.task.reward.progress import errors_in_tolerances, steering_in_tolerances
+from agent_proc.task.term import EpisodeEnding, PushStep
 from legpush.geometry import Pose2
 from tests.agent.fake_world import make_scenario, make_state
+from tests.agent.tasks import tuned
 
 SCENARIO = make_scenario()
 TRUNK = Pose2(x_m=5.0, y_m=3.0, yaw_rad=0.0)
-MAX_STEPS = TaskConfig().max_steps
+TASK = tuned()
+MAX_STEPS = TASK.max_steps
+POSITION_WEIGHT, STEERING_WEIGHT = (TASK.reward[name]["weight"] for name in ("position", "steering"))
+CYCLE_COST, FALL_PENALTY = (-TASK.reward[name]["weight"] for name in ("cycle", "fall"))
+ASTRAY = TASK.ending["astray"]["more"]
 
 boxes = st.builds(Pose2, x_m=st.floats(5.9, 7.1), y_m=st.floats(2.8, 3.2), yaw_rad=st.floats(-0.5, 0.5))
 
@@ -40,7 +37,13 @@ def at(x_m: float, y_m: float = 3.0, yaw_deg: float = 0.0) -> PushView:
 def value(first: PushView, views: list[PushView], *, arrived: bool) -> float:
     """Return of an episode through these states."""
     steps = list(pairwise([first, *views]))
-    return sum(sum(tuned_reward(first, a, b, arrived=arrived and b is views[-1]).values()) for a, b in steps)
+    total = 0.0
+    for before, after in steps:
+        ending: EpisodeEnding | None = "fell" if after.fallen else None
+        if arrived and after is views[-1]:
+            ending = "success" if after.error.within(after.goal) else "missed"
+        total += sum(earned(TASK, PushStep(first=first, before=before, after=after, ending=ending)).values())
+    return total
 
 
 @given(path=st.lists(boxes, min_size=2, max_size=8))

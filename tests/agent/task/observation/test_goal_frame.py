@@ -1,4 +1,4 @@
-"""The relative profile: frames, the mirror, and bounds."""
+"""Terms in the frame of the goal: the mirror, bounds, and what each reads."""
 
 from math import radians
 
@@ -7,8 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView, push_view
-from agent_proc.task.observation_relative import NEAR_RAD, RELATIVE
-from agent_proc.task.observation_table import as_markdown, bounds, element_names, read_table
+from agent_proc.task.file import load_task
+from agent_proc.task.observation.goal_frame import BoxPlace, BoxYaw, Heading, HeadingNear
+from agent_proc.task.observed import observation_bounds
+from agent_proc.task.observed import observe as observe_task
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Goal, PoseDeg, Scenario
@@ -18,6 +20,8 @@ from tests.robots import ROBOT
 
 SCENARIO = make_scenario()
 """The goal is at (7, 3), heading along x."""
+
+TASK = load_task("tuned", SCENARIO)
 
 box_poses = st.builds(
     Pose2, x_m=st.floats(5.0, 8.0), y_m=st.floats(2.0, 4.0), yaw_rad=st.floats(-radians(60.0), radians(60.0))
@@ -30,7 +34,7 @@ def view_of(box: Pose2, offset: Pose2, scenario: Scenario = SCENARIO) -> PushVie
 
 
 def observe(view: PushView) -> Floats:
-    return read_table(RELATIVE, view)
+    return np.concatenate([term.read(view, view.mirror_sign) for term in TASK.observation_terms.values()])
 
 
 def mirrored(pose: Pose2, line_y_m: float) -> Pose2:
@@ -38,8 +42,9 @@ def mirrored(pose: Pose2, line_y_m: float) -> Pose2:
 
 
 def named(observation: Floats) -> dict[str, Floats]:
-    ends = np.cumsum([entry.size for entry in RELATIVE])
-    return {entry.name: part for entry, part in zip(RELATIVE, np.split(observation, ends[:-1]), strict=True)}
+    terms = TASK.observation_terms
+    ends = np.cumsum([len(term.AXES) for term in terms.values()])
+    return dict(zip(terms, np.split(observation, ends[:-1]), strict=True))
 
 
 @given(box=box_poses, offset=trunk_offsets)
@@ -66,10 +71,10 @@ def test_the_place_of_the_goal_in_the_room_does_not_show(box: Pose2, offset: Pos
 
 @given(box=box_poses, offset=trunk_offsets)
 def test_the_bounds_hold_every_observation(box: Pose2, offset: Pose2) -> None:
-    low, high = bounds(RELATIVE, SCENARIO)
-    observation = observe(view_of(box, offset))
+    low, high = observation_bounds(TASK)
+    observation = observe_task(TASK, view_of(box, offset))
 
-    assert low.shape == high.shape == observation.shape == (len(element_names(RELATIVE)),)
+    assert low.shape == high.shape == observation.shape == (8,)
     assert ((low <= observation) & (observation <= high)).all()
 
 
@@ -80,13 +85,7 @@ def test_each_entry_reads_what_its_name_says() -> None:
     np.testing.assert_allclose(left["box"], [-1.0, 0.2])
     np.testing.assert_allclose(left["box_near"], np.arcsinh([-20.0, 4.0]))
     np.testing.assert_allclose(left["heading"], [0.1, 0.1 + np.arctan2(0.2, LOOK_AHEAD_M)])
-    np.testing.assert_allclose(left["heading_near"], np.arcsinh(left["heading"] / NEAR_RAD))
-
-
-def test_the_documentation_lists_every_entry() -> None:
-    assert [line for line in as_markdown(RELATIVE).splitlines() if "`heading_near`" in line] == [
-        "| 6 to 7 | `heading_near` | yaw, steering | 1 | goal | asinh of the same over 1° |"
-    ]
+    np.testing.assert_allclose(left["heading_near"], np.arcsinh(left["heading"] / radians(1.0)))
 
 
 def test_a_box_far_short_of_its_goal_is_observed_as_far_as_the_profile_goes() -> None:
@@ -94,3 +93,19 @@ def test_a_box_far_short_of_its_goal_is_observed_as_far_as_the_profile_goes() ->
     far, farther = (observe(view_of(Pose2(x_m=x, y_m=3.1, yaw_rad=0.0), ahead)) for x in (5.9, 5.0))
 
     np.testing.assert_allclose(far, farther, atol=1e-12)
+
+
+def test_settings_say_how_far_is_far_and_how_near_is_near() -> None:
+    view = view_of(Pose2(x_m=5.0, y_m=3.1, yaw_rad=0.1), Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0))
+
+    np.testing.assert_allclose(BoxPlace(far_m=3.0).read(view, 1.0), [-2.0, 0.1])
+    heading = Heading().read(view, 1.0)
+    np.testing.assert_allclose(HeadingNear(near_deg=2.0).read(view, 1.0), np.arcsinh(heading / radians(2.0)))
+    np.testing.assert_array_equal(BoxYaw().read(view, -1.0), -heading[:1])
+
+
+def test_a_task_that_is_not_mirrored_reads_right_of_the_line_as_it_is() -> None:
+    plain = load_task("tuned", SCENARIO, mirrored=False)
+    right = view_of(Pose2(x_m=6.0, y_m=2.9, yaw_rad=0.0), Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0))
+
+    assert [observe_task(task, right)[1] for task in (plain, TASK)] == [np.float32(-0.1), np.float32(0.1)]
