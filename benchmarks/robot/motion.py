@@ -1,4 +1,4 @@
-"""`python -m benchmarks.robot_motion`: torques, landings and margins of walks and pushes, at every physics step.
+"""`python -m benchmarks.robot.motion`: torques, landings and margins of walks and pushes, at every physics step.
 
 The robot walks along curves on an open floor, and pushes boxes of several masses. The numbers go to
 `results/robot_motion.json`.
@@ -9,8 +9,8 @@ from typing import Final
 
 import tyro
 
-from benchmarks.motions import curved_walk, pushes, summary
 from benchmarks.report import write_report
+from benchmarks.robot.motions import curved_walk, pushes, summary
 
 MASSES_KG: Final = (0.1, 1.0, 5.0)
 

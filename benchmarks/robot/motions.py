@@ -1,7 +1,6 @@
 """Walks and pushes for benchmarks of the robot, and what was measured of them at every physics step."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot
 from typing import Any, Final
@@ -19,9 +18,6 @@ from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
-from sim_proc.headless import mujoco
-from sim_proc.model.world import build_model
-from sim_proc.physics import physics
 from sim_proc.simulator import Simulator
 
 ROOM_M: Final = 16.0
@@ -99,32 +95,6 @@ def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None
             break
     moved = planar_pose(began.world.box).inverse() @ planar_pose(outcomes[-1].world.box)
     return _done(began, outcomes, moved.x_m, abs(moved.y_m))
-
-
-@contextmanager
-def altered(alter: Callable[[mujoco.MjModel], None], steps_per_command: int = 1) -> Iterator[None]:
-    """Change each model that the simulator builds, and give each command for several physics steps.
-
-    Sensors are those of the last of these steps.
-    """
-    build, step = build_model, mujoco.mj_step
-
-    def build_altered(scenario: Scenario) -> mujoco.MjModel:
-        model = build(scenario)
-        model.opt.timestep /= steps_per_command
-        alter(model)
-        return model
-
-    def step_often(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        step(model, data, steps_per_command)
-
-    vars(physics)["build_model"] = build_altered
-    mujoco.mj_step = step_often
-    try:
-        yield
-    finally:
-        vars(physics)["build_model"] = build
-        mujoco.mj_step = step
 
 
 def summary(runs: Sequence[Done]) -> dict[str, Any]:

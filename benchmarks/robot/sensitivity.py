@@ -1,4 +1,4 @@
-"""`python -m benchmarks.model_sensitivity`: how walks and pushes depend on the numbers of physics and servos.
+"""`python -m benchmarks.robot.sensitivity`: how walks and pushes depend on the numbers of physics and servos.
 
 One number of the model is changed at a time. The numbers go to `results/model_sensitivity.json`.
 """
@@ -11,8 +11,9 @@ import numpy as np
 import tyro
 from msgspec.structs import replace
 
-from benchmarks.motions import altered, curved_walk, pushes, summary
 from benchmarks.report import write_report
+from benchmarks.robot.alterations import altered
+from benchmarks.robot.motions import curved_walk, pushes, summary
 from legpush.scene.robot import RobotSpec
 from sim_proc.headless import mujoco
 
