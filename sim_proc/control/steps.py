@@ -29,6 +29,8 @@ LAST_SHARE: Final = 0.05
 it again before it rises; with twice as much it would push itself off."""
 LIFTED_SHARE: Final = 1e-4
 """Share of its full load planned for a foot in the air: nothing, but the forces stay determined."""
+OTHERS: Final = tuple([leg for leg in range(len(LEGS)) if leg != lifted] for lifted in range(len(LEGS)))
+"""The feet that stand while each leg is up."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
 """Ticks to lengthen the shift, and multiples of the robot's least margin to widen the ZMP's margin by.
 
@@ -224,7 +226,7 @@ class Steps:
         first = ahead[0]
         if first.leg is None or first.shift_ticks == 0:
             return first, self._plan_com(ahead)
-        support = np.delete(self.posture.feet_m[:, :2], LEGS.index(first.leg), axis=0)
+        support = self.posture.feet_m[OTHERS[LEGS.index(first.leg)], :2]
         least_m = self._gait.least_margin_m
         for longer, wider in CAUTION:
             step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider * least_m)
@@ -240,19 +242,20 @@ class Steps:
         """The motion of the CoM over all of these steps."""
         posture = self.posture
         feet = posture.feet_m[:, :2].copy()
-        references, weights = [], []
+        references = np.empty((sum(step.n_ticks for step in ahead), 2))
+        weights: tuple[float, ...] = ()
         for step in ahead:
             reference = step.nominal_xy_m
             if step.leg is not None:
                 leg = LEGS.index(step.leg)
-                reference = shifted_reference(reference, np.delete(feet, leg, axis=0), step.margin_m)
+                reference = shifted_reference(reference, feet[OTHERS[leg]], step.margin_m)
                 feet[leg] = step.target_m
-            references.append(np.repeat(reference[None] - self._lean_m, step.n_ticks, axis=0))
-            weights += [SHIFT_WEIGHT] * step.shift_ticks + [1.0] * step.swing_ticks
+            references[len(weights) : len(weights) + step.n_ticks] = reference - self._lean_m
+            weights += (SHIFT_WEIGHT,) * step.shift_ticks + (1.0,) * step.swing_ticks
         return plan_com(
             posture.com_state,
-            np.concatenate(references),
-            tuple(weights),
+            references,
+            weights,
             ahead[-1].end_velocity_m_s,
             self._com_height_m,
         )

@@ -207,9 +207,9 @@ class Physics:
             LegpushError: MuJoCo warned, or the state stopped being finite.
         """
         when = f"between ticks {self.tick - len(qpos)} and {self.tick}: the episode cannot go on"
-        for warning in mujoco.mjtWarning.__members__.values():
-            if warning != mujoco.mjtWarning.mjNWARNING and self.data.warning[warning].number:
-                raise LegpushError(f"MuJoCo warned of {warning.name} {when}")
+        warnings = np.flatnonzero(self.data.warning.number)
+        if len(warnings):
+            raise LegpushError(f"MuJoCo warned of {mujoco.mjtWarning(warnings[0]).name} {when}")
         if not np.isfinite(qpos).all():
             raise LegpushError(f"qpos stopped being finite {when}")
 
