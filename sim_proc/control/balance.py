@@ -148,13 +148,14 @@ def foot_forces(feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_
     the horizontal force in proportion to their vertical forces.
     """
     n = len(zmp_m)
-    lever = feet_m[:, :, :2] - zmp_m[:, None]
-    balance = np.stack([np.ones((n, 4)), lever[:, :, 0], lever[:, :, 1]], axis=1)
+    balance = np.ones((n, 3, 4))
+    balance[:, 1:] = (feet_m[:, :, :2] - zmp_m[:, None]).transpose(0, 2, 1)
     weighted = balance * load_share[:, None]
     wanted = np.zeros((n, 3, 1))
     wanted[:, 0] = mass_kg * GRAVITY_M_S2
     multipliers = np.linalg.solve(weighted @ balance.transpose(0, 2, 1), wanted)
     vertical = (weighted * multipliers).sum(axis=1)
-    horizontal = (vertical / GRAVITY_M_S2)[:, :, None] * acceleration_m_s2[:, None]
-    forces: Floats = np.concatenate([horizontal, vertical[:, :, None]], axis=2)
+    forces = np.empty((n, 4, 3))
+    forces[:, :, :2] = (vertical / GRAVITY_M_S2)[:, :, None] * acceleration_m_s2[:, None]
+    forces[:, :, 2] = vertical
     return forces

@@ -37,7 +37,8 @@ class Knots:
 def knots(now_rad: Floats, velocity_rad_s: Floats, positions_rad: Floats) -> Knots:
     """Knots from the present command (12,) and its velocity through planned positions (n, 12).
 
-    Velocities are central differences, and a one-sided difference of second order at the last tick.
+    Velocities are central differences, and a one-sided difference of second order at the last tick. Accelerations are
+    central differences of the velocities, and one-sided ones of first order at both ends.
     """
     dt = CONTROL_PERIOD_S
     positions = np.concatenate([now_rad[None], positions_rad])
@@ -48,7 +49,9 @@ def knots(now_rad: Floats, velocity_rad_s: Floats, positions_rad: Floats) -> Kno
         velocities[-1] = (3 * positions[-1] - 4 * positions[-2] + positions[-3]) / (2 * dt)
     else:
         velocities[-1] = (positions[-1] - positions[-2]) / dt
-    accelerations = np.gradient(velocities, dt, axis=0)
+    accelerations = np.empty_like(positions)
+    accelerations[0], accelerations[-1] = (velocities[1] - velocities[0]) / dt, (velocities[-1] - velocities[-2]) / dt
+    accelerations[1:-1] = (velocities[2:] - velocities[:-2]) / (2 * dt)
     return Knots(positions_rad=positions, velocities_rad_s=velocities, accelerations_rad_s2=accelerations)
 
 

@@ -6,7 +6,7 @@ Walking and pushing are sequences of such steps.
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from math import ceil
 from typing import Final
 
@@ -170,11 +170,11 @@ class Steps:
         load_share = np.ones((n, 4))
         ramp = min(gait.ramp_ticks, step.shift_ticks)
         if self.landed is not None and ramp > 0:
-            load_share[:ramp, self.landed] = np.linspace(gait.landed_share, 1.0, ramp + 1)[1:]
+            load_share[:ramp, self.landed] = _ramp(gait.landed_share, 1.0, ramp)
         if leg is not None and swing is not None:
             feet[step.shift_ticks :, leg] = swing(posture.feet_m[leg])
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
-            np.minimum(unload, np.linspace(1.0, LAST_SHARE, ramp + 1)[1:], out=unload)
+            np.minimum(unload, _ramp(1.0, LAST_SHARE, ramp), out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
@@ -275,13 +275,21 @@ def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
     )
 
 
+@lru_cache
+def _ramp(start: float, end: float, n_ticks: int) -> Floats:
+    """Values at the ends of `n_ticks` ticks in which they go evenly from `start` to `end`, (n,), not to be changed."""
+    return np.linspace(start, end, n_ticks + 1)[1:]
+
+
 def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, Floats]:
     """A cubic from the present yaw and rate to `end_rad`, (n,), and its rates, (n,), the last of which is the mean."""
     duration = n_ticks * CONTROL_PERIOD_S
     change = wrap_angle(end_rad - start_rad)
     u = np.arange(1, n_ticks + 1) / n_ticks
+    square, cube = u**2, u**3
     rate = change / duration
     start_slope, end_slope = start_rate_rad_s * duration, rate * duration
-    yaw = start_rad + start_slope * (u - 2 * u**2 + u**3) + change * (3 * u**2 - 2 * u**3) + end_slope * (u**3 - u**2)
-    yaw_rate = start_slope * (1 - 4 * u + 3 * u**2) + change * 6 * (u - u**2) + end_slope * (3 * u**2 - 2 * u)
+    blend = 3 * square - 2 * cube
+    yaw = start_rad + start_slope * (u - 2 * square + cube) + change * blend + end_slope * (cube - square)
+    yaw_rate = start_slope * (1 - 4 * u + 3 * square) + change * 6 * (u - square) + end_slope * (3 * square - 2 * u)
     return yaw, yaw_rate / duration

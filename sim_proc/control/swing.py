@@ -75,9 +75,9 @@ def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks
     flight, speed = flight_ticks(n_ticks, gait), gait.landing_speed_m_s * CONTROL_PERIOD_S
     landing = n_ticks - flight
     apex, apex_m = APEX_SHARE * flight, max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
-    along = quintic(np.clip(tick / (n_ticks - SETTLED_SHARE * landing), 0.0, 1.0))
+    along = quintic(np.minimum(tick / (n_ticks - SETTLED_SHARE * landing), 1.0))
     curve: Floats = start + along[:, None] * (end - start)
-    rising = start[2] + (apex_m - start[2]) * quintic(np.clip(tick / apex, 0.0, 1.0))
+    rising = start[2] + (apex_m - start[2]) * quintic(np.minimum(tick / apex, 1.0))
     falls = flight - apex
     u = np.clip((tick - apex) / falls, 0.0, 1.0)
     drop, slope = end[2] + speed * landing - apex_m, -speed * falls
