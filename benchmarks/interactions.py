@@ -21,7 +21,7 @@ from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.simulators import own_simulators
 from agent_proc.statistics.intervals import median
 from agent_proc.statistics.paired import paired_ratio
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from benchmarks.report import write_report
 from experiments.tables.parts import plain
 from legpush.lockstep.local import LocalWorld
@@ -73,7 +73,7 @@ def main(config: Config) -> None:
 
 def measure(worlds: Sequence[SteppingWorld], seed: int, n_steps: int) -> tuple[float, NDArray[np.float32]]:
     """Return the interactions per second and the observations of the first simulator."""
-    vec = PushVecEnv(TaskConfig(), worlds, seed=seed)
+    vec = PushVecEnv(load_task(), worlds, seed=seed)
     rng = np.random.default_rng(seed)
     vec.reset()
     observations = []

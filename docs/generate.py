@@ -2,9 +2,10 @@
 
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
-studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; and the
-reasons of endings in `run.md`. Everything between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is
-replaced; the rest is written by hand. A test fails when a generated part is stale.
+studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
+of endings in `run.md`; and the tasks and their terms in `learn.md`. Everything between the lines
+`<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a
+generated part is stale.
 """
 
 import ast
@@ -19,7 +20,7 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import numbers, source_tree, study_list
+from docs import numbers, source_tree, study_list, term_tables
 from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
@@ -33,6 +34,7 @@ ARCHITECTURE: Final = DOCS / "architecture.md"
 MEASURED: Final = DOCS / "measured.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
+LEARN: Final = DOCS / "learn.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
@@ -131,6 +133,7 @@ def main() -> None:
         (README, measured),
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
+        (LEARN, term_tables.learn_parts()),
     ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)

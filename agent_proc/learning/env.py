@@ -1,13 +1,12 @@
 """Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
 
-from dataclasses import asdict, dataclass, field
-from math import degrees, hypot
+from dataclasses import dataclass, field
+from math import degrees
 from typing import Any
 
 import gymnasium
 import numpy as np
 from msgspec import Struct
-from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
@@ -15,15 +14,14 @@ from agent_proc.learning.random_state import Pcg64State, set_state, state_of
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.ending import EpisodeEnding, episode_ending
-from agent_proc.task.observation import TABLES, observe
-from agent_proc.task.reward_paper import paper_reward
-from agent_proc.task.reward_tuned import tuned_reward
+from agent_proc.task.domain import drawn_scenario
+from agent_proc.task.episode import earned, episode_ending
+from agent_proc.task.observed import observe
+from agent_proc.task.term import PushStep
 from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Outcome, Push, Reset
-from legpush.scene.scenario import PoseDeg, Scenario
 
 
 class EnvSnapshot(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -39,7 +37,7 @@ class EnvSnapshot(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     """Push the box of a scenario to its goal.
 
-    `terminated`: the robot fell, or the box is at a place where the profile of the reward ends an episode. `truncated`:
+    `terminated`: the robot fell, the box is out of its reach, or a rule of the task ends the episode. `truncated`:
     after `max_steps`. The `info` of a step holds the terms of its reward by name under `reward_terms`, `is_success`,
     `fell`, `position_error_m`, `angle_error_deg` and, at the end, `ending`.
     """
@@ -54,7 +52,6 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """
         self.task = task
         self.action_space = action_space(task)
-        self.table = TABLES[task.observation]
         self.observation_space = observation_space(task)
         self._world = world
         self._claim()
@@ -72,11 +69,11 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """
         super().reset(seed=seed)
         drawn_seed = int(self.np_random.integers(2**32))
-        drawn_scenario = self._drawn_scenario()
+        scenario = drawn_scenario(self.task.domain, self.task.scenario, self.np_random)
         options = options or {}
         if not options.keys() <= {"scenario", "scenario_seed"}:
             raise ConfigError(f"Expected the options `scenario` and `scenario_seed`, got {', '.join(options)}")
-        scenario = options.get("scenario", drawn_scenario)
+        scenario = options.get("scenario", scenario)
         scenario_seed = options.get("scenario_seed", drawn_seed)
         episode = self._episode = self._begin(Reset(scenario=scenario, seed=scenario_seed))
         return observe(self.task, episode.view), {"scenario_seed": scenario_seed, **_errors(episode.view)}
@@ -93,7 +90,8 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         episode.advance(push, self._world.step(push))
         ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
         episode.over = ending is not None
-        terms = self._reward(before, episode, ending)
+        step = PushStep(first=episode.first, before=before, after=episode.view, ending=ending)
+        terms = earned(self.task, step)
         self._world.tell_reward(terms)
         info: dict[str, Any] = {"reward_terms": terms, "is_success": ending == "success", **_errors(episode.view)}
         if ending is not None:
@@ -166,25 +164,6 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             raise ConfigError("Expected a reset before this step: there is no episode, or it is over")
         return self._episode
 
-    def _drawn_scenario(self) -> Scenario:
-        domain, scenario = self.task.domain, self.task.scenario
-        drawn = {
-            name: float(self.np_random.uniform(*interval))
-            for name, interval in (("mass_kg", domain.mass_kg), ("friction", domain.friction))
-            if interval is not None
-        }
-        scenario = replace(scenario, box=replace(scenario.box, **drawn))
-        if domain.distance_m is not None:
-            low, high = np.log(domain.distance_m)
-            distance_m = float(np.exp(self.np_random.uniform(low, high)))
-            scenario = replace(scenario, goal=replace(scenario.goal, pose=_goal_at(scenario, distance_m)))
-        return scenario
-
-    def _reward(self, before: PushView, episode: "_Episode", ending: EpisodeEnding | None) -> dict[str, float]:
-        if self.task.reward == "paper":
-            return asdict(paper_reward(episode.view))
-        return tuned_reward(episode.first, before, episode.view, arrived=ending in ("success", "missed"))
-
 
 @dataclass
 class _Episode:
@@ -203,13 +182,6 @@ class _Episode:
         """Add a push and its outcome."""
         self.pushes.append(push)
         self.view, self.state_crc = push_view(outcome.world, self.reset.scenario), outcome.state_crc
-
-
-def _goal_at(scenario: Scenario, distance_m: float) -> PoseDeg:
-    """The goal pose, moved on the line from the box to the goal until its distance from the box is `distance_m`."""
-    box, goal = scenario.box.pose, scenario.goal.pose
-    share = distance_m / hypot(goal.x_m - box.x_m, goal.y_m - box.y_m)
-    return replace(goal, x_m=box.x_m + share * (goal.x_m - box.x_m), y_m=box.y_m + share * (goal.y_m - box.y_m))
 
 
 def _errors(view: PushView) -> dict[str, Any]:

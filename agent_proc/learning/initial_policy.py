@@ -15,7 +15,7 @@ from agent_proc.policies.actor import Layer
 from agent_proc.policies.folder import PolicyFolder, policy_path, read_policy
 from agent_proc.policies.sb3.layers import layer_names
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.elements import action_elements, observation_elements
+from agent_proc.task.elements import action_elements
 from legpush.errors import PolicyError
 
 
@@ -78,8 +78,8 @@ def _require_alike(plan: TrainingPlan, policy: PolicyFolder, where: str) -> None
             raise PolicyError(f"{where}: expected a policy with the {what} of this training, {expected}, got {got}")
 
 
-def _observed(task: TaskConfig) -> list[str]:
-    return [element.name for element in observation_elements(task)]
+def _observed(task: TaskConfig) -> dict[str, Any]:
+    return {"mirrored": task.mirrored, "scaling": task.scaling, **task.observation}
 
 
 def _acted(task: TaskConfig) -> list[str]:

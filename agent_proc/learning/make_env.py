@@ -1,12 +1,11 @@
 """Makes the environment `legpush/Push-v1` from plain data, such as names, numbers and lists."""
 
-from dataclasses import fields, replace
-from typing import Any, cast
-
-import msgspec
+from typing import Any, Final, cast
 
 from agent_proc.learning.env import PushEnv
-from agent_proc.task.config import Domain, TaskConfig
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.domain import DOMAIN_FIELDS
+from agent_proc.task.file import DEFAULT_TASK, load_task
 from legpush.errors import ConfigError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.simulator import Stepper
@@ -15,15 +14,14 @@ from legpush.numerics.current import tell_if_native
 from legpush.plugins import load_plugin
 from legpush.scenarios.file import load_scenario
 
-DOMAIN = tuple(field.name for field in fields(Domain))
-TASK = tuple(field.name for field in fields(TaskConfig) if field.name not in ("scenario", "domain"))
+TASK_FIELDS: Final = tuple(name for name in TaskConfig.__struct_fields__ if name not in ("scenario", "domain"))
 
 
 def make_push_env(
-    task: TaskConfig | None = None,
+    task: TaskConfig | str = DEFAULT_TASK,
     world: SteppingWorld | None = None,
     *,
-    scenario: str = "push",
+    scenario: str | None = None,
     simulator: str = "mujoco",
     render_mode: None = None,
     **settings: Any,
@@ -31,13 +29,14 @@ def make_push_env(
     """Make an environment with a simulator of its own.
 
     Args:
-        task: The whole task; if None, `scenario` and `settings` define it.
+        task: The name of a built-in task or the path of a task file, in which `scenario` and `settings` replace values;
+            or a whole task.
         world: A simulator to step, in this process or on the bus; if None, the environment makes its own.
-        scenario: The name of a built-in scenario, or the path of a scenario file.
+        scenario: The name of a built-in scenario, or the path of a scenario file; if None, that of the task.
         simulator: The plug-in that simulates (`legpush.simulators`).
         render_mode: None, as the environment does not render.
-        settings: Fields of `TaskConfig`, such as `entry="fixed"` or `max_steps=50`, and intervals of its domain, such
-            as `mass_kg=[0.1, 1.0]`, drawn for every episode.
+        settings: Fields of `TaskConfig`, such as `entry="fixed"` or `max_steps=50`, and of its domain, such as
+            `mass_kg=[0.1, 1.0]`, drawn for every episode.
 
     Raises:
         ConfigError: A setting is unknown or cannot be used, or another environment uses the simulator.
@@ -50,21 +49,19 @@ def make_push_env(
     if world is None:
         tell_if_native()
         world = LocalWorld(cast(Stepper, load_plugin("legpush.simulators", simulator)()))
-    if task is None:
-        return PushEnv(_task(scenario, settings), world)
-    if settings:
-        raise ConfigError(f"Expected either a task or its settings, got both: {', '.join(settings)}")
-    return PushEnv(task, world)
+    if isinstance(task, TaskConfig):
+        if settings or scenario is not None:
+            given = [*settings, *(["scenario"] if scenario is not None else [])]
+            raise ConfigError(f"Expected either a whole task or settings of one, got both: {', '.join(given)}")
+        return PushEnv(task, world)
+    return PushEnv(_task(task, scenario, settings), world)
 
 
-def _task(scenario: str, settings: dict[str, Any]) -> TaskConfig:
-    unknown = settings.keys() - {*TASK, *DOMAIN}
-    if unknown:
-        raise ConfigError(f"Expected settings among {', '.join((*TASK, *DOMAIN))}, got {', '.join(sorted(unknown))}")
-    plain = {name: value for name, value in settings.items() if name in TASK}
-    domain = {name: value for name, value in settings.items() if name in DOMAIN}
-    try:
-        config = msgspec.convert({**plain, "domain": domain}, TaskConfig)
-    except msgspec.ValidationError as error:
-        raise ConfigError(f"A setting of the environment cannot be used: {error}") from error
-    return replace(config, scenario=load_scenario(scenario))
+def _task(name: str, scenario: str | None, settings: dict[str, Any]) -> TaskConfig:
+    valid = (*TASK_FIELDS, *DOMAIN_FIELDS)
+    if unknown := sorted(settings.keys() - {*valid}):
+        raise ConfigError(f"Expected settings among {', '.join(valid)}, got {', '.join(unknown)}")
+    plain = {field: value for field, value in settings.items() if field in TASK_FIELDS}
+    domain = {field: value for field, value in settings.items() if field in DOMAIN_FIELDS}
+    loaded = None if scenario is None else load_scenario(scenario)
+    return load_task(name, loaded, **plain, domain=domain)

@@ -15,13 +15,16 @@ from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.action import CHOICES, n_actions
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.elements import Element, action_elements, observation_elements
-from agent_proc.task.observation import n_observed
-from legpush.errors import ConfigError, PolicyError, one_line
+from agent_proc.task.file import read_task
+from agent_proc.task.observed import n_observed
+from legpush.errors import ConfigError, PluginError, PolicyError, one_line
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
 from legpush.scenarios.file import scenario_table
 
-FORMAT: Final = 2
+FORMAT: Final = 3
+FORMER_FORMAT: Final = 2
+"""With a word each for observation and reward; read like the present one."""
 OLD_FORMAT: Final = 1
 """With the networks in a zip of Stable-Baselines3."""
 WEIGHTS_FILE: Final = "policy.safetensors"
@@ -169,7 +172,7 @@ def encode_card(card: Card) -> bytes:
         OBSERVATION: observation_elements(card.task),
         ACTION: action_elements(card.task),
         "task": {**msgspec.to_builtins(card.task), "scenario": scenario_table(card.task.scenario)},
-        **{name: getattr(card, name) for name in ("profile", *_CARD_FIELDS) if name not in ("command", "task")},
+        **{name: getattr(card, name) for name in ("profile", *_CARD_FIELDS) if name != "command"},
     }
     return msgspec.json.format(msgspec.json.encode(whole), indent=1) + b"\n"
 
@@ -196,27 +199,29 @@ def read_card(folder: Path) -> Card:
             f"{path}: expected a policy folder of format {FORMAT}, got format {OLD_FORMAT}, which earlier versions of "
             f"legpush wrote: `legpush policy export {folder} --to safetensors --out NEW` makes one of this format"
         )
-    card = parse_card(plain, path, FORMAT)
+    card = parse_card(plain, path, FORMAT, FORMER_FORMAT)
     for name, here in ((OBSERVATION, observation_elements(card.task)), (ACTION, action_elements(card.task))):
         _require_elements(plain.get(name), here, f"{path}: at `{name}`")
     return card
 
 
-def parse_card(plain: dict[str, Any], path: Path, form: int) -> Card:
-    """The card in the fields of the JSON file at `path`, which has the format `form`.
+def parse_card(plain: dict[str, Any], path: Path, *formats: int) -> Card:
+    """The card in the fields of the JSON file at `path`, which has one of these formats.
 
     Raises:
         PolicyError: A field is wrong; the message names it.
     """
     try:
-        if plain.get("format") != form:
-            raise PolicyError(f"{path}: at `format`: expected {form}, got {plain.get('format')!r}")
+        if plain.get("format") not in formats:
+            raise PolicyError(
+                f"{path}: at `format`: expected {' or '.join(map(str, formats))}, got {plain.get('format')!r}"
+            )
         profile = read_profile(plain.get("profile", {}), "profile")
         rest: dict[str, Any] = {
             name: msgspec.convert(plain[name], kind) for name, kind in _CARD_FIELDS.items() if name in plain
         }
-        return Card(profile=profile, **rest)
-    except ConfigError as error:
+        return Card(profile=profile, task=read_task(plain.get("task"), "task"), **rest)
+    except (ConfigError, PluginError) as error:
         raise PolicyError(f"{path}: {error}") from error
     except (msgspec.ValidationError, TypeError) as error:
         raise PolicyError(f"{path}: expected the card of a policy ({error})") from error
@@ -235,7 +240,6 @@ def _require_elements(plain: Any, here: tuple[Element, ...], where: str) -> None
 
 _CARD_FIELDS: Final[dict[str, Any]] = {
     "command": str,
-    "task": TaskConfig,
     "seed": int,
     "steps": int,
     "n_simulators": int,
@@ -243,7 +247,7 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
     "check": Check | None,
     "curve": tuple[CurvePoint, ...],
 }
-"""Types of all fields but the profile, whose type depends on its algorithm."""
+"""Types of all fields but the profile and the task, which have readers of their own."""
 
 
 def readme(card: Card) -> str:
@@ -257,7 +261,9 @@ def readme(card: Card) -> str:
         "",
         f"    {one_line(card.command)}",
         "",
-        f"- profile: {one_line(profile.description)}; observation `{task.observation}`, reward `{task.reward}`",
+        f"- profile: {one_line(profile.description)}",
+        f"- task: {one_line(task.description) or 'without a description'}",
+        f"- reward: {', '.join(_weighted(task))}; an episode ends by {', '.join(task.ending) or 'its length alone'}",
         f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
         f"- evaluation that it was kept for: {card.check or 'none'}",
         f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",
@@ -272,3 +278,8 @@ def readme(card: Card) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _weighted(task: TaskConfig) -> list[str]:
+    """The terms of the reward with their weights."""
+    return [f"{term.weight:g} {name}" for name, term in task.reward_terms.items()]

@@ -9,8 +9,8 @@ from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.folder import PolicyFolder, policy_path, read_policy
 from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.ending import is_done
-from agent_proc.task.observation import n_observed, observe
+from agent_proc.task.episode import has_arrived
+from agent_proc.task.observed import n_observed, observe
 from legpush.errors import PolicyError
 from legpush.messages.stepping import Push
 
@@ -34,8 +34,8 @@ class NetworkPolicy:
         n_seen = n_observed(task)
         if normalizer is not None and len(normalizer.mean) != n_seen:
             raise PolicyError(
-                f"{origin}: expected {n_seen} means, one for each element of the observation `{task.observation}`, "
-                f"got {len(normalizer.mean)}"
+                f"{origin}: expected {n_seen} means, one for each element of the observation "
+                f"({', '.join(task.observation)}), got {len(normalizer.mean)}"
             )
         self._task = task
         self._network = network
@@ -43,7 +43,7 @@ class NetworkPolicy:
 
     def decide(self, view: PushView) -> Push | None:
         """The next push, or None if an episode of training would have ended here."""
-        if is_done(self._task, view):
+        if has_arrived(self._task, view):
             return None
         observation = observe(self._task, view)
         if self._normalizer is not None:

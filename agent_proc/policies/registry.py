@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import cast
 
-from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.digest import foreign_terms_of, policy_sha256
 from agent_proc.policies.folder import OLD_FORMAT, is_old_format, policy_path
 from agent_proc.policies.learned import load_learned
 from agent_proc.policies.learning_libraries import learning_libraries
@@ -18,7 +18,8 @@ from legpush.policy_names import GROUP, SB3_SUFFIX, policy_kind, require_repeate
 def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, trust_file: bool = False) -> Policy:
     """Make the policy that a recording names: a policy of this package, or a policy folder with this SHA-256.
 
-    A policy that runs code is made only if `repeated`, the name on this command line, is the same.
+    A policy that runs code, or whose task has terms of other packages, is made only if `repeated`, the name on this
+    command line, is the same.
 
     Raises:
         PolicyError: The policy runs code and was not repeated, its files are others, or it cannot be used.
@@ -39,6 +40,11 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
         raise PolicyError(
             f"{version}Expected the policy {name} of the recording, SHA-256 {sha256[:16]}..., got one with "
             f"{got[:16]}...: what it decided cannot be decided again{reason}"
+        )
+    if kind == "folder" and name != repeated and (terms := foreign_terms_of(policy_path(name))):
+        raise PolicyError(
+            f"The recording was made with the policy {name}, whose task has terms of other packages "
+            f"({', '.join(terms)}), which run code: repeat it with --policy {name} if you trust them"
         )
     return make_policy(name, trust_file=trust_file)
 

@@ -1,4 +1,4 @@
-"""Training profiles: observation, reward, algorithm and its settings, in TOML files under `profiles/`."""
+"""Training profiles: the task, the algorithm and its settings, in TOML files under `profiles/`."""
 
 import tomllib
 from importlib.resources import files
@@ -9,6 +9,8 @@ import msgspec
 import tomli_w
 from msgspec import Meta, Struct
 
+from agent_proc.profiles.former import NAMES, current_table, is_former, usable_table
+from legpush.bounds import MAX_TEXT
 from legpush.errors import ConfigError, MessageError
 from legpush.messages.codec import convert
 from legpush.schema_errors import explain
@@ -83,8 +85,8 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     description: str
     steps: AtLeastOne
     """Total number of push cycles."""
-    observation: Literal["paper", "relative"]
-    reward: Literal["paper", "tuned"]
+    task: Annotated[str, Meta(min_length=1, max_length=MAX_TEXT)]
+    """The task to learn: a built-in one, or the path of a task file, seen from the folder of the profile."""
     normalize_observation: bool = True
     """Whether to normalize by running mean and variance, which are saved with the policy."""
     normalize_reward: bool = True
@@ -137,6 +139,8 @@ def load_profile(name_or_path: str) -> AnyProfile:
         source: Any = Path(name_or_path)
     elif name_or_path in profile_names():
         source = files("agent_proc") / "profiles" / f"{name_or_path}{SUFFIX}"
+    elif name_or_path in NAMES:
+        raise ConfigError(f"Expected a profile of today for --profile, got {name_or_path!r}: {NAMES[name_or_path]}")
     else:
         raise ConfigError(
             f"Expected the name of a profile ({', '.join(profile_names())}) or the path of a {SUFFIX} file for "
@@ -146,17 +150,27 @@ def load_profile(name_or_path: str) -> AnyProfile:
         plain = tomllib.loads(source.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise ConfigError(f"{source}: expected a training profile in TOML ({error})") from error
-    return read_profile(plain, str(source))
+    if is_former(plain):
+        try:
+            plain = usable_table(plain)
+        except ConfigError as error:
+            raise ConfigError(f"{source}: {error}") from error
+    profile = read_profile(plain, str(source))
+    if isinstance(source, Path) and ("/" in profile.task or profile.task.endswith(SUFFIX)):
+        profile = msgspec.structs.replace(profile, task=str(source.parent / profile.task))
+    return profile
 
 
 def read_profile(plain: object, source: str) -> AnyProfile:
-    """Check the tables of a file called `source`, and make the profile.
+    """Check the tables of a file, card or training called `source`, and make the profile.
 
     Raises:
         ConfigError: A field is wrong; the message names it.
     """
     if not isinstance(plain, dict):
         raise ConfigError(f"{source}: expected the table of a training profile, got {plain!r}")
+    if is_former(plain):
+        plain = current_table(plain)
     algorithm = plain.get("algorithm")
     if not isinstance(algorithm, str) or algorithm not in KINDS:
         raise ConfigError(f"{source}: at `algorithm`: expected one of {', '.join(KINDS)}, got {algorithm!r}")

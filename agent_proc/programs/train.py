@@ -23,7 +23,7 @@ from agent_proc.policies.folder import policy_path
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, read_profile
 from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
-from agent_proc.task.config import Domain, TaskConfig
+from agent_proc.task.file import load_task, read_task
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.files import write_whole
 from legpush.numerics.computed_with import computed_with, told
@@ -141,13 +141,11 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         policy_path(options.init)
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
-    task = TaskConfig(
-        entry=options.entry,
-        action_form=options.actions,
-        observation=profile.observation,
-        reward=profile.reward,
-        scenario=load_scenario(options.scenario),
-        domain=Domain(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
+    task = load_task(
+        options.task or profile.task,
+        None if options.scenario is None else load_scenario(options.scenario),
+        **_given(entry=options.entry, action_form=options.actions),
+        domain=_given(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
     )
     plan = TrainingPlan(
         profile=profile,
@@ -159,7 +157,7 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         world=str(Path(options.world).absolute()) if options.world.endswith(MAP_SUFFIX) else options.world,
         init=options.init,
     )
-    name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{options.entry}"
+    name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{task.entry}"
     folder = options.out or Path("runs") / f"{name}-seed{options.seed}"
     require_writable_folder(folder, "--out")
     if folder.exists() and any(folder.iterdir()):
@@ -167,6 +165,11 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / CONFIG_FILE, msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n")
     return folder, plan
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """The values that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def read_plan(folder: Path) -> TrainingPlan:
@@ -179,21 +182,21 @@ def read_plan(folder: Path) -> TrainingPlan:
     try:
         plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
         profile = read_profile(plain["profile"], f"{path}: profile")
+        task = read_task(plain["task"], f"{path}: task")
         rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
         rest |= {name: msgspec.convert(plain[name], kind) for name, kind in _LATER_FIELDS.items() if name in plain}
     except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
-    return TrainingPlan(profile=profile, **rest)
+    return TrainingPlan(profile=profile, task=task, **rest)
 
 
 _PLAN_FIELDS: Final[dict[str, Any]] = {
-    "task": TaskConfig,
     "seed": int,
     "n_simulators": int,
     "command": str,
     "versions": dict[str, str],
 }
-"""Types of all fields but the profile, whose type depends on its algorithm."""
+"""Types of all fields but the profile and the task, which have readers of their own."""
 _LATER_FIELDS: Final[dict[str, Any]] = {"world": str, "init": str | None}
 """Types of the fields that plans of earlier versions do not have."""
 

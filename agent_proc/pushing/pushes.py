@@ -6,7 +6,9 @@ from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.push_model.map import PushMap
 from agent_proc.pushing.budget import PushBudget
-from agent_proc.task.reward_tuned import tuned_reward
+from agent_proc.task.episode import earned
+from agent_proc.task.file import DEFAULT_TASK, load_task
+from agent_proc.task.term import PushStep
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import Walker
 from legpush.messages.stepping import Push
@@ -36,6 +38,7 @@ class Pushes:
         """How many pushes there may be."""
         self.n_cycles = 0
         """Number of pushes."""
+        self._task = load_task(DEFAULT_TASK)
         self._first: PushView | None = None
         """Before the first push."""
 
@@ -53,7 +56,7 @@ class Pushes:
         self._first = self._first or view
         self._actor.step(push)
         after = push_view(self._actor.state, self._actor.scenario)
-        # What the same push earns in training; policies do not see it here.
-        self._publish_reward(tuned_reward(self._first, view, after, arrived=False))
+        # What the same push earns in a training of the default task; policies do not see it here.
+        self._publish_reward(earned(self._task, PushStep(first=self._first, before=view, after=after, ending=None)))
         if learn:
             self.estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))

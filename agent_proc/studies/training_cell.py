@@ -15,7 +15,7 @@ from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Card, read_card
-from agent_proc.profiles.profile import Widths, load_profile, read_profile
+from agent_proc.profiles.profile import AnyProfile, AtLeastTwo, Widths, load_profile, read_profile
 from agent_proc.studies.cell_parts import (
     new_simulator,
     require_policy,
@@ -23,7 +23,9 @@ from agent_proc.studies.cell_parts import (
     scenario_of,
     sha256_of_policy,
 )
-from agent_proc.task.config import Domain, Interval, TaskConfig
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.domain import Interval
+from agent_proc.task.file import load_task
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
@@ -62,14 +64,22 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Seed of initial weights, exploration and initial conditions."""
     profile: str = "tuned"
     """A training profile, or the path of a profile file."""
-    entry: Literal["fixed", "variable"] = "variable"
-    """Depth of the pushes: the same for all, or chosen by the policy."""
-    actions: Literal["continuous", "discrete"] = "continuous"
-    """Form of the action."""
+    task: str | None = None
+    """Replaces the profile's task: a built-in one, or the path of a task file."""
+    entry: Literal["fixed", "variable"] | None = None
+    """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
+    actions: Literal["continuous", "discrete"] | None = None
+    """Replaces the task's form of the action."""
     steps: Annotated[int, Meta(ge=1)] | None = None
     """Replaces the profile's number of push cycles."""
     hidden: Widths | None = None
     """Replaces the widths of the profile's networks."""
+    normalize_observation: bool | None = None
+    """Replaces whether the profile normalizes observations by running mean and variance."""
+    n_steps: AtLeastTwo | None = None
+    """Replaces the profile's steps between two updates; PPO only."""
+    batch_size: AtLeastTwo | None = None
+    """Replaces the profile's size of a batch."""
     n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
     """Simulators to learn with, all in the process of the cell; the result depends on their number."""
     mass_kg: Interval | None = None
@@ -109,19 +119,14 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
         ScenarioError: The scenario or a change cannot be used.
     """
     require_simulator(cell.world)
-    profile = load_profile(cell.profile)
-    if cell.steps is not None:
-        profile = msgspec.structs.replace(profile, steps=cell.steps)
-    if cell.hidden is not None:
-        network = msgspec.structs.replace(profile.network, hidden=cell.hidden)
-        profile = msgspec.structs.replace(profile, network=network)
-    task = TaskConfig(
-        entry=cell.entry,
-        action_form=cell.actions,
-        observation=profile.observation,
-        reward=profile.reward,
-        scenario=scenario_of(cell.scenario, cell.changes),
-        domain=Domain(mass_kg=cell.mass_kg, friction=cell.friction, distance_m=cell.distance_m),
+    profile = _profile(cell)
+    replaced = {"entry": cell.entry, "action_form": cell.actions}
+    drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
+    task = load_task(
+        cell.task or profile.task,
+        scenario_of(cell.scenario, cell.changes),
+        **{name: value for name, value in replaced.items() if value is not None},
+        domain={name: value for name, value in drawn.items() if value is not None},
     )
     return ResolvedTraining(
         seed=cell.seed,
@@ -132,6 +137,23 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
         init=cell.init,
         init_sha256="" if cell.init is None else sha256_of_policy(cell.init, allowed),
     )
+
+
+def _profile(cell: TrainingCell) -> AnyProfile:
+    """The profile with the values of the cell.
+
+    Raises:
+        ConfigError: There is no such profile, or its algorithm has no such setting.
+    """
+    plain = msgspec.to_builtins(load_profile(cell.profile))
+    tables: dict[str, dict[str, Any]] = {
+        "": {"steps": cell.steps, "normalize_observation": cell.normalize_observation},
+        "network": {"hidden": cell.hidden},
+        "settings": {"n_steps": cell.n_steps, "batch_size": cell.batch_size},
+    }
+    for table, values in tables.items():
+        (plain[table] if table else plain).update({name: value for name, value in values.items() if value is not None})
+    return read_profile(plain, f"profile {cell.profile}")
 
 
 def run(cell: ResolvedTraining) -> Mapping[str, Any]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView
 from agent_proc.push_model.model import PushModel
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.action_config import ActionConfig
 from legpush.errors import ConfigError
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import FrontLeg
@@ -17,12 +17,12 @@ CHOICES: Final = (8, 8, 2)
 MODEL: Final = PushModel()
 
 
-def n_actions(task: TaskConfig) -> int:
+def n_actions(task: ActionConfig) -> int:
     """Number of elements of an action: w1, w2, leg, and with variable entry the depth."""
     return 4 if task.entry == "variable" else 3
 
 
-def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
+def to_push(action: NDArray[Any], task: ActionConfig, view: PushView) -> Push:
     """The push that `action` means here.
 
     The leg is FL below the midpoint and FR above; with mirrored observations these are the legs of the mirror image.
@@ -46,7 +46,7 @@ def to_push(action: NDArray[Any], task: TaskConfig, view: PushView) -> Push:
     return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m)
 
 
-def _checked(action: NDArray[Any], task: TaskConfig) -> NDArray[Any]:
+def _checked(action: NDArray[Any], task: ActionConfig) -> NDArray[Any]:
     """The action in the type of its space: integers of the grid, or float32 clipped to [-1, 1].
 
     Raises:
@@ -64,12 +64,12 @@ def _checked(action: NDArray[Any], task: TaskConfig) -> NDArray[Any]:
     return clipped
 
 
-def shallowest_push_m(task: TaskConfig, view: PushView) -> float:
+def shallowest_push_m(task: ActionConfig, view: PushView) -> float:
     """Depth of the lowest action with variable entry: the least depth, and what this box loses of it."""
     return min(task.least_depth_m + view.lost_depth_m, task.max_depth_m)
 
 
-def deepest_push_m(task: TaskConfig, view: PushView) -> float:
+def deepest_push_m(task: ActionConfig, view: PushView) -> float:
     """Depth of the highest action; with `limit_depth` at most the depth that brings this box to its goal."""
     if not task.limit_depth:
         return task.max_depth_m
@@ -78,7 +78,7 @@ def deepest_push_m(task: TaskConfig, view: PushView) -> float:
     return min(max(limit_m, task.least_depth_m) + view.lost_depth_m, task.max_depth_m)
 
 
-def no_push_helps(task: TaskConfig, view: PushView) -> bool:
+def no_push_helps(task: ActionConfig, view: PushView) -> bool:
     """Whether the shallowest push would carry the box farther beyond its goal than it is short of it now."""
     shallowest_m = task.fixed_depth_m if task.entry == "fixed" else shallowest_push_m(task, view)
     travel_m = float(np.interp(shallowest_m - view.lost_depth_m, MODEL.depth_m, MODEL.forward_m))

@@ -1,92 +1,87 @@
-"""The configuration of a pushing task: its action, observation, reward and scenarios, as one record."""
+"""A pushing task as one record of plain data: actions, observation, reward, endings, scenario, and what is drawn."""
 
-from dataclasses import dataclass, field, fields
-from typing import Any, Final, Literal
+from functools import cached_property
+from typing import Annotated, Any, Final, Literal
 
-from legpush.bounds import MAX_DEPTH_M, BoxMass, Friction, Length
+from msgspec import Meta
+
+from agent_proc.task.action_config import ActionConfig
+from agent_proc.task.domain import Domain
+from agent_proc.task.term import AbortTerm, ArrivalTerm, ObservationTerm, RewardTerm
+from agent_proc.task.terms import make_terms
+from legpush.bounds import MAX_PUSH_CYCLES, MAX_TEXT
 from legpush.errors import ConfigError
-from legpush.fields import require
-from legpush.scenarios.file import load_scenario
+from legpush.fields import Name
 from legpush.scene.scenario import Scenario
 
-Interval = tuple[float, float]
-"""Lowest and highest value."""
-_BOUNDS: Final[dict[str, Any]] = {"mass_kg": BoxMass, "friction": Friction, "distance_m": Length}
-"""Type of the values of each interval of a `Domain`."""
+ENDINGS: Final = (ArrivalTerm, AbortTerm)
+"""Kinds of terms that end an episode."""
+MAX_TERMS: Final = 100
+"""Most terms of one kind; each is read at every push."""
+Terms = Annotated[dict[Name, dict[str, Any]], Meta(max_length=MAX_TERMS)]
+"""Settings of terms by the name that each has in its task, in the order of the task."""
+Steps = Annotated[int, Meta(ge=1, le=MAX_PUSH_CYCLES)]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Domain:
-    """What each episode draws in addition to the offsets of its scenario; None keeps the value of the scenario.
-
-    Draws are uniform, except for the distance, whose logarithm is uniform: as many episodes between 0.1 and 0.2 m as
-    between 0.5 and 1 m.
-    """
-
-    mass_kg: Interval | None = None
-    """Of the box."""
-    friction: Interval | None = None
-    """Of the box."""
-    distance_m: Interval | None = None
-    """From the box's nominal place to its goal, in the direction of the scenario. The last pushes are the difficult
-    ones, and short distances give more of them."""
-
-    def __post_init__(self) -> None:
-        for name in (entry.name for entry in fields(self)):
-            interval = getattr(self, name)
-            if interval is None:
-                continue
-            if not 0.0 < interval[0] <= interval[1]:
-                raise ConfigError(f"Expected 0 < low <= high for {name} of the domain, got {interval}")
-            for value in interval:
-                require(_BOUNDS[name], value, f"{name} of the domain")
-
-
-@dataclass(frozen=True, kw_only=True)
-class TaskConfig:
+class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=True, dict=True):
     """A pushing task; saved with every policy that was trained on it."""
 
-    entry: Literal["fixed", "variable"] = "variable"
-    """Whether the depth of a push is always the same or part of the action."""
-    action_form: Literal["continuous", "discrete"] = "continuous"
-    """Numbers in [-1, 1], or the published grid of w1, w2 and leg (fixed entry only)."""
-    observation: Literal["paper", "relative"] = "relative"
-    """World positions (Eq. 18), or everything relative to goal and box, mirrored so that the box is left of the line;
-    the leg of an action is mirrored with it."""
-    reward: Literal["paper", "tuned"] = "tuned"
-    """Eqs. 15 to 17, or progress in tolerances. `paper` ends an episode within the tolerances, `tuned` as soon as no
-    push brings the box nearer."""
-    fixed_depth_m: float = 0.05
-    """Depth of every push with fixed entry."""
-    least_depth_m: float = 0.005
-    """Depth of the shallowest push with variable entry."""
-    max_depth_m: float = 0.10
-    """Depth of the deepest push with variable entry."""
-    limit_depth: bool = True
-    """With variable entry: whether the deepest push is at most the one that brings the box up to its goal."""
-    max_steps: int = 200
+    description: Annotated[str, Meta(max_length=MAX_TEXT)] = ""
+    """One line."""
+    observation: Terms
+    """Terms of the observation, whose elements follow one another."""
+    scaling: Literal["none", "bounds"] = "none"
+    """Whether each element of the observation keeps its unit, or is mapped from its bounds to [-1, 1]. Normalizing by
+    running mean and variance is a setting of the training profile."""
+    reward: Terms
+    """Terms of the reward, which are added."""
+    ending: Terms
+    """Rules by which an episode ends, besides a fall, a box that the robot cannot reach, and `max_steps`."""
+    max_steps: Steps = 200
     """Push cycles after which an episode is truncated."""
-    scenario: Scenario = field(default_factory=lambda: load_scenario("push"))
+    scenario: Scenario
     """It starts with the robot at its station, and has the drawn offsets and the goal with its tolerances."""
     domain: Domain = Domain()
-    """Further quantities that vary from episode to episode."""
+    """What episodes of a training draw in its place."""
 
     def __post_init__(self) -> None:
-        if self.action_form == "discrete" and self.entry != "fixed":
-            raise ConfigError(
-                "Expected entry `fixed` with action_form `discrete`: its grid has no depth, got `variable`"
-            )
-        if not 0.0 < self.fixed_depth_m <= MAX_DEPTH_M:
-            raise ConfigError(f"Expected fixed_depth_m in (0, {MAX_DEPTH_M}], got {self.fixed_depth_m}")
-        if not 0.0 < self.least_depth_m <= self.max_depth_m <= MAX_DEPTH_M:
-            raise ConfigError(
-                f"Expected 0 < least_depth_m <= max_depth_m <= {MAX_DEPTH_M}, got {self.least_depth_m} and "
-                f"{self.max_depth_m}"
-            )
+        """Check the task.
+
+        Raises:
+            ConfigError: A term or one of its settings is wrong, or cannot be used together with another one.
+            PluginError: A term of another package cannot be imported.
+        """
+        super().__post_init__()
         if self.max_steps < 1:
             raise ConfigError(f"Expected at least 1 for max_steps, got {self.max_steps}")
+        for name in ("observation", "reward"):
+            if not getattr(self, name):
+                raise ConfigError(f"at `{name}`: expected at least one term, got none")
+        flat = [name for name, term in self.observation_terms.items() if self.mirrored and not term.HAS_MIRROR_IMAGE]
+        if flat:
+            raise ConfigError(f"Expected terms with a mirror image in a mirrored task, got {', '.join(flat)}")
+        _ = self.reward_terms, self.arrival_terms, self.abort_terms
 
-    @property
-    def mirrored(self) -> bool:
-        """Whether observation and action are mirrored if the box is right of the line."""
-        return self.observation == "relative"
+    @cached_property
+    def observation_terms(self) -> dict[str, ObservationTerm]:
+        """The terms of the observation by their names."""
+        return make_terms(self.observation, (ObservationTerm,), "observation")
+
+    @cached_property
+    def reward_terms(self) -> dict[str, RewardTerm]:
+        """The terms of the reward by their names."""
+        return make_terms(self.reward, (RewardTerm,), "reward")
+
+    @cached_property
+    def arrival_terms(self) -> tuple[ArrivalTerm, ...]:
+        """Rules by which there is nothing left to do."""
+        return tuple(term for term in self._ending_terms.values() if isinstance(term, ArrivalTerm))
+
+    @cached_property
+    def abort_terms(self) -> tuple[AbortTerm, ...]:
+        """Rules by which an episode is given up."""
+        return tuple(term for term in self._ending_terms.values() if isinstance(term, AbortTerm))
+
+    @cached_property
+    def _ending_terms(self) -> dict[str, ArrivalTerm | AbortTerm]:
+        return make_terms(self.ending, ENDINGS, "ending")

@@ -4,8 +4,8 @@ from msgspec import Struct
 
 from agent_proc.task.action import CHOICES
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import TABLES, observation_bounds
-from agent_proc.task.observation_table import Entry
+from agent_proc.task.observed import observation_bounds
+from agent_proc.task.term import ObservationTerm
 
 
 class Element(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -23,26 +23,27 @@ class Element(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 def observation_elements(task: TaskConfig) -> tuple[Element, ...]:
-    """The elements of the observation, in order, before it is normalized."""
-    table = TABLES[task.observation]
-    entries = [(entry, axis) for entry in table for axis in _axes(entry)]
+    """The elements of the observation, in order, before a training normalizes it."""
+    entries = [(name, term, axis) for name, term in task.observation_terms.items() for axis in term.AXES]
     low, high = observation_bounds(task)
     return tuple(
         Element(
-            name=f"{entry.name}.{axis}",
-            unit=entry.unit,
-            frame=entry.frame,
+            name=f"{name}.{axis}",
+            unit=term.UNIT,
+            frame=term.FRAME,
             low=round(float(least), 6),
             high=round(float(most), 6),
-            meaning=entry.meaning,
+            meaning=_meaning(task, term),
         )
-        for (entry, axis), least, most in zip(entries, low, high, strict=True)
+        for (name, term, axis), least, most in zip(entries, low, high, strict=True)
     )
 
 
-def _axes(entry: Entry) -> list[str]:
-    """The name of each element of an entry: one letter each, or words between commas."""
-    return entry.axes.split(", ") if "," in entry.axes else list(entry.axes)
+def _meaning(task: TaskConfig, term: ObservationTerm) -> str:
+    """What a term is, with what is done to its values."""
+    scaled = f", times {term.scale:g}" if term.scale != 1.0 else ""
+    mapped = ", mapped from its bounds to [-1, 1]" if task.scaling == "bounds" else ""
+    return f"{term.meaning()}{scaled}{mapped}"
 
 
 def action_elements(task: TaskConfig) -> tuple[Element, ...]:

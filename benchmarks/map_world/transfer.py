@@ -26,7 +26,7 @@ from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.profiles.profile import PpoProfile, load_profile
 from agent_proc.statistics.intervals import mean_of_groups
 from agent_proc.studies.cell_parts import new_simulator
-from agent_proc.task.config import Domain, TaskConfig
+from agent_proc.task.file import load_task
 from benchmarks.report import write_report
 from experiments.tables.parts import plain
 from legpush.lockstep.local import LocalWorld
@@ -103,7 +103,7 @@ def trained_three_ways(config: Config, seed: int) -> list[Learned]:
 
 def train(profile: PpoProfile, world: str, seed: int, folder: Path, *, init: Path | None = None) -> float:
     """Train to the end; return the CPU seconds."""
-    task = TaskConfig(observation=profile.observation, reward=profile.reward, domain=Domain(distance_m=(0.1, 1.0)))
+    task = load_task(profile.task, domain={"distance_m": (0.1, 1.0)})
     plan = TrainingPlan(
         profile=replace(profile, evaluate_every=profile.steps, evaluation_episodes=1),
         task=task,

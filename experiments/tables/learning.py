@@ -46,7 +46,9 @@ def variants(studies: Mapping[str, Rows]) -> Variants:
 
 def _variant(study: str, row: Row) -> str:
     match study:
-        case "training_fixed" | "training_variable" | "training_paper":
+        case "training_paper":
+            return f"paper-{row['entry']}"
+        case "training_fixed" | "training_variable":
             return f"{row['profile']}-{row['entry']}"
         case "training_networks":
             return f"network-{len(row['hidden'])}x{row['hidden'][0]}"

@@ -8,7 +8,14 @@ from typing import Any, Final, Literal
 
 from legpush.errors import PluginError
 
-Group = Literal["legpush.planners", "legpush.simulators", "legpush.policies", "legpush.missions", "legpush.cells"]
+Group = Literal[
+    "legpush.planners",
+    "legpush.simulators",
+    "legpush.policies",
+    "legpush.missions",
+    "legpush.cells",
+    "legpush.tasks",
+]
 
 _NOUNS: Final[dict[Group, str]] = {
     "legpush.planners": "planner",
@@ -16,6 +23,7 @@ _NOUNS: Final[dict[Group, str]] = {
     "legpush.policies": "policy",
     "legpush.missions": "mission",
     "legpush.cells": "kind of cell",
+    "legpush.tasks": "term of a task",
 }
 
 

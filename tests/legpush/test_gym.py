@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_env_sb3
 from stable_baselines3.common.env_util import make_vec_env
 
+import legpush.gym
 from agent_proc.learning.env import PushEnv
+from agent_proc.task.file import load_task, task_names
 
 ID = "legpush.gym:legpush/Push-v1"
 SETTINGS: dict[str, Any] = {"scenario": "push", "entry": "fixed", "max_steps": 7, "mass_kg": [0.1, 1.0]}
@@ -81,6 +83,14 @@ def test_its_arguments_are_plain_data_and_survive_json() -> None:
     assert second.task == first.task
     assert (first.task.max_steps, first.task.domain.mass_kg) == (7, (0.1, 1.0))
     np.testing.assert_array_equal(env.reset(seed=SEED)[0], again.reset(seed=SEED)[0])
+
+
+def test_each_built_in_task_has_an_id() -> None:
+    assert sorted(legpush.gym.IDS.values()) == list(task_names())
+    for name, task in legpush.gym.IDS.items():
+        env = gymnasium.make(f"legpush.gym:{name}", max_steps=9).unwrapped
+        assert isinstance(env, PushEnv)
+        assert env.task == load_task(task, max_steps=9)
 
 
 def test_the_checkers_of_gymnasium_and_stable_baselines_pass_without_a_warning() -> None:

@@ -19,7 +19,6 @@ from stable_baselines3.common.env_checker import check_env as check_env_sb3
 from agent_proc.learning.env import PushEnv
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.simulators import joined_simulators, own_simulators
-from agent_proc.task.config import TaskConfig
 from legpush.bus.endpoints import Endpoints, in_directory
 from legpush.errors import ConfigError, PeerError, StopRequestedError
 from legpush.lockstep.local import LocalWorld
@@ -27,9 +26,10 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.patience import Patience
 from legpush.processes.pool import MAX_RESTARTS, SimPool
 from sim_proc.simulator import Simulator
+from tests.agent.tasks import tuned
 from tests.legpush.fakes import eventually
 
-TASK = TaskConfig(max_steps=6)
+TASK = tuned(max_steps=6)
 N_STEPS = 16
 KILL_AT = 9
 """In the second episode, after three pushes."""
@@ -108,7 +108,7 @@ def test_the_checkers_of_gymnasium_and_stable_baselines_pass_over_the_bus(tmp_pa
     with own_simulators(1, tmp_path, Event()) as worlds, warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message=".*(gymnasium.make|env.spec|Not able to test).*")
-        env = PushEnv(TaskConfig(), worlds[0])
+        env = PushEnv(tuned(), worlds[0])
         check_env(env, skip_render_check=True)
         check_env_sb3(env)
 

@@ -11,11 +11,12 @@ import threading
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -27,6 +28,7 @@ from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.policies.sb3.arguments import use_one_thread
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from legpush.errors import PolicyError
 from legpush.plugins import why_not_loaded
 
@@ -36,14 +38,18 @@ ALGORITHMS: Final[dict[str, type[BaseAlgorithm]]] = {
     "stable_baselines3.td3.policies": TD3,
 }
 """The class that loads a model, by the module of its policy; A2C uses that of PPO, DDPG that of TD3."""
-RELATIVE: Final = TaskConfig(observation="relative", reward="tuned")
-PAPER: Final = TaskConfig(observation="paper", reward="paper")
-TASKS: Final = tuple(
-    changed
-    for task in (RELATIVE, PAPER)
-    for changed in (task, replace(task, entry="fixed"), replace(task, entry="fixed", action_form="discrete"))
-)
-"""The tasks that a model can have learned; its spaces decide which one."""
+NAMES: Final = ("tuned", "paper-text")
+"""Built-in tasks that a model can have learned."""
+
+
+@cache
+def tasks() -> tuple[TaskConfig, ...]:
+    """The tasks that a model can have learned; its spaces decide which one."""
+    return tuple(
+        replace(load_task(name), entry=entry, action_form=form)
+        for name in NAMES
+        for entry, form in (("variable", "continuous"), ("fixed", "continuous"), ("fixed", "discrete"))
+    )
 
 
 class ModelNetwork:
@@ -64,8 +70,8 @@ class ModelNetwork:
 def load_sb3_file(path: Path, normalizer: Path | None) -> NetworkPolicy:
     """Load the policy of a model; its observations and actions follow from its spaces.
 
-    Depths are the defaults of `TaskConfig`. `normalizer` is the file of the `VecNormalize` with which the model was
-    trained, None if it was trained without one.
+    Everything else is that of the built-in task with these spaces. `normalizer` is the file of the `VecNormalize` with
+    which the model was trained, None if it was trained without one.
 
     Raises:
         PolicyError: A file is not of the expected kind; the message names it.
@@ -109,7 +115,7 @@ def _check_text(plain: dict[str, Any], path: Path) -> None:
     """
     seen, done = (tuple(plain[name]["_shape"]) for name in ("observation_space", "action_space"))
     kind = str(plain["action_space"][":type:"])
-    for task in TASKS:
+    for task in tasks():
         action = action_space(task)
         if (observation_space(task).shape, action.shape, str(type(action))) == (seen, done, kind):
             return
@@ -118,7 +124,7 @@ def _check_text(plain: dict[str, Any], path: Path) -> None:
 
 def _task(networks: BasePolicy, path: Path) -> TaskConfig:
     """The first task with these spaces."""
-    for task in TASKS:
+    for task in tasks():
         seen, done = observation_space(task).shape, action_space(task)
         if networks.observation_space.shape == seen and networks.action_space == done:
             return task
@@ -126,8 +132,8 @@ def _task(networks: BasePolicy, path: Path) -> TaskConfig:
 
 
 def _other_spaces(path: Path, got: str) -> PolicyError:
-    sizes = " or ".join(f"{observation_space(task).shape} ({task.observation})" for task in (RELATIVE, PAPER))
-    actions = ", ".join(dict.fromkeys(str(action_space(task)) for task in TASKS))
+    sizes = " or ".join(f"{observation_space(load_task(name)).shape} ({name})" for name in NAMES)
+    actions = ", ".join(dict.fromkeys(str(action_space(task)) for task in tasks()))
     return PolicyError(f"{path}: expected observations of shape {sizes} and one of the actions {actions}, got {got}")
 
 

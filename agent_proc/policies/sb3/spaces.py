@@ -7,7 +7,7 @@ from gymnasium import spaces
 
 from agent_proc.task.action import CHOICES, n_actions
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import observation_bounds
+from agent_proc.task.observed import observation_bounds
 
 
 def observation_space(task: TaskConfig) -> spaces.Box:

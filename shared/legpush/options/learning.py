@@ -74,15 +74,17 @@ class TrainOptions(SimulatorOptions):
     """
 
     profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
-    """Training profile: paper, tuned, sac, td3, or the path of a profile file."""
-    entry: Literal["fixed", "variable"] = "variable"
-    """Depth of the pushes: the same for all, or chosen by the policy."""
-    actions: Literal["continuous", "discrete"] = "continuous"
-    """Form of the action; `discrete` is the published grid of w1, w2 and leg."""
+    """Training profile: tuned, paper-text, release, paper-learns, sac, td3, or the path of a profile file."""
+    task: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    """Replaces the profile's task: tuned, paper-text, release, paper-learns, or the path of a task file."""
+    entry: Literal["fixed", "variable"] | None = None
+    """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
+    actions: Literal["continuous", "discrete"] | None = None
+    """Replaces the task's form of the action; `discrete` is the published grid of w1, w2 and leg."""
     seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
     """Seed of initial weights, exploration and initial conditions."""
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
-    """Scenario with the robot ready to push, and the goal."""
+    scenario: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    """Replaces the task's scenario, which has the robot ready to push, and the goal."""
     steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Replaces the profile's number of push cycles."""
     mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None

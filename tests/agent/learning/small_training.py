@@ -12,7 +12,7 @@ from agent_proc.learning.training import Training
 from agent_proc.learning.training_plan import Progress, TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.profiles.profile import AnyProfile, OffPolicySettings, PpoSettings, load_profile
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 
 N_WORLDS = 2
@@ -41,7 +41,7 @@ def make_training(
     """A training of the profile in a folder, pushing a box 1 m."""
     scenario = scenario_at_station()
     scenario = replace(scenario, mission=replace(scenario.mission, max_push_cycles=12))
-    task = TaskConfig(observation=profile.observation, reward=profile.reward, scenario=scenario, max_steps=12)
+    task = load_task(profile.task, scenario, max_steps=12)
     worlds = [FakeWorld(box_offset=(0.0, 0.03, 0.02)) for _ in range(N_WORLDS)]
     plan = TrainingPlan(profile=profile, task=task, seed=7, n_simulators=N_WORLDS, command="legpush train", versions={})
     env = PushVecEnv(task, worlds)

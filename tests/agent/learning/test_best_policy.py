@@ -14,7 +14,7 @@ from agent_proc.policies.folder import Check, CurvePoint, PolicyFolder, read_pol
 from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import AnyProfile
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from legpush.errors import StopRequestedError
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 from tests.agent.learning.small_training import small_profile
@@ -26,7 +26,7 @@ SCENARIO = scenario_at_station()
 
 def built(profile: AnyProfile, check: Check | None = None) -> PolicyFolder:
     """The policy of a learner that has not learned yet."""
-    task = TaskConfig(observation=profile.observation, reward=profile.reward, scenario=SCENARIO)
+    task = load_task(profile.task, SCENARIO)
     plan = TrainingPlan(
         profile=profile, task=task, seed=7, n_simulators=1, command="legpush train", versions={"numpy": "1"}
     )

@@ -13,21 +13,22 @@ from stable_baselines3.common.env_checker import check_env as check_env_sb3
 from agent_proc.gym_envs import PUSH_ID
 from agent_proc.learning.env import PushEnv
 from agent_proc.task.action import to_push
-from agent_proc.task.config import Domain, TaskConfig
-from agent_proc.task.ending import is_done
-from agent_proc.task.observation import observe
-from agent_proc.task.observation_table import element_names
-from agent_proc.task.reward_tuned import CYCLE_COST, FALL_PENALTY
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.domain import Domain
+from agent_proc.task.elements import observation_elements
+from agent_proc.task.episode import has_arrived
+from agent_proc.task.observed import observe
 from legpush.errors import ConfigError, PeerError
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld, scenario_at_station
+from tests.agent.tasks import paper, tuned
 
 TASKS = {
-    "variable": TaskConfig(),
-    "fixed": TaskConfig(entry="fixed"),
-    "published": TaskConfig(entry="fixed", action_form="discrete", observation="paper", reward="paper"),
+    "variable": tuned(),
+    "fixed": tuned(entry="fixed"),
+    "published": paper(entry="fixed", action_form="discrete", domain=Domain()),
 }
 ALWAYS_LEFT = np.array([0.0, 0.0, -1.0, 1.0], dtype=np.float32)
 N_STEPS = 12
@@ -42,7 +43,12 @@ def env(request: pytest.FixtureRequest) -> PushEnv:
 
 def fake(task: TaskConfig | None = None, **fields: object) -> PushEnv:
     """Without physics: FL turns the box clockwise, FR mirrored."""
-    return PushEnv(task or TaskConfig(scenario=scenario_at_station()), FakeWorld(**fields))  # type: ignore[arg-type]
+    return PushEnv(task or tuned(scenario=scenario_at_station()), FakeWorld(**fields))  # type: ignore[arg-type]
+
+
+def names_of(env: PushEnv) -> list[str]:
+    """The names of the elements of the observation."""
+    return [element.name for element in observation_elements(env.task)]
 
 
 def steering(observation: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -88,7 +94,7 @@ def test_everything_it_says_is_finite_and_in_its_space_and_has_a_name(env: PushE
     for observation, reward, _, _ in steps:
         assert observation in env.observation_space
         assert np.isfinite(reward)
-    names = element_names(env.table)
+    names = names_of(env)
     assert len(names) == len(set(names)) == len(steps[0][0])
 
 
@@ -111,12 +117,12 @@ def test_no_element_of_the_observation_is_constant_but_the_goal(env: PushEnv) ->
     observations = np.stack([step[0] for step in rollout(env, seed=5)])
 
     constant = (observations == observations[0]).all(axis=0)
-    names = np.array(element_names(env.table))[constant]
+    names = np.array(names_of(env))[constant]
     rests = (
-        "box_corner_1[2]",
-        "box_corner_2[2]",
-        "box_corner_3[2]",
-        "box_corner_4[2]",
+        "box_corner_1.z",
+        "box_corner_2.z",
+        "box_corner_3.z",
+        "box_corner_4.z",
     )  # heights of a box on the floor
     assert [name for name in names if not name.startswith("goal_corner") and name not in rests] == []
 
@@ -139,8 +145,8 @@ def test_the_terms_of_the_reward_sum_to_it(env: PushEnv) -> None:
 
 
 def test_the_options_say_which_episode_it_is() -> None:
-    env = PushEnv(TaskConfig(), LocalWorld(Simulator()))
-    heavy = TaskConfig(domain=Domain(mass_kg=(5.0, 5.0))).scenario
+    env = PushEnv(tuned(), LocalWorld(Simulator()))
+    heavy = tuned(domain=Domain(mass_kg=(5.0, 5.0))).scenario
     first, info = env.reset(seed=0, options={"scenario_seed": 7})
     again, _ = env.reset(seed=1, options={"scenario_seed": 7, "scenario": heavy})
 
@@ -161,7 +167,7 @@ class Recorder(FakeWorld):
 
 def test_a_domain_is_drawn_anew_for_every_episode_within_its_interval() -> None:
     world = Recorder()
-    env = PushEnv(TaskConfig(domain=Domain(mass_kg=(0.1, 0.9))), world)
+    env = PushEnv(tuned(domain=Domain(mass_kg=(0.1, 0.9))), world)
     env.reset(seed=3)
     env.reset()
 
@@ -172,7 +178,7 @@ def test_a_domain_is_drawn_anew_for_every_episode_within_its_interval() -> None:
 
 
 def test_the_distance_to_the_goal_is_drawn_along_the_way_that_the_scenario_has() -> None:
-    env = PushEnv(TaskConfig(domain=Domain(distance_m=(0.1, 0.8)), scenario=scenario_at_station()), FakeWorld())
+    env = PushEnv(tuned(domain=Domain(distance_m=(0.1, 0.8)), scenario=scenario_at_station()), FakeWorld())
     nominal = env.task.scenario
     drawn = []
     for seed in range(40):
@@ -196,7 +202,7 @@ def test_steering_by_the_observation_ends_in_success() -> None:
     assert (info["ending"], info["is_success"]) == ("success", True)
     assert info["position_error_m"] < 0.03
     assert info["reward_terms"]["success"] > 0.0
-    assert is_done(env.task, env.view)
+    assert has_arrived(env.task, env.view)
     with pytest.raises(ConfigError, match="reset before this step"):
         env.step(steering(observation))
 
@@ -221,11 +227,11 @@ def test_a_fall_terminates_and_takes_all_progress_back() -> None:
         observation, reward, terminated, _, info = env.step(steering(observation))
         rewards.append(reward)
     assert (info["ending"], info["fell"], len(rewards)) == ("fell", True, 4)
-    assert sum(rewards) == pytest.approx(-FALL_PENALTY - 4 * CYCLE_COST)
+    assert sum(rewards) == pytest.approx(-20.0 - 4 * 0.02)
 
 
 def test_the_number_of_steps_truncates_and_does_not_terminate() -> None:
-    env = fake(TaskConfig(scenario=scenario_at_station(), max_steps=3))
+    env = fake(tuned(scenario=scenario_at_station(), max_steps=3))
     observation, _ = env.reset(seed=0)
     ends = []
     for _ in range(3):
@@ -236,7 +242,8 @@ def test_the_number_of_steps_truncates_and_does_not_terminate() -> None:
 
 
 def test_the_published_profile_ends_within_the_tolerances_and_nowhere_else_before_its_last_step() -> None:
-    task = TaskConfig(scenario=scenario_at_station(), entry="fixed", reward="paper", max_steps=40)
+    text = paper()
+    task = tuned(scenario=scenario_at_station(), entry="fixed", reward=text.reward, ending=text.ending, max_steps=40)
     env = fake(task, box_offset=(0.0, 0.03, 0.05))
     observation, _ = env.reset(seed=0)
     for _ in range(40):
@@ -267,7 +274,7 @@ def test_before_the_first_reset_there_is_nothing_to_see() -> None:
 
 def test_a_restored_episode_goes_on_bit_for_bit() -> None:
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (8, 4)).astype(np.float32)
-    env, other = (PushEnv(TaskConfig(), LocalWorld(Simulator())) for _ in range(2))
+    env, other = (PushEnv(tuned(), LocalWorld(Simulator())) for _ in range(2))
     env.reset(seed=2)
     for action in actions[:4]:
         here, *_ = env.step(action)

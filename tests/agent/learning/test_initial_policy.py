@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 import torch
@@ -15,7 +17,7 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import read_policy
 from agent_proc.policies.sb3.layers import actor_layers
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from legpush.errors import PolicyError
 from tests.agent.fake_world import FakeWorld
 from tests.agent.learning.small_training import make_training, small_profile, weights
@@ -32,7 +34,7 @@ def trained(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 def fresh(profile_name: str, seed: int = 3) -> tuple[Learner, TrainingPlan]:
     """A new learner of the same task."""
     profile = small_profile(profile_name)
-    task = TaskConfig(observation=profile.observation, reward=profile.reward)
+    task = load_task(profile.task)
     env = PushVecEnv(task, [FakeWorld()])
     plan = TrainingPlan(profile=profile, task=task, seed=seed, n_simulators=1, command="", versions={})
     return make_learner(profile, env, seed, None), plan
@@ -78,13 +80,14 @@ def test_a_training_gives_its_critics_too(trained: tuple[Path, str]) -> None:
     ("changes", "message"),
     [
         ({"entry": "fixed"}, r"last: expected a policy with the action of this training, \['w1', 'w2', 'leg'\], got"),
-        ({"observation": "paper"}, "last: expected a policy with the observation of this training"),
+        ({"mirrored": False}, "last: expected a policy with the observation of this training"),
+        ({"observation": {"box": {"far_m": 2.0}}}, "last: expected a policy with the observation of this training"),
     ],
 )
-def test_a_policy_of_another_task_is_refused(trained: tuple[Path, str], changes: dict[str, str], message: str) -> None:
+def test_a_policy_of_another_task_is_refused(trained: tuple[Path, str], changes: dict[str, Any], message: str) -> None:
     folder, name = trained
     learner, plan = fresh(name)
-    task = replace(plan.task, **changes)  # type: ignore[arg-type]
+    task = msgspec.structs.replace(plan.task, **changes)
 
     with pytest.raises(PolicyError, match=message):
         begin_with(learner, replace(plan, task=task), str(folder / "last"))

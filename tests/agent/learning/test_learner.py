@@ -18,12 +18,12 @@ from agent_proc.learning.learner import (
 )
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.profiles.profile import PpoProfile
-from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 from tests.agent.learning.small_training import learned, small_profile, weights
+from tests.agent.tasks import tuned
 
-TASK = TaskConfig(scenario=scenario_at_station(), max_steps=5)
+TASK = tuned(scenario=scenario_at_station(), max_steps=5)
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def env() -> Iterator[PushVecEnv]:
     env.close()
 
 
-@pytest.mark.parametrize(("name", "kind"), [("tuned", PPO), ("paper", PPO), ("sac", SAC), ("td3", TD3)])
+@pytest.mark.parametrize(("name", "kind"), [("tuned", PPO), ("paper-text", PPO), ("sac", SAC), ("td3", TD3)])
 def test_a_profile_names_its_algorithm(env: PushVecEnv, name: str, kind: type[BaseAlgorithm]) -> None:
     learner = make_learner(small_profile(name), env, 3, None)
 
@@ -60,7 +60,7 @@ def test_the_first_pushes_are_as_deep_as_the_profile_says(env: PushVecEnv) -> No
 
 
 def test_an_algorithm_for_continuous_actions_is_refused_the_published_grid() -> None:
-    task = TaskConfig(entry="fixed", action_form="discrete", scenario=scenario_at_station())
+    task = tuned(entry="fixed", action_form="discrete", scenario=scenario_at_station())
     env = PushVecEnv(task, [FakeWorld()])
 
     with pytest.raises(ConfigError, match="Expected continuous actions for the algorithm sac, got discrete ones"):

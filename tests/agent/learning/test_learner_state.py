@@ -12,12 +12,12 @@ from agent_proc.learning.learner import make_learner
 from agent_proc.learning.learner_state import LearnerState, ReplayState, capture, restore
 from agent_proc.learning.plain_array import to_plain
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 from tests.agent.learning.small_training import learned, small_profile, weights
+from tests.agent.tasks import tuned
 
-TASK = TaskConfig(scenario=scenario_at_station(), max_steps=5)
+TASK = tuned(scenario=scenario_at_station(), max_steps=5)
 WRONG = to_plain(np.zeros(3))
 
 
@@ -42,7 +42,7 @@ def saved(state: LearnerState) -> LearnerState:
     return msgspec.msgpack.decode(msgspec.msgpack.encode(state), type=LearnerState)
 
 
-@pytest.mark.parametrize("name", ["tuned", "paper", "sac", "td3"])
+@pytest.mark.parametrize("name", ["tuned", "paper-text", "sac", "td3"])
 def test_a_restored_learner_goes_on_to_the_same_weights_and_the_same_state(
     env: PushVecEnv, other_env: PushVecEnv, name: str
 ) -> None:

@@ -8,18 +8,19 @@ import pytest
 
 from agent_proc.learning.env import PushEnv
 from agent_proc.learning.make_env import make_push_env
-from agent_proc.task.config import Domain, TaskConfig
+from agent_proc.task.domain import Domain
 from legpush.errors import ConfigError, PluginError, ScenarioError
 from legpush.lockstep.local import LocalWorld
 from legpush.scenarios.file import load_scenario
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld
+from tests.agent.tasks import paper, tuned
 
 PUSH_AHEAD = np.array([0.0, 0.0, 0.0, 0.0], dtype=np.float32)
 
 
 def test_without_arguments_it_is_the_default_task() -> None:
-    assert make_push_env(world=FakeWorld()).task == TaskConfig()
+    assert make_push_env(world=FakeWorld()).task == tuned()
 
 
 def test_settings_are_fields_of_the_task_and_intervals_of_its_domain() -> None:
@@ -28,28 +29,37 @@ def test_settings_are_fields_of_the_task_and_intervals_of_its_domain() -> None:
     )
 
     domain = Domain(mass_kg=(0.1, 1.0), distance_m=(0.2, 0.8))
-    assert env.task == TaskConfig(entry="fixed", max_steps=9, domain=domain, scenario=load_scenario("push"))
+    assert env.task == tuned(entry="fixed", max_steps=9, domain=domain, scenario=load_scenario("push"))
+
+
+def test_a_task_may_be_named() -> None:
+    env = make_push_env("release", FakeWorld(), max_steps=7, box_xy_m=0.02)
+
+    assert (env.task.max_steps, env.task.domain.box_xy_m, env.task.domain.box_yaw_deg) == (7, 0.02, 0.0)
+    assert list(env.task.ending) == ["release"]
 
 
 def test_a_task_is_taken_as_it_is() -> None:
-    task = TaskConfig(observation="paper", reward="paper")
+    task = paper()
 
     assert make_push_env(task, FakeWorld()).task is task
-    with pytest.raises(ConfigError, match="either a task or its settings, got both: max_steps"):
+    with pytest.raises(ConfigError, match="either a whole task or settings of one, got both: max_steps"):
         make_push_env(task, FakeWorld(), max_steps=9)
 
 
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"max_step": 9}, ConfigError, r"among entry, .*max_steps, mass_kg, friction, distance_m, got max_step$"),
+        ({"max_step": 9}, ConfigError, r"among entry, .*max_steps, mass_kg, friction, .*box_yaw_deg, got max_step$"),
         ({"domain": {}}, ConfigError, "got domain$"),
-        ({"max_steps": "many"}, ConfigError, r"Expected `int`, got `str` - at `\$.max_steps`"),
-        ({"entry": "random"}, ConfigError, r"'random' - at `\$.entry`"),
-        ({"mass_kg": [1.0]}, ConfigError, r"at `\$.domain.mass_kg`"),
+        ({"max_steps": "many"}, ConfigError, r"settings of the task: at `max_steps`: .* a whole number, got .*'many'"),
+        ({"entry": "random"}, ConfigError, "at `entry`: expected one of fixed, variable, got 'random'"),
+        ({"mass_kg": [1.0]}, ConfigError, "at `domain.mass_kg`"),
         ({"mass_kg": [1.0, 0.1]}, ConfigError, r"0 < low <= high for mass_kg of the domain, got \(1.0, 0.1\)"),
-        ({"max_steps": 0}, ConfigError, "at least 1 for max_steps, got 0"),
+        ({"max_steps": 0}, ConfigError, "at `max_steps`: expected a whole number from 1 to 10000, got 0"),
         ({"scenario": "pusch"}, ScenarioError, "pusch"),
+        ({"task": "tund"}, ConfigError, r"name of a task \(paper-learns, paper-text, release, tuned\).*got 'tund'"),
+        ({"reward": {"fal": {}}}, ConfigError, "at `reward.fal`: expected one of the terms corner_distance, .*'fal'"),
         ({"world": None, "simulator": "moon"}, PluginError, r"a simulator \(.*mujoco.*\), got 'moon'"),
         ({"render_mode": "human"}, TypeError, "unexpected keyword argument 'render_mode'.*'human'"),
     ],

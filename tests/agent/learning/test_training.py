@@ -9,14 +9,19 @@ from pathlib import Path
 import pytest
 import torch
 
+from agent_proc.frames.push_view import push_view
 from agent_proc.learning.checkpoint import CHECKPOINT_FILE, CheckpointError, load_checkpoint
 from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import Progress, TrainingResult
 from agent_proc.policies.learned import load_learned
-from agent_proc.profiles.profile import AnyProfile, PpoProfile
+from agent_proc.profiles.profile import AnyProfile, PpoProfile, load_profile
+from agent_proc.task.file import load_task
 from legpush.errors import PeerError
 from legpush.files import DiskError
+from tests.agent.fake_world import make_state, scenario_at_station
 from tests.agent.learning.small_training import make_training, small_profile, weights
+
+PAPER = ("paper-text", "release", "paper-learns")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +52,10 @@ def train_twice(folder: Path, profile: AnyProfile, is_time_to_stop: Callable[[Pr
     return TwoTrainings(whole=whole, expected=expected, first=first, second=second, result=second.run())
 
 
-@pytest.mark.parametrize(("name", "stop_at"), [("tuned", 70), ("tuned", 96), ("sac", 70), ("td3", 101)])
+@pytest.mark.parametrize(
+    ("name", "stop_at"),
+    [("tuned", 70), ("tuned", 96), ("sac", 70), ("td3", 101), *((name, 70) for name in PAPER)],
+)
 def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
     tmp_path: Path, name: str, stop_at: int
 ) -> None:
@@ -126,6 +134,17 @@ def test_the_best_and_the_last_policy_can_be_used_afterwards(tmp_path: Path) -> 
     assert last.steps == result.step
     assert last.curve
     assert (tmp_path / "tensorboard").is_dir()
+
+
+@pytest.mark.parametrize("name", [*PAPER, "tuned", "sac", "td3"])
+def test_the_policy_of_every_profile_has_its_task_on_its_card_and_pushes(tmp_path: Path, name: str) -> None:
+    make_training(tmp_path, small_profile(name, steps=32, evaluate_every=32)).run()
+    policy = load_learned(str(tmp_path / LAST))
+    scenario = scenario_at_station()
+
+    assert policy.card.task.ending == load_task(load_profile(name).task).ending
+    assert policy.decide(push_view(make_state(scenario.start.pose(), scenario.box.pose.pose()), scenario)) is not None
+    assert policy.decide(push_view(make_state(scenario.start.pose(), scenario.goal.pose.pose()), scenario)) is None
 
 
 def test_a_full_disk_leaves_the_previous_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

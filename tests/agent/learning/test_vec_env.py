@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from agent_proc.learning.env import PushEnv
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.task.config import TaskConfig
 from legpush.errors import ConfigError, PeerError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from sim_proc.simulator import Simulator
 from tests.agent.fake_world import FakeWorld, scenario_at_station
+from tests.agent.tasks import tuned
 
-TASK = TaskConfig(scenario=scenario_at_station(), max_steps=3)
+TASK = tuned(scenario=scenario_at_station(), max_steps=3)
 N_STEPS = 8
 
 
@@ -60,7 +60,7 @@ def test_without_a_simulator_there_is_nothing_to_learn_with() -> None:
 
 
 def test_it_does_what_its_environments_do_one_by_one_episode_after_episode() -> None:
-    task = TaskConfig(max_steps=3)
+    task = tuned(max_steps=3)
     vec = PushVecEnv(task, [LocalWorld(Simulator()), LocalWorld(Simulator())], seed=4)
     seeds = vec.seed(4)
     alone = [PushEnv(task, LocalWorld(Simulator())) for _ in seeds]
@@ -87,7 +87,7 @@ def test_it_does_what_its_environments_do_one_by_one_episode_after_episode() -> 
 
 
 def test_seeds_differ_from_environment_to_environment_and_from_seed_to_seed() -> None:
-    vec = PushVecEnv(TaskConfig(), [LocalWorld(Simulator()) for _ in range(2)], seed=1)
+    vec = PushVecEnv(tuned(), [LocalWorld(Simulator()) for _ in range(2)], seed=1)
     starts = [*vec.reset()]
     vec.seed(2)
     starts += [*vec.reset()]

@@ -15,7 +15,7 @@ from agent_proc.map_world.random_pushes import RandomSeries, displacement
 from agent_proc.map_world.response_map import load_response_map, write_response_map
 from agent_proc.map_world.simulator import MapSimulator, mean_map_simulator
 from agent_proc.push_model.model import MIRROR
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from legpush.errors import MotionError, ScenarioError
 from legpush.lockstep.local import LocalWorld
 from legpush.messages import codec
@@ -221,13 +221,13 @@ def test_the_map_may_be_a_file(tmp_path: Path) -> None:
 
 def test_an_environment_in_the_map_goes_on_from_a_snapshot() -> None:
     rng = np.random.default_rng(0)
-    env = PushEnv(TaskConfig(), LocalWorld(MapSimulator()))
+    env = PushEnv(load_task(), LocalWorld(MapSimulator()))
     env.reset(seed=1)
     for action in rng.uniform(-1.0, 1.0, (4, 4)).astype(np.float32):
         env.step(action)
     saved, action = env.snapshot(), np.array([0.1, 0.2, -1.0, 0.5], dtype=np.float32)
     observation, reward, *_ = env.step(action)
-    other = PushEnv(TaskConfig(), LocalWorld(MapSimulator()))
+    other = PushEnv(load_task(), LocalWorld(MapSimulator()))
     other.restore(saved)
 
     again, reward_again, *_ = other.step(action)

@@ -7,13 +7,13 @@ import numpy as np
 from agent_proc.policies.actor import Layer
 from agent_proc.policies.folder import Card, Check, CurvePoint
 from agent_proc.profiles.profile import load_profile
-from agent_proc.task.config import TaskConfig
 from tests.agent.fake_world import scenario_at_station
+from tests.agent.tasks import tuned
 
 CHECK = Check(step=64, seeds=(1, 2), success_rate=0.5, position_error_m=0.02, angle_error_deg=1.5, falls=0, cycles=20.0)
 CARD = Card(
     command="legpush train --seed 7",
-    task=TaskConfig(scenario=scenario_at_station()),
+    task=tuned(scenario=scenario_at_station()),
     profile=load_profile("tuned"),
     seed=7,
     steps=64,

@@ -19,7 +19,9 @@ from agent_proc.policies.sb3.layers import actor_layers
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.action import CHOICES
 from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from tests.agent.policies.action_digest import digest_of_actions, observations
+from tests.agent.tasks import paper
 
 KINDS: dict[str, tuple[type[BasePolicy], Output]] = {
     "ppo": (PpoPolicy, "clip"),
@@ -48,14 +50,14 @@ def pair(
 
 @pytest.mark.parametrize("algorithm", KINDS)
 @pytest.mark.parametrize("activation", MODULES)
-@pytest.mark.parametrize(("observation", "hidden"), [("relative", [64, 64]), ("paper", [512] * 4), ("relative", [7])])
+@pytest.mark.parametrize(("name", "hidden"), [("tuned", [64, 64]), ("paper-text", [512] * 4), ("tuned", [7])])
 def test_actions_are_those_of_stable_baselines3(
     algorithm: Literal["ppo", "sac", "td3"],
     activation: Activation,
-    observation: Literal["relative", "paper"],
+    name: str,
     hidden: list[int],
 ) -> None:
-    task = TaskConfig(observation=observation)
+    task = load_task(name, entry="variable")
     actor, networks = pair(algorithm, task, activation, hidden)
     seen = observations(observation_space(task).shape[0])
 
@@ -68,7 +70,7 @@ def test_actions_are_those_of_stable_baselines3(
 
 
 def test_choices_are_those_of_stable_baselines3() -> None:
-    task = TaskConfig(entry="fixed", action_form="discrete", observation="paper", reward="paper")
+    task = paper(entry="fixed", action_form="discrete")
     actor, networks = pair("ppo", task, "relu", [32, 32])
     seen = observations(25)
 

@@ -23,10 +23,10 @@ from agent_proc.policies.folder import (
 )
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import load_profile
-from agent_proc.task.config import TaskConfig
 from legpush.errors import PolicyError
 from tests.agent.fake_world import scenario_at_station
 from tests.agent.policies.policies import CARD, random_layers
+from tests.agent.tasks import tuned
 
 POLICY = PolicyFolder(
     card=CARD,
@@ -80,9 +80,9 @@ def test_a_card_of_the_earlier_format_is_refused_with_the_command_that_converts_
 
 def test_a_card_of_a_format_to_come_is_refused(folder: Path) -> None:
     plain = json.loads((folder / CARD_FILE).read_bytes())
-    (folder / CARD_FILE).write_text(json.dumps({**plain, "format": 3}), encoding="utf-8")
+    (folder / CARD_FILE).write_text(json.dumps({**plain, "format": 4}), encoding="utf-8")
 
-    with pytest.raises(PolicyError, match=r"card\.json: at `format`: expected 2, got 3"):
+    with pytest.raises(PolicyError, match=r"card\.json: at `format`: expected 3 or 2, got 4"):
         read_policy(folder)
 
 
@@ -93,7 +93,7 @@ def test_a_card_of_a_format_to_come_is_refused(folder: Path) -> None:
 def test_the_output_of_the_network_follows_from_algorithm_and_action(
     algorithm: str, form: Literal["continuous", "discrete"], output: str, n_values: int
 ) -> None:
-    task = TaskConfig(entry="fixed", action_form=form, scenario=scenario_at_station())
+    task = tuned(entry="fixed", action_form=form, scenario=scenario_at_station())
     card = dataclasses.replace(CARD, task=task, profile=load_profile(algorithm))
 
     assert widths(card) == (8, *card.profile.network.hidden, n_values)
@@ -123,7 +123,7 @@ def test_a_card_with_a_wrong_profile_or_task_is_refused_too(folder: Path) -> Non
             {"algorithm": "dqn"},
             r"card\.json: profile: at `algorithm`: expected one of ppo, sac, td3, got 'dqn'",
         ),
-        ("task", {"max_steps": 0}, r"card\.json: Expected at least 1 for max_steps, got 0"),
+        ("task", {"max_steps": 0}, r"card\.json: task: at `max_steps`: expected a whole number from 1 to 10000, got 0"),
     ):
         changed = {**plain, part: {**plain[part], **change}}
         (folder / CARD_FILE).write_text(json.dumps(changed), encoding="utf-8")

@@ -14,12 +14,13 @@ from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.folder import shipped_policies
 from agent_proc.policies.learned import NetworkPolicy, load_learned
 from agent_proc.task.action import n_actions
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
 from legpush.errors import PolicyError
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Goal
 from tests.agent.fake_world import make_state, scenario_at_station
 from tests.agent.learning.small_training import make_training, small_profile
+from tests.agent.tasks import tuned
 
 SCENARIO = scenario_at_station()
 
@@ -67,18 +68,16 @@ def test_a_policy_decides_the_same_in_the_same_state_and_stops_at_the_goal(folde
 
 
 @pytest.mark.parametrize(
-    ("profile", "entry", "n_computed"),
-    [("relative", "fixed", 1), ("relative", "variable", 1), ("paper", "fixed", 0), ("paper", "variable", 1)],
+    ("name", "entry", "n_computed"),
+    [("tuned", "fixed", 1), ("tuned", "variable", 1), ("paper-text", "fixed", 0), ("paper-text", "variable", 1)],
 )
 def test_a_decision_computes_the_box_in_the_frame_of_its_goal_once_if_it_needs_it(
     monkeypatch: pytest.MonkeyPatch,
-    profile: Literal["relative", "paper"],
+    name: str,
     entry: Literal["fixed", "variable"],
     n_computed: int,
 ) -> None:
-    task = TaskConfig(
-        entry=entry, observation=profile, reward="paper" if profile == "paper" else "tuned", scenario=SCENARIO
-    )
+    task = load_task(name, SCENARIO, entry=entry)
     policy = NetworkPolicy(task, Still(n_actions(task)), None, "untrained")
     n_calls = 0
 
@@ -141,8 +140,8 @@ def test_networks_that_do_not_fit_the_card_are_refused(folder: Path) -> None:
 def test_a_normalizer_of_another_observation_is_refused() -> None:
     two = Normalizer(mean=np.zeros(2), variance=np.ones(2))
 
-    with pytest.raises(PolicyError, match=r"some.pkl: expected 8 means.*observation `relative`, got 2"):
-        NetworkPolicy(TaskConfig(scenario=SCENARIO), Still(), two, "some.pkl")
+    with pytest.raises(PolicyError, match=r"some.pkl: expected 8 means.*observation \(box, .*heading_near\), got 2"):
+        NetworkPolicy(tuned(scenario=SCENARIO), Still(), two, "some.pkl")
 
 
 @pytest.mark.parametrize("name", shipped_policies())

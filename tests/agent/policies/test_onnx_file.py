@@ -15,8 +15,9 @@ from agent_proc.policies.folder import PolicyFolder, policy_path, read_policy, s
 from agent_proc.policies.onnx_file import encode_onnx
 from agent_proc.profiles.profile import load_profile
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import observation_bounds
+from agent_proc.task.observed import observation_bounds
 from tests.agent.policies.policies import CARD, random_layers
+from tests.agent.tasks import paper, tuned
 
 N_OBSERVATIONS = 200
 
@@ -60,7 +61,7 @@ def test_a_shipped_policy_acts_as_in_a_mission(name: str) -> None:
 @pytest.mark.parametrize("profile", ["sac", "td3"])
 def test_the_squashed_actions_of_other_algorithms_are_the_same(profile: str) -> None:
     moments = Normalizer(mean=np.linspace(-1.0, 1.0, 8), variance=np.linspace(0.1, 30.0, 8))
-    policy = made(profile, TaskConfig(entry="variable"), moments)
+    policy = made(profile, tuned(entry="variable"), moments)
     observations = drawn(policy)
 
     done = by_runtime(encode_onnx(policy), observations)
@@ -69,7 +70,7 @@ def test_the_squashed_actions_of_other_algorithms_are_the_same(profile: str) -> 
 
 
 def test_choices_are_the_same_and_integers() -> None:
-    task = TaskConfig(entry="fixed", action_form="discrete", observation="paper", reward="paper")
+    task = paper(entry="fixed", action_form="discrete")
     policy = made("tuned", task, None)
     observations = drawn(policy)
 

@@ -9,7 +9,9 @@ import onnxruntime
 import pytest
 
 from agent_proc.policies.digest import policy_sha256
+from agent_proc.policies.folder import policy_path, read_policy
 from agent_proc.policies.learned import load_learned
+from agent_proc.policies.weights_file import encode_weights
 from agent_proc.programs.policy import read_any_policy, run
 from legpush.errors import ConfigError, PolicyError
 from legpush.options.policies import ExportPolicy, ShowPolicy
@@ -29,8 +31,17 @@ def test_a_policy_is_shown_with_its_training_and_its_elements(capsys: pytest.Cap
 def test_the_exported_folder_of_a_shipped_policy_is_that_policy(name: str, tmp_path: Path) -> None:
     assert run(ExportPolicy(policy=name, to="safetensors", out=tmp_path / "new")) == 0
 
-    assert policy_sha256(str(tmp_path / "new")) == policy_sha256(name)
-    assert load_learned(str(tmp_path / "new")).card == load_learned(name).card
+    new, shipped = (read_policy(path) for path in (tmp_path / "new", policy_path(name)))
+    assert new.card == shipped.card
+    weights = [encode_weights(policy.layers, policy.normalizer) for policy in (new, shipped)]
+    assert weights[0] == weights[1]
+
+
+def test_the_export_of_an_exported_folder_is_that_folder(tmp_path: Path) -> None:
+    for source, out in (("variable", "once"), (str(tmp_path / "once"), "twice")):
+        assert run(ExportPolicy(policy=source, to="safetensors", out=tmp_path / out)) == 0
+
+    assert policy_sha256(str(tmp_path / "once")) == policy_sha256(str(tmp_path / "twice"))
 
 
 def test_a_folder_of_the_earlier_format_is_converted(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import json
 import os
 import threading
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from agent_proc.profiles.profile import dump_profile
 from agent_proc.programs import train as program
 from agent_proc.programs.train import kept_words, read_plan, train
 from agent_proc.simulators import simulators
+from agent_proc.task.file import load_task
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, PluginError, PolicyError, exit_code_of
 from legpush.options.learning import TrainOptions
 from tests.agent.learning.small_training import small_profile
@@ -58,6 +60,41 @@ def test_a_training_leaves_its_plan_and_its_policies(options: TrainOptions) -> N
     assert lines[-1].startswith("best policy, success ")
     assert lines[-1].endswith(f": {folder / 'best'}")
     assert read_policy(folder / "last").card.task == plan.task
+
+
+@pytest.mark.usefixtures("stop")
+def test_another_task_replaces_that_of_the_profile_and_its_entry_is_its_own(
+    options: TrainOptions, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text((files("agent_proc.task") / "builtin" / "paper-learns.toml").read_text().replace("200", "9"))
+
+    assert said(replace(options, task=str(mine), entry=None, mass_kg=None, steps=32))[0] == 0
+    folder = options.out
+    assert folder is not None
+    plan = read_plan(folder)
+    assert plan.task == read_policy(folder / "best").card.task == load_task("paper-learns", max_steps=9)
+
+
+def test_a_training_of_an_earlier_version_is_resumed(options: TrainOptions, stop: threading.Event) -> None:
+    folder = options.out
+    assert folder is not None
+    stop.set()
+    assert said(replace(options, mass_kg=None))[0] == INTERRUPTED
+    stop.clear()
+    config = folder / "config.json"
+    plain = json.loads(config.read_text())
+    for name in ("mirrored", "scaling", "ending", "description"):
+        del plain["task"][name]
+    words = {"observation": "relative", "reward": "tuned"}
+    plain["task"] |= {**words, "domain": {"mass_kg": None, "distance_m": None}}
+    del plain["profile"]["task"]
+    plain["profile"] |= words
+    config.write_text(json.dumps(plain))
+
+    assert read_plan(folder).profile.task == "tuned"
+    assert said(TrainOptions(resume=folder))[0] == 0
+    assert list(read_policy(folder / "last").card.task.ending) == ["no_push_helps", "astray"]
 
 
 @pytest.mark.parametrize(

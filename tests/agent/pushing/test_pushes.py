@@ -11,7 +11,8 @@ from agent_proc.frames.push_view import push_view
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.map import PushMap
-from agent_proc.task.reward_tuned import tuned_reward
+from agent_proc.task.episode import earned
+from agent_proc.task.term import PushStep
 from legpush.messages.planning import Plan
 from legpush.messages.stepping import Follow, Push
 from legpush.scene.names import Face
@@ -20,6 +21,7 @@ from planner_proc.planning import make_plan
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station
 from tests.agent.parts import parts_in
 from tests.agent.push_model.maps import measured
+from tests.agent.tasks import tuned
 
 
 def test_a_mission_plans_by_the_map() -> None:
@@ -86,7 +88,8 @@ def test_each_push_earns_what_it_would_in_training() -> None:
         views.append(push_view(parts.actor.state, parts.actor.scenario))
 
     assert parts.world.rewards == [
-        tuned_reward(views[0], before, after, arrived=False) for before, after in pairwise(views)
+        earned(tuned(), PushStep(first=views[0], before=before, after=after, ending=None))
+        for before, after in pairwise(views)
     ]
     assert parts.world.rewards[0] != parts.world.rewards[1]
 

@@ -67,6 +67,25 @@ def test_other_widths_replace_those_of_the_profile() -> None:
     assert wide["network"] == {**usual["network"], "hidden": (128, 128)}
 
 
+def test_settings_of_the_profile_and_its_task_may_be_replaced() -> None:
+    usual = resolve(TrainingCell(profile="paper-text"), ())
+    other = resolve(
+        TrainingCell(profile="paper-text", task="paper-learns", normalize_observation=True, n_steps=256, batch_size=64),
+        (),
+    )
+
+    assert usual.profile["settings"]["n_steps"] == 2048
+    assert other.profile["settings"] == {**usual.profile["settings"], "n_steps": 256, "batch_size": 64}
+    assert (usual.profile["normalize_observation"], other.profile["normalize_observation"]) == (False, True)
+    assert [list(each.task.ending) for each in (usual, other)] == [["tolerance"], ["tolerance", "past_goal"]]
+    assert usual.task.entry == "fixed"
+
+
+def test_a_setting_that_the_algorithm_has_not_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"profile sac: at `settings.n_steps`: unknown field"):
+        resolve(TrainingCell(profile="sac", n_steps=64), ())
+
+
 def test_an_unknown_profile_is_refused() -> None:
     with pytest.raises(ConfigError, match="Expected the name of a profile"):
         resolve(TrainingCell(profile="best"), ())

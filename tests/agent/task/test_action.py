@@ -19,12 +19,13 @@ from legpush.errors import ConfigError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from tests.agent.fake_world import make_scenario, make_state
+from tests.agent.tasks import paper, tuned
 
 SCENARIO = make_scenario()
 """The goal is at x = 7, y = 3."""
-FIXED = TaskConfig(entry="fixed")
-VARIABLE = TaskConfig()
-GRID = TaskConfig(entry="fixed", action_form="discrete", observation="paper")
+FIXED = tuned(entry="fixed")
+VARIABLE = tuned()
+GRID = paper(entry="fixed", action_form="discrete")
 
 
 def box_at(x_m: float, y_m: float = 3.0) -> PushView:
@@ -117,7 +118,7 @@ def test_the_deepest_push_brings_the_box_up_to_its_goal_and_no_farther(short_m: 
 def test_the_depth_stays_between_its_limits_wherever_the_box_is() -> None:
     assert deepest_push_m(VARIABLE, box_at(5.0)) == VARIABLE.max_depth_m
     assert deepest_push_m(VARIABLE, box_at(7.1)) == VARIABLE.least_depth_m
-    assert deepest_push_m(TaskConfig(limit_depth=False), box_at(7.1)) == VARIABLE.max_depth_m
+    assert deepest_push_m(tuned(limit_depth=False), box_at(7.1)) == VARIABLE.max_depth_m
 
 
 def test_pushing_on_is_no_help_from_half_a_shallowest_push_before_the_goal() -> None:

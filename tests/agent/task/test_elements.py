@@ -6,11 +6,12 @@ import pytest
 from agent_proc.task.action import n_actions
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.elements import action_elements, observation_elements
-from agent_proc.task.observation import observation_bounds
+from agent_proc.task.observed import observation_bounds
+from tests.agent.tasks import paper, tuned
 
-VARIABLE = TaskConfig()
-FIXED = TaskConfig(entry="fixed", observation="paper")
-DISCRETE = TaskConfig(entry="fixed", action_form="discrete", observation="paper")
+VARIABLE = tuned()
+FIXED = paper(entry="fixed")
+DISCRETE = paper(entry="fixed", action_form="discrete")
 
 
 @pytest.mark.parametrize("task", [VARIABLE, FIXED], ids=["relative", "paper"])
@@ -51,4 +52,19 @@ def test_the_mirrored_leg_and_the_limited_depth_are_explained() -> None:
     assert "mirror image" in leg.meaning
     assert "mirror image" not in action_elements(FIXED)[2].meaning
     assert "up to its goal, at most 0.1 m" in depth.meaning
-    assert "up to its goal" not in action_elements(TaskConfig(limit_depth=False))[3].meaning
+    assert "up to its goal" not in action_elements(tuned(limit_depth=False))[3].meaning
+
+
+def test_what_is_done_to_a_term_is_said_with_its_meaning() -> None:
+    scaled = tuned(observation={"box": {"scale": 0.5}, "yaw": {}}, scaling="bounds")
+    meanings = [element.meaning for element in observation_elements(scaled)]
+
+    assert meanings[0].endswith(", times 0.5, mapped from its bounds to [-1, 1]")
+    assert meanings[2] == "heading of the box, mapped from its bounds to [-1, 1]"
+    assert [(element.low, element.high) for element in observation_elements(scaled)] == [(-1.0, 1.0)] * 3
+
+
+def test_an_element_is_named_after_its_term_in_the_task() -> None:
+    task = tuned(observation={"angle": {"term": "yaw"}})
+
+    assert [element.name for element in observation_elements(task)] == ["angle.yaw"]

@@ -7,7 +7,7 @@ from agent_proc.profiles.profile import PpoProfile, load_profile
 
 
 def test_layers_and_activation_are_those_of_the_profile() -> None:
-    arguments = policy_arguments(load_profile("paper"))
+    arguments = policy_arguments(load_profile("paper-text"))
 
     assert arguments["net_arch"] == [512] * 4
     assert arguments["activation_fn"] is torch.nn.ReLU

@@ -12,9 +12,9 @@ from stable_baselines3.td3 import MlpPolicy as Td3Policy
 
 from agent_proc.policies.sb3.layers import actor_layers
 from agent_proc.policies.sb3.spaces import action_space, observation_space
-from agent_proc.task.config import TaskConfig
+from tests.agent.tasks import tuned
 
-TASK = TaskConfig()
+TASK = tuned()
 KINDS: dict[str, type[BasePolicy]] = {"ppo": PpoPolicy, "sac": SacPolicy, "td3": Td3Policy}
 
 

@@ -21,19 +21,17 @@ from agent_proc.frames.push_view import push_view
 from agent_proc.learning.env import PushEnv
 from agent_proc.policies.registry import make_policy
 from agent_proc.task.action import to_push
-from agent_proc.task.config import TaskConfig
-from agent_proc.task.observation import observe
+from agent_proc.task.observed import observe
 from legpush.errors import PolicyError
 from tests.agent.fake_world import FakeWorld, make_state, scenario_at_station
+from tests.agent.tasks import paper, tuned
 
 SCENARIO = scenario_at_station()
 VIEW = push_view(make_state(SCENARIO.start.pose(), SCENARIO.box.pose.pose()), SCENARIO)
 TASKS = {
-    "relative, variable": TaskConfig(scenario=SCENARIO),
-    "paper, fixed": TaskConfig(entry="fixed", observation="paper", reward="paper", scenario=SCENARIO),
-    "paper, discrete": TaskConfig(
-        entry="fixed", action_form="discrete", observation="paper", reward="paper", scenario=SCENARIO
-    ),
+    "relative, variable": tuned(scenario=SCENARIO),
+    "paper, fixed": paper(entry="fixed", scenario=SCENARIO),
+    "paper, discrete": paper(entry="fixed", action_form="discrete", scenario=SCENARIO),
 }
 
 
@@ -100,7 +98,9 @@ def test_a_model_of_another_task_is_refused_with_the_spaces_that_fit(tmp_path: P
     saved(tmp_path / "other.zip", PPO, gymnasium.make("CartPole-v1"))
     saved(tmp_path / "dqn.zip", DQN, gymnasium.make("CartPole-v1"))
 
-    with pytest.raises(PolicyError, match=r"other.zip: expected observations of shape .*\(25,\) \(paper\).*got \(4,\)"):
+    with pytest.raises(
+        PolicyError, match=r"other.zip: expected observations of shape .*\(25,\) \(paper-text\).*got \(4,\)"
+    ):
         make_policy(str(tmp_path / "other.zip"), trust_file=True)
     with pytest.raises(PolicyError, match=r"dqn.zip: expected a model of PPO, A2C, SAC, TD3 or DDPG"):
         make_policy(str(tmp_path / "dqn.zip"), trust_file=True)

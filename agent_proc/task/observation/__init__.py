@@ -1,0 +1,1 @@
+"""Terms of observations, a module for each frame."""

@@ -1,0 +1,1 @@
+"""Terms of rewards: what the paper and its code pay, and progress."""

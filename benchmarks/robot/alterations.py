@@ -1,0 +1,54 @@
+"""Changes of the simulator that a benchmark makes from outside, for as long as it needs them."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from legpush.arrays import Floats
+from legpush.scene.scenario import Scenario
+from sim_proc.headless import mujoco
+from sim_proc.model.world import PHYSICS_STEP_S, build_model
+from sim_proc.physics import physics
+
+
+@contextmanager
+def altered(alter: Callable[[mujoco.MjModel], None], steps_per_command: int = 1) -> Iterator[None]:
+    """Change each model that the simulator builds, and give each command for several physics steps.
+
+    Sensors are those of the last of these steps.
+    """
+    step = mujoco.mj_step
+
+    def build_altered(scenario: Scenario) -> mujoco.MjModel:
+        model = build_model(scenario)
+        model.opt.timestep /= steps_per_command
+        alter(model)
+        return model
+
+    def step_often(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        step(model, data, steps_per_command)
+
+    vars(physics)["build_model"] = build_altered
+    mujoco.mj_step = step_often
+    try:
+        yield
+    finally:
+        vars(physics)["build_model"] = build_model
+        mujoco.mj_step = step
+
+
+@contextmanager
+def delayed(n_steps: int) -> Iterator[None]:
+    """Let the servos have each command some physics steps late."""
+    step, commands = mujoco.mj_step, dict[int, Floats]()
+
+    def step_late(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        now = round(data.time / PHYSICS_STEP_S)
+        commands[now] = data.ctrl.copy()
+        data.ctrl[:] = commands.get(now - n_steps, data.ctrl)
+        step(model, data)
+
+    mujoco.mj_step = step_late
+    try:
+        yield
+    finally:
+        mujoco.mj_step = step

@@ -1,0 +1,83 @@
+"""What episodes draw: within their intervals, in the direction of the scenario, and nothing where nothing is given."""
+
+from math import cos, hypot, radians, sin
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agent_proc.task.domain import Domain, drawn_scenario
+from legpush.errors import ConfigError
+from legpush.scene.scenario import Goal, PoseDeg, Randomization
+from tests.agent.fake_world import make_scenario
+
+SCENARIO = make_scenario(randomization=Randomization(box_xy_m=0.05, box_yaw_deg=5.0))
+"""The box is at (6, 3), the goal at (7, 3), heading along x."""
+
+
+@pytest.mark.parametrize("interval", [(0.0, 1.0), (2.0, 1.0), (-1.0, 1.0)])
+def test_a_domain_holds_positive_intervals_only(interval: tuple[float, float]) -> None:
+    with pytest.raises(ConfigError, match="mass_kg of the domain"):
+        Domain(mass_kg=interval)
+
+
+def test_an_angle_may_be_negative_but_its_interval_is_not_empty() -> None:
+    assert Domain(goal_bearing_deg=(-20.0, 20.0)).goal_bearing_deg == (-20.0, 20.0)
+    with pytest.raises(ConfigError, match="goal_yaw_deg"):
+        Domain(goal_yaw_deg=(1.0, -1.0))
+
+
+def test_nothing_is_drawn_where_nothing_is_given() -> None:
+    random = np.random.default_rng(0)
+
+    assert drawn_scenario(Domain(), SCENARIO, random) == SCENARIO
+    assert random.random() == np.random.default_rng(0).random()
+
+
+@given(
+    seed=st.integers(0, 99),
+    mass=st.floats(0.1, 2.0),
+    low_m=st.floats(0.1, 0.5),
+    bearing_deg=st.floats(0.0, 90.0),
+    yaw_deg=st.floats(0.0, 90.0),
+)
+def test_what_is_drawn_is_within_its_interval(
+    seed: int, mass: float, low_m: float, bearing_deg: float, yaw_deg: float
+) -> None:
+    domain = Domain(
+        mass_kg=(mass, 2 * mass),
+        distance_m=(low_m, 1.0),
+        goal_bearing_deg=(-bearing_deg, bearing_deg),
+        goal_yaw_deg=(-yaw_deg, yaw_deg),
+    )
+    drawn = drawn_scenario(domain, SCENARIO, np.random.default_rng(seed))
+    x_m, y_m = drawn.goal.pose.x_m - 6.0, drawn.goal.pose.y_m - 3.0
+
+    assert mass <= drawn.box.mass_kg <= 2 * mass
+    assert low_m - 1e-9 <= hypot(x_m, y_m) <= 1.0 + 1e-9
+    assert abs(np.degrees(np.arctan2(y_m, x_m))) <= bearing_deg + 1e-9
+    assert abs(drawn.goal.pose.yaw_deg) <= yaw_deg + 1e-9
+
+
+def test_a_goal_is_turned_about_the_box() -> None:
+    scenario = make_scenario(goal=Goal(pose=PoseDeg(x_m=6.0, y_m=5.0, yaw_deg=90.0)))
+    domain = Domain(goal_bearing_deg=(30.0, 30.0), goal_yaw_deg=(-10.0, -10.0))
+    goal = drawn_scenario(domain, scenario, np.random.default_rng(0)).goal.pose
+
+    assert (goal.x_m, goal.y_m) == pytest.approx((6.0 + 2 * cos(radians(120.0)), 3.0 + 2 * sin(radians(120.0))))
+    assert goal.yaw_deg == pytest.approx(80.0)
+
+
+@pytest.mark.parametrize(
+    ("fields", "offsets"),
+    [
+        ({"box_xy_m": 0.0}, Randomization(box_xy_m=0.0, box_yaw_deg=5.0)),
+        ({"box_yaw_deg": 25.0, "start_xy_m": 0.1}, Randomization(box_xy_m=0.05, box_yaw_deg=25.0, start_xy_m=0.1)),
+    ],
+)
+def test_offsets_of_starts_replace_those_of_the_scenario(fields: dict[str, Any], offsets: Randomization) -> None:
+    drawn = drawn_scenario(Domain(**fields), SCENARIO, np.random.default_rng(0))
+
+    assert drawn.randomization == offsets

@@ -1,0 +1,35 @@
+"""The page about learning has the tasks and terms of the code, and its task file can be learned."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from agent_proc.task.file import load_task, task_names
+from agent_proc.task.terms import OWN
+from docs import generate, term_tables
+from tests.docs.test_pages import CODE
+
+TEXT = generate.LEARN.read_text()
+FILES = [text for language, text in CODE.findall(TEXT) if language == "toml" and "entry-points" not in text]
+
+
+def test_the_generated_parts_of_the_page_are_up_to_date() -> None:
+    parts = term_tables.learn_parts()
+
+    assert generate.filled(TEXT, parts) == TEXT, "run `python -m docs.generate`"
+    assert sorted(re.findall(r"<!-- generated: (\w+) -->", TEXT)) == sorted(parts)
+
+
+def test_every_task_and_every_term_is_in_a_table() -> None:
+    tables = "\n".join(term_tables.learn_parts().values())
+
+    assert all(f"| `{name}` |" in tables for name in (*task_names(), *OWN))
+
+
+@pytest.mark.parametrize("text", FILES)
+def test_the_task_files_on_the_page_can_be_loaded(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+
+    assert load_task(str(path)).description
