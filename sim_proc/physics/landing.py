@@ -43,6 +43,15 @@ class Landing:
         touchdown = self._touchdown
         return touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick
 
+    def next_look(self, tick: int, n_ticks: int) -> int:
+        """The tick, of those of a run, before which a run that has come to `tick` has to look whether it ends."""
+        touchdown = self._touchdown
+        if tick < touchdown.lift_tick:
+            return min(touchdown.lift_tick, n_ticks)
+        if tick < touchdown.first_tick:
+            return min(touchdown.first_tick, n_ticks)
+        return tick + 1 if tick < touchdown.landing_tick else n_ticks
+
     def _stopping(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
         stopped = False
         for step, control in enumerate(controls):

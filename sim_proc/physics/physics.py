@@ -1,7 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import cos, radians, sin
 from typing import Final
 
@@ -100,9 +100,9 @@ class Physics:
         controls = planned.copy()
         qpos, sensors = self._simulate(controls, landing)
         beyond = self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any()
-        if beyond or self.contacts.suspects(sensors):
-            # Limits at angles and speeds cost much and are met rarely, and so are unexpected contacts: only then is the
-            # motion simulated step by step.
+        if beyond or self.contacts.suspects(sensors) or (self.fallen and len(qpos) < len(controls)):
+            # Limits at angles and speeds cost much and are met rarely, and so are unexpected contacts and falls: only
+            # then is the motion simulated step by step.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
             self.contacts = contacts
@@ -137,29 +137,35 @@ class Physics:
         Return `qpos` of each tick and the sensors of all steps. The controls become those that were commanded. With
         `stepwise`, contacts are watched, and with `limited`, torques are limited at the angles and speeds of each step.
         """
-        n, data, upright, lowest_m = len(controls), self.data, self._upright, self.robot.fall_height_m
+        n = len(controls)
         qpos, sensors = np.empty((n, self.model.nq)), np.empty((n, COMMANDS_PER_TICK, self.model.nsensordata))
-        self._ticks.take_inputs(self.model)
-        for k in range(n):
-            readings = sensors[k]
+        k = 0
+        while k < n:
             if stepwise or (landing is not None and landing.may_stop(k)):
-                planned = controls[k] if landing is None else landing.controls(k, controls[k], readings)
-                self._run_steps(planned, readings, limited=limited)
+                ticks = slice(k, k + 1)
+                planned = controls[k] if landing is None else landing.controls(k, controls[k], sensors[k])
+                self._run_steps(planned, sensors[k], limited=limited)
+                qpos[k] = self.data.qpos
             else:
-                self._ticks.run(self.model, controls[k], readings)
-            row = qpos[k]
-            row[:] = data.qpos
-            self.tick += 1
+                last = n if landing is None else landing.next_look(k, n)
+                ticks = slice(k, min(last, k + max(self._waiting.next_tick - self.tick, 1)))
+                qpos[ticks] = self._ticks.run(self.model, controls[ticks], sensors[ticks])
+            k = ticks.stop
+            self.tick += k - ticks.start
             if self._waiting.next_tick <= self.tick:
                 self._let_appear(self.tick)
-                self._ticks.take_inputs(self.model)
-            _, _, height_m, _, x, y = row[:6].tolist()
-            if 1 - 2 * (x * x + y * y) < upright or height_m < lowest_m:
-                self.fallen = True
-                return qpos[: k + 1], sensors[: k + 1]
-            if np.count_nonzero(self._warnings) or (landing is not None and landing.ends(k, readings)):
-                return qpos[: k + 1], sensors[: k + 1]
-        return qpos, sensors
+            for tick, row in enumerate(qpos[ticks, :6].tolist(), ticks.start):
+                if self._is_fallen(row):
+                    self.fallen = True
+                    return qpos[: tick + 1], sensors[: tick + 1]
+            if np.count_nonzero(self._warnings) or (landing is not None and landing.ends(k - 1, sensors[k - 1])):
+                break
+        return qpos[:k], sensors[:k]
+
+    def _is_fallen(self, qpos: Sequence[float]) -> bool:
+        """Whether the trunk leans too far or is too low, from the first numbers of `qpos`."""
+        _, _, height_m, _, x, y = qpos
+        return 1 - 2 * (x * x + y * y) < self._upright or height_m < self.robot.fall_height_m
 
     def _run_steps(self, controls: Iterable[Floats], sensors: Floats, *, limited: bool) -> None:
         """Run one tick step by step with controls (steps, 12), fill in the sensors of its steps, and watch contacts."""

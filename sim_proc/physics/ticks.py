@@ -1,4 +1,4 @@
-"""Runs the physics steps of a tick in one call of MuJoCo."""
+"""Runs the physics steps of ticks in one call of MuJoCo."""
 
 from typing import Final
 
@@ -6,12 +6,14 @@ import numpy as np
 from mujoco.rollout import Rollout
 
 from legpush.arrays import Floats
-from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.headless import mujoco
 
 FULL_PHYSICS: Final = mujoco.mjtState.mjSTATE_FULLPHYSICS.value
-INPUTS: Final = mujoco.mjtState.mjSTATE_USER.value
-"""All that a user of MuJoCo sets, first of all the controls. A rollout sets what it is not given to defaults."""
+INPUTS: Final = (
+    mujoco.mjtState.mjSTATE_CTRL.value | mujoco.mjtState.mjSTATE_MOCAP_POS.value | mujoco.mjtState.mjSTATE_MOCAP_QUAT.value
+)
+"""What acts on the world from outside: controls, and the places of obstacles that appear later. A rollout sets what it
+is not given to its default."""
 
 
 class Ticks:
@@ -22,27 +24,30 @@ class Ticks:
         self._data = [data]
         self._rollout = Rollout(nthread=0)
         self._state = np.empty((1, mujoco.mj_stateSize(model, FULL_PHYSICS)))
-        self._inputs = np.empty((1, COMMANDS_PER_TICK, mujoco.mj_stateSize(model, INPUTS)))
-        self._controls = self._inputs[0, :, : model.nu]
+        self._present = np.empty(mujoco.mj_stateSize(model, INPUTS))
 
-    def take_inputs(self, model: mujoco.MjModel) -> None:
-        """Give the present inputs to all steps from now on, such as the places of mocap bodies."""
-        mujoco.mj_getState(model, self._data[0], self._inputs[0, 0], INPUTS)
-        self._inputs[0, 1:] = self._inputs[0, 0]
+    def run(self, model: mujoco.MjModel, controls: Floats, sensors: Floats) -> Floats:
+        """Run n ticks with controls (n, steps, nu), and fill in the sensors of their steps, (n, steps, nsensordata).
 
-    def run(self, model: mujoco.MjModel, controls: Floats, sensors: Floats) -> None:
-        """Run one tick with controls (steps, nu), and fill in the sensors of its steps, (steps, nsensordata)."""
-        self._controls[:] = controls
-        data = self._data[0]
+        Return `qpos` at the ends of the ticks, (n, nq). After a step with a warning nothing moves any more.
+        """
+        data, (n, n_steps, nu) = self._data[0], controls.shape
         mujoco.mj_getState(model, data, self._state[0], FULL_PHYSICS)
+        mujoco.mj_getState(model, data, self._present, INPUTS)
+        inputs = np.empty((1, n * n_steps, len(self._present)))
+        inputs[0, :, :nu], inputs[0, :, nu:] = controls.reshape(-1, nu), self._present[nu:]
+        states = np.empty((1, n * n_steps, self._state.shape[1]))
         self._rollout.rollout(
             [model],
             self._data,
             self._state,
-            self._inputs,
+            inputs,
             control_spec=INPUTS,
             skip_checks=True,
-            nstep=COMMANDS_PER_TICK,
+            nstep=n * n_steps,
             initial_warmstart=data.qacc_warmstart[None],
-            sensordata=sensors[None],
+            state=states,
+            sensordata=sensors.reshape(1, n * n_steps, -1),
         )
+        qpos: Floats = states[0, n_steps - 1 :: n_steps, 1 : 1 + model.nq]
+        return qpos
