@@ -66,6 +66,10 @@ Swing = Callable[[Floats], Floats]
 """A function from the place of a foot, (3,), to its curve through the air, (swing_ticks, 3)."""
 
 
+Planned = tuple[Step, ComPlan]
+"""A step, with its shift as long as a stable lift takes, and the planned motion of the CoM over the steps ahead."""
+
+
 class Steps:
     """Takes one step at a time, and plans the motion of the centre of mass over the steps ahead for each."""
 
@@ -87,14 +91,17 @@ class Steps:
         """Where each foot stood before its last step, (4, 3)."""
         self.n_footsteps = 0
 
-    def take_step(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
+    def take_step(
+        self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True, planned: Planned | None = None
+    ) -> TickLog:
         """Carry out `ahead[0]`. The other steps are those expected to follow.
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
+        `planned` is what `require_reach` planned of these steps, if it has.
         """
         self.without_floor = None
         self._carried = ()
-        logs = [self._lift_and_swing(ahead, swing, lands=lands)]
+        logs = [self._lift_and_swing(ahead, swing, lands=lands, planned=planned)]
         while (missing := logs[-1].not_down) is not None:
             leg, place_m = LEGS[missing], self.posture.feet_m[missing, :2].copy()
             logs += self._search(leg, [replace(ahead[0], leg=leg, target_m=place_m), *ahead[1:]])
@@ -105,14 +112,16 @@ class Steps:
             logs.append(self._lift_and_swing(ahead, swing, lands=lands))
         return joined(logs)
 
-    def _lift_and_swing(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool) -> TickLog:
+    def _lift_and_swing(
+        self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool, planned: Planned | None = None
+    ) -> TickLog:
         """Carry out `ahead[0]`, up to the lift if another foot is not down then."""
         posture, leg = self.posture, ahead[0].leg
         if ahead[0].shift_ticks > 0:
             posture.measure()
             if leg is not None:
                 self._footholds_m[LEGS.index(leg)] = posture.feet_m[LEGS.index(leg)]
-        step, plan = self._plan(ahead)
+        step, plan = planned or self._plan(ahead)
         until = None
         if leg is not None:
             flight = flight_ticks(step.swing_ticks, self._gait) if lands else step.swing_ticks
@@ -193,8 +202,8 @@ class Steps:
         posture.yaw_rate_rad_s = float(yaw_rate[last])
         return log
 
-    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> None:
-        """Check that the leg of `ahead[0]` follows its whole swing, with the trunk moving as planned. Nothing moves.
+    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> Planned:
+        """Plan `ahead[0]`, and check that its leg follows its whole swing, with the trunk moving so. Nothing moves.
 
         `what` names the swing in the error.
 
@@ -208,6 +217,7 @@ class Steps:
         yaw, _ = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
         trunk = plan.position_m[air] - posture.com_offset_m
         posture.require_reach(what, leg, trunk, yaw[air], swing(posture.feet_m[leg]))
+        return step, plan
 
     def _touchdown(self, leg: Leg, step: Step, first_tick: int, landing_tick: int, *, stops_leg: bool) -> Touchdown:
         """The touchdown that ends a swing. Its ticks count from the lift."""
@@ -221,7 +231,7 @@ class Steps:
             stops_leg=stops_leg,
         )
 
-    def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
+    def _plan(self, ahead: Sequence[Step]) -> Planned:
         """The first step, with a shift long enough for a stable lift, and the planned motion of the CoM."""
         first = ahead[0]
         if first.leg is None or first.shift_ticks == 0:

@@ -10,6 +10,13 @@ from legpush.scene.conventions import LEGS
 TINY: Final = float(np.finfo(np.float64).tiny)
 AROUND: Final = tuple(LEGS.index(leg) for leg in ("FL", "FR", "RR", "RL"))
 """The feet in their order around the robot, as long as no legs cross."""
+CORNERS: Final = np.array(
+    [
+        ([leg for leg in AROUND if code >> leg & 1] + [AROUND[0]] * len(AROUND))[: len(AROUND)]
+        for code in range(1 << len(AROUND))
+    ]
+)
+"""For each set of loaded feet, whose bits are 1, its feet in this order, and then others that do not count, (16, 4)."""
 
 
 def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
@@ -20,15 +27,17 @@ def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
     loaded, the distance is that to the mean of all feet.
     """
     margins = np.empty(points_m.shape[:2])
-    sets = loaded @ (1 << np.arange(len(LEGS)))
-    for code in np.flatnonzero(np.bincount(sets)).tolist():
-        steps = np.flatnonzero(sets == code)
-        legs = [leg for leg in AROUND if code >> leg & 1]
+    legs = CORNERS[loaded @ (1 << np.arange(len(LEGS)))]
+    n_loaded = loaded.sum(axis=1)
+    for n_legs in np.flatnonzero(np.bincount(n_loaded)).tolist():
+        steps = np.flatnonzero(n_loaded == n_legs)
         # Coordinates and corners come first, so that NumPy goes through the steps in its innermost loops.
         points = points_m[:, steps].transpose(2, 0, 1).copy()
-        feet = feet_m[steps].transpose(2, 1, 0)
-        corners = feet[:, legs] if legs else feet.mean(axis=1, keepdims=True)
-        if len(legs) > 3:
+        if n_legs:
+            corners = feet_m[steps[:, None], legs[steps, :n_legs]].transpose(2, 1, 0).copy()
+        else:
+            corners = feet_m[steps].transpose(2, 1, 0).mean(axis=1, keepdims=True)
+        if n_legs > 3:
             corners = _hulls(corners)
         margins[:, steps] = _margins(points, corners)
     return margins
@@ -40,9 +49,14 @@ def _cross(one: Floats, other: Floats) -> Floats:
     return product
 
 
+def _next(corners: Floats) -> Floats:
+    """The corner after each corner, (2, k, n)."""
+    return np.concatenate([corners[:, 1:], corners[:, :1]], axis=1)
+
+
 def _turns(corners: Floats) -> Floats:
     """At each corner (2, k, n), twice the area of the triangle with its neighbours: positive to the left."""
-    after = np.roll(corners, -1, axis=1) - corners
+    after = _next(corners) - corners
     return _cross(np.roll(after, 1, axis=1), after)
 
 
@@ -65,7 +79,7 @@ def _hulls(corners: Floats) -> Floats:
 
 def _margins(points: Floats, corners: Floats) -> Floats:
     """Margins of points (2, p, n) in polygons whose k corners are in order, (2, k, n), for any k from 1 on: (p, n)."""
-    edges = np.roll(corners, -1, axis=1) - corners
+    edges = _next(corners) - corners
     n_corners = corners.shape[1]
     margins = np.full(points.shape[1:], -1.0)
     if n_corners > 2:
