@@ -10,13 +10,16 @@ from legpush.scene.conventions import LEGS
 TINY: Final = float(np.finfo(np.float64).tiny)
 AROUND: Final = tuple(LEGS.index(leg) for leg in ("FL", "FR", "RR", "RL"))
 """The feet in their order around the robot, as long as no legs cross."""
-CORNERS: Final = np.array(
-    [
-        ([leg for leg in AROUND if code >> leg & 1] + [AROUND[0]] * len(AROUND))[: len(AROUND)]
-        for code in range(1 << len(AROUND))
-    ]
-)
-"""For each set of loaded feet, whose bits are 1, its feet in this order, and then others that do not count, (16, 4)."""
+
+
+def _corners(code: int) -> list[int]:
+    """The feet in a set of feet, whose bits are 1, in their order around the robot; the last is repeated up to four."""
+    loaded = [leg for leg in AROUND if code >> leg & 1] or [0]
+    return loaded + loaded[-1:] * (len(LEGS) - len(loaded))
+
+
+CORNERS: Final = np.array([_corners(code) for code in range(1 << len(LEGS))])
+"""The corners of the polygon of each set of loaded feet, (16, 4)."""
 
 
 def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
@@ -26,21 +29,13 @@ def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
     The polygon of two feet is a segment, and that of one foot a point, so that no point is inside. If no foot is
     loaded, the distance is that to the mean of all feet.
     """
-    margins = np.empty(points_m.shape[:2])
     legs = CORNERS[loaded @ (1 << np.arange(len(LEGS)))]
-    n_loaded = loaded.sum(axis=1)
-    for n_legs in np.flatnonzero(np.bincount(n_loaded)).tolist():
-        steps = np.flatnonzero(n_loaded == n_legs)
-        # Coordinates and corners come first, so that NumPy goes through the steps in its innermost loops.
-        points = points_m[:, steps].transpose(2, 0, 1).copy()
-        if n_legs:
-            corners = feet_m[steps[:, None], legs[steps, :n_legs]].transpose(2, 1, 0).copy()
-        else:
-            corners = feet_m[steps].transpose(2, 1, 0).mean(axis=1, keepdims=True)
-        if n_legs > 3:
-            corners = _hulls(corners)
-        margins[:, steps] = _margins(points, corners)
-    return margins
+    corners = np.take_along_axis(feet_m, legs[:, :, None], axis=1)
+    flying = ~loaded.any(axis=1)
+    if flying.any():
+        corners[flying] = feet_m[flying].mean(axis=1, keepdims=True)
+    # Coordinates and corners come first, so that NumPy goes through the steps in its innermost loops.
+    return _margins(points_m.transpose(2, 0, 1).copy(), _hulls(corners.transpose(2, 1, 0).copy()))
 
 
 def _cross(one: Floats, other: Floats) -> Floats:
@@ -78,18 +73,18 @@ def _hulls(corners: Floats) -> Floats:
 
 
 def _margins(points: Floats, corners: Floats) -> Floats:
-    """Margins of points (2, p, n) in polygons whose k corners are in order, (2, k, n), for any k from 1 on: (p, n)."""
+    """Margins of points (2, p, n) in polygons whose four corners are in order, (2, 4, n): (p, n).
+
+    Corners may be in the same place, one after the other: then the polygon is a triangle, a segment or a point.
+    """
     edges = _next(corners) - corners
-    n_corners = corners.shape[1]
-    margins = np.full(points.shape[1:], -1.0)
-    if n_corners > 2:
-        # Twice the area of a triangle; of four corners in order, one of which may lie between its neighbours.
-        turn = _cross(edges[:, 0], edges[:, 1]) + (_cross(edges[:, 2], edges[:, 3]) if n_corners > 3 else 0.0)
-        lengths = np.sqrt(edges[0] * edges[0] + edges[1] * edges[1])
-        along = edges * (np.sign(turn) / np.maximum(lengths, TINY))
-        offsets = _cross(along, corners)
-        np.minimum.reduce([_cross(along[:, k, None], points) - offsets[k] for k in range(n_corners)], out=margins)
-        margins[:, turn == 0.0] = -1.0
+    # Twice the area; one of the corners may lie between its neighbours.
+    turn = _cross(edges[:, 0], edges[:, 1]) + _cross(edges[:, 2], edges[:, 3])
+    lengths = np.sqrt(edges[0] * edges[0] + edges[1] * edges[1])
+    along = edges * (np.sign(turn) / np.maximum(lengths, TINY))
+    offsets = np.where(lengths == 0.0, -np.inf, _cross(along, corners))
+    margins: Floats = np.minimum.reduce([_cross(along[:, k, None], points) - offsets[k] for k in range(len(LEGS))])
+    margins[:, turn == 0.0] = -1.0
     outside = margins < 0.0
     if outside.any():
         of, at = outside.nonzero()
