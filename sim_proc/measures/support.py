@@ -83,7 +83,9 @@ def _margins(points: Floats, corners: Floats) -> Floats:
     lengths = np.sqrt(edges[0] * edges[0] + edges[1] * edges[1])
     along = edges * (np.sign(turn) / np.maximum(lengths, TINY))
     offsets = np.where(lengths == 0.0, -np.inf, _cross(along, corners))
-    margins: Floats = np.minimum.reduce([_cross(along[:, k, None], points) - offsets[k] for k in range(len(LEGS))])
+    margins: Floats = _cross(along[:, 0, None], points) - offsets[0]
+    for k in range(1, len(LEGS)):
+        np.minimum(margins, _cross(along[:, k, None], points) - offsets[k], out=margins)
     margins[:, turn == 0.0] = -1.0
     outside = margins < 0.0
     if outside.any():

@@ -31,15 +31,16 @@ class InverseDynamics:
         positions, velocities, accelerations = (
             rows[1:] for rows in (motion.positions_rad, motion.velocities_rad_s, motion.accelerations_rad_s2)
         )
+        kinematics, com_pos, com_vel, rne = mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel, mujoco.mj_rne
         torques = np.empty_like(positions)
         for k, yaw in enumerate(yaw_rad.tolist()):
             orientation[0], orientation[3] = cos(yaw / 2), sin(yaw / 2)
             joints[:] = positions[k]
             joint_velocities[:] = velocities[k]
             joint_accelerations[:] = accelerations[k]
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_comVel(model, data)
-            mujoco.mj_rne(model, data, 1, forces)
+            kinematics(model, data)
+            com_pos(model, data)
+            com_vel(model, data)
+            rne(model, data, 1, forces)
             torques[k] = joint_forces
         return torques + self._armature * accelerations + self._damping * velocities

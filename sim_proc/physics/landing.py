@@ -53,12 +53,14 @@ class Landing:
         return tick + 1 if tick < touchdown.landing_tick else n_ticks
 
     def _stopping(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
-        stopped = False
-        for step, control in enumerate(controls):
-            if step and not stopped and -sensors[step - 1, self._force] >= self._touchdown.force_n:
+        force_n, column = self._touchdown.force_n, self._force
+        yield controls[0]
+        for step in range(1, len(controls)):
+            if -sensors.item(step - 1, column) >= force_n:
                 controls[step:, self._joints] = self._holds[tick, step, self._joints]
-                stopped = True
-            yield control
+                yield from controls[step:]
+                return
+            yield controls[step]
 
     def ends(self, tick: int, sensors: Floats) -> bool:
         """Whether the run ends with a tick with sensors (steps, n)."""

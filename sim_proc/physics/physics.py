@@ -170,13 +170,14 @@ class Physics:
     def _run_steps(self, controls: Iterable[Floats], sensors: Floats, *, limited: bool) -> None:
         """Run one tick step by step with controls (steps, 12), fill in the sensors of its steps, and watch contacts."""
         model, data, contacts, bounds = self.model, self.data, self.contacts, self.model.actuator_forcerange
+        step, ctrl, sensordata = mujoco.mj_step, data.ctrl, data.sensordata
         contacts.begin_tick()
         for control, row in zip(controls, sensors, strict=True):
             if limited:
                 bounds[:, 0], bounds[:, 1] = self._limits.bounds_n_m(data.qpos[JOINT_QPOS], data.qvel[JOINT_QVEL])
-            data.ctrl[:] = control
-            mujoco.mj_step(model, data)
-            row[:] = data.sensordata
+            ctrl[:] = control
+            step(model, data)
+            row[:] = sensordata
             if data.ncon != contacts.n_known:
                 contacts.look(model, data)
         if limited:

@@ -10,7 +10,9 @@ from sim_proc.headless import mujoco
 
 FULL_PHYSICS: Final = mujoco.mjtState.mjSTATE_FULLPHYSICS.value
 INPUTS: Final = (
-    mujoco.mjtState.mjSTATE_CTRL.value | mujoco.mjtState.mjSTATE_MOCAP_POS.value | mujoco.mjtState.mjSTATE_MOCAP_QUAT.value
+    mujoco.mjtState.mjSTATE_CTRL.value
+    | mujoco.mjtState.mjSTATE_MOCAP_POS.value
+    | mujoco.mjtState.mjSTATE_MOCAP_QUAT.value
 )
 """What acts on the world from outside: controls, and the places of obstacles that appear later. A rollout sets what it
 is not given to its default."""
