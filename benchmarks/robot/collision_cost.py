@@ -117,7 +117,7 @@ def _recorded(scenario: Scenario, pushes: bool) -> tuple[Floats, Floats]:
 
 
 def _listed_pairs_alone(scenario: Scenario) -> mujoco.MjModel:
-    """The model in which only listed pairs touch: those that it has, and feet, trunk and box with each wall."""
+    """A model with listed pairs alone: its own ones, and feet, trunk and box with each wall."""
     spec = build_spec(scenario)
     walls = [geom for geom in spec.geoms if geom.name.startswith("wall_")]
     parts = [f"{leg}_foot" for leg in LEGS] + ["trunk"] + [g.name for g in spec.geoms if g.name in ("box", "box_1")]

@@ -8,7 +8,7 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.errors import MotionError
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.stepping import PathProgress
 from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS
 from legpush.scene.robot import RobotSpec
@@ -63,6 +63,7 @@ class PathWalk:
         ahead = self._steps_of(self._travelled, this) + self._steps_of(this.travelled_m, following)
         if not self._travelled.any():
             ahead[0] = replace(ahead[0], shift_ticks=gait.first_shift_ticks)
+        ahead = self._turned_slowly(ahead)
         logs = []
         for index in range(len(GAIT_ORDER)):
             swing = swing_to(self._robot, ahead[index].target_m, gait.swing_ticks)
@@ -104,6 +105,17 @@ class PathWalk:
                 )
             )
         return steps
+
+    def _turned_slowly(self, steps: Sequence[Step]) -> list[Step]:
+        """The same steps, in none of which the trunk turns farther than in an even part of a cycle's largest turn.
+
+        A path that begins with another heading than the robot's, or that bends sharply, would turn it at once.
+        """
+        most_rad, yaw_rad, slow = self._robot.gait.max_turn_rad / len(GAIT_ORDER), self._steps.posture.yaw_rad, []
+        for step in steps:
+            yaw_rad += min(max(wrap_angle(step.end_yaw_rad - yaw_rad), -most_rad), most_rad)
+            slow.append(replace(step, end_yaw_rad=yaw_rad))
+        return slow
 
     def _rest(self) -> Step:
         end = self._path.poses(np.array(self._path.length_m))

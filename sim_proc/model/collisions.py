@@ -15,7 +15,10 @@ FLOOR: Final = {"contype": _SURROUNDINGS_BIT, "conaffinity": _ROBOT_BIT}
 BOX: Final = {"contype": _SURROUNDINGS_BIT, "conaffinity": _ROBOT_BIT | _WALL_BIT}
 
 SOLREF: Final = (0.008, 1.0)
-"""Time constant and damping ratio of contacts. A foot sinks in by less than 1 mm; stiffer contacts bounce."""
+"""Time constant and damping ratio of contacts. On stiffer ones a box that is thrown hops, and slides as if its friction
+were another one."""
+FOOT_SOLREF: Final = (0.006, 1.0)
+"""The same of the feet on the floor, into which they sink by less than 1 mm."""
 WALL_FRICTION: Final = 0.5
 """Sliding friction coefficient of a wall with whatever touches it."""
 TURNING_FRICTION_M: Final = 0.005

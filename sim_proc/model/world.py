@@ -12,7 +12,7 @@ from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.headless import mujoco
 from sim_proc.model.box_body import add_box
-from sim_proc.model.collisions import ROLLING_FRICTION_M, SOLREF, TURNING_FRICTION_M
+from sim_proc.model.collisions import FOOT_SOLREF, ROLLING_FRICTION_M, SOLREF, TURNING_FRICTION_M
 from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery
 
@@ -88,14 +88,14 @@ def _set_options(spec: mujoco.MjSpec, room: Room) -> None:
 def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Sequence[str]) -> None:
     """Add the pairs of geoms whose contacts are meant, with their friction."""
 
-    def pair(first: str, second: str, friction: float) -> None:
+    def pair(first: str, second: str, friction: float, solref: tuple[float, float] = SOLREF) -> None:
         coefficients = [friction, friction, TURNING_FRICTION_M, ROLLING_FRICTION_M, ROLLING_FRICTION_M]
         spec.add_pair(
-            name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3, solref=SOLREF
+            name=f"{first}:{second}", geomname1=first, geomname2=second, friction=coefficients, condim=3, solref=solref
         )
 
     for leg in LEGS:
-        pair("floor", f"{leg}_foot", scenario.robot.legs.foot_friction)
+        pair("floor", f"{leg}_foot", scenario.robot.legs.foot_friction, FOOT_SOLREF)
         for box in box_geoms:
             pair(f"{leg}_foot", box, scenario.box.friction_with_robot)
     for box in box_geoms:

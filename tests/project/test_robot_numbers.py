@@ -18,7 +18,14 @@ OF_NO_ROBOT = {
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
     "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},
-    "model/collisions.py": {"SOLREF", "WALL_FRICTION", "TURNING_FRICTION_M", "ROLLING_FRICTION_M", "WALL"},
+    "model/collisions.py": {
+        "SOLREF",
+        "FOOT_SOLREF",
+        "WALL_FRICTION",
+        "TURNING_FRICTION_M",
+        "ROLLING_FRICTION_M",
+        "WALL",
+    },
     "model/robot_body.py": {"BODYWORK", "DARK", "ANKLE_SHARE"},
     "model/scenery.py": {
         "WALL_GREY",

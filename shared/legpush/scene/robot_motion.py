@@ -78,7 +78,7 @@ class Gait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Largest change of heading in a gait cycle."""
     step_height_m: BodyLength = 0.05
     """How high a foot is lifted."""
-    landing_speed_m_s: LandingSpeed = 0.1
+    landing_speed_m_s: LandingSpeed = 0.08
     """How fast a foot comes down at the end of a swing."""
     landing_ticks: Ticks = 2
     """Last part of the swing, in which it moves down at this speed."""
