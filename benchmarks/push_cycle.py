@@ -1,4 +1,4 @@
-"""`python -m benchmarks.push_cycle`: time that control adds to physics in push and gait cycles, and speed over real time.
+"""`python -m benchmarks.push_cycle`: what control adds to the time of physics in push and gait cycles, and their speed.
 
 Two measurements take turns in one process: the simulator's whole cycle (planning, kinematics, feed-forward, recording),
 and the bare `mj_step` calls that it contains, from the same states with the same controls. Gait cycles are those of

@@ -88,10 +88,8 @@ def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Fl
 def triangle_margin(points_m: Floats, support_feet_m: Floats) -> Floats:
     """Signed distance of points (n, 2) to the border of one triangle of feet (3, 2), inside positive, (n,)."""
     x, y = points_m.T
-    first, second, third = (
-        (x - edge.x_m) * edge.inward_x + (y - edge.y_m) * edge.inward_y for edge in _edges(support_feet_m)
-    )
-    margins: Floats = np.minimum(np.minimum(first, second), third)
+    distances = [(x - edge.x_m) * edge.inward_x + (y - edge.y_m) * edge.inward_y for edge in _edges(support_feet_m)]
+    margins: Floats = np.minimum.reduce(distances)
     return margins
 
 

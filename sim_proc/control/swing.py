@@ -79,10 +79,8 @@ def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks
     curve: Floats = start + shares.along[:, None] * (end - start)
     rising = start[2] + (apex_m - start[2]) * shares.risen
     drop, slope = end[2] + speed * landing - apex_m, -speed * falls
-    cube, fourth, fifth = shares.fallen_powers
-    falling = (
-        apex_m + (10 * drop - 4 * slope) * cube + (7 * slope - 15 * drop) * fourth + (6 * drop - 3 * slope) * fifth
-    )
+    u3, u4, u5 = shares.fallen_powers
+    falling = apex_m + (10 * drop - 4 * slope) * u3 + (7 * slope - 15 * drop) * u4 + (6 * drop - 3 * slope) * u5
     lands = end[2] + speed * shares.ticks_left
     curve[:, 2] = np.where(shares.rises, rising, np.where(shares.flies, falling, lands))
     return curve

@@ -30,7 +30,7 @@ class ContactWatch:
     def __init__(self, model: mujoco.MjModel, sensors: Sensors) -> None:
         """Watch a world in which no leg pushes."""
         self._counts = sensors.n_contacts
-        """Columns of the numbers of contacts: of the feet with the floor, box and floor, front feet and box, and all."""
+        """Columns of the numbers of contacts: feet and floor, box and floor, front feet and box, and all."""
         self._names = tuple(model.geom(geom).name for geom in range(model.ngeom))
         box = np.flatnonzero(model.geom_bodyid == model.body("box").id).tolist()
         expected = _expected(model, box)

@@ -3,7 +3,6 @@
 from typing import Final
 
 import numpy as np
-from mujoco.rollout import Rollout
 
 from legpush.arrays import Floats
 from sim_proc.headless import mujoco
@@ -23,8 +22,8 @@ class Ticks:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Run the ticks of `data`."""
-        self._data = [data]
-        self._rollout = Rollout(nthread=0)
+        self.data = data
+        self._rollout = mujoco.rollout.Rollout(nthread=0)
         self._state = np.empty((1, mujoco.mj_stateSize(model, FULL_PHYSICS)))
         self._present = np.empty(mujoco.mj_stateSize(model, INPUTS))
 
@@ -33,7 +32,7 @@ class Ticks:
 
         Return `qpos` at the ends of the ticks, (n, nq). After a step with a warning nothing moves any more.
         """
-        data, (n, n_steps, nu) = self._data[0], controls.shape
+        data, (n, n_steps, nu) = self.data, controls.shape
         mujoco.mj_getState(model, data, self._state[0], FULL_PHYSICS)
         mujoco.mj_getState(model, data, self._present, INPUTS)
         inputs = np.empty((1, n * n_steps, len(self._present)))
@@ -41,7 +40,7 @@ class Ticks:
         states = np.empty((1, n * n_steps, self._state.shape[1]))
         self._rollout.rollout(
             [model],
-            self._data,
+            [data],
             self._state,
             inputs,
             control_spec=INPUTS,
