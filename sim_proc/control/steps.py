@@ -13,13 +13,13 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.geometry import wrap_angle
-from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS, Leg
+from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.control.plant import TickLog, Touchdown, joined
 from sim_proc.control.posture import Posture
 from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
+from sim_proc.control.turning import turn
 from sim_proc.gravity import GRAVITY_M_S2
 
 SHIFT_WEIGHT: Final = 0.02
@@ -187,7 +187,7 @@ class Steps:
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
-        yaw, yaw_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
+        yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
         log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,
@@ -214,7 +214,7 @@ class Steps:
         other.posture = posture = self.posture.measured()
         step, plan = other._plan(ahead)
         leg, air = LEGS.index(step.leg or LEGS[0]), slice(step.shift_ticks, step.n_ticks)
-        yaw, _ = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
+        yaw, _ = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
         trunk = plan.position_m[air] - posture.com_offset_m
         posture.require_reach(what, leg, trunk, yaw[air], swing(posture.feet_m[leg]))
         return step, plan
@@ -289,29 +289,3 @@ def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
 def _ramp(start: float, end: float, n_ticks: int) -> Floats:
     """Values at the ends of `n_ticks` ticks in which they go evenly from `start` to `end`, (n,), not to be changed."""
     return np.linspace(start, end, n_ticks + 1)[1:]
-
-
-@lru_cache
-def _hermite(n_ticks: int) -> tuple[list[Floats], list[Floats]]:
-    """The cubic Hermite basis of start slope, change and end slope at the ends of ticks, (n,) each, and its slopes.
-
-    That of the change is divided by 6.
-    """
-    u = np.arange(1, n_ticks + 1) / n_ticks
-    square, cube = u**2, u**3
-    return (
-        [u - 2 * square + cube, 3 * square - 2 * cube, cube - square],
-        [1 - 4 * u + 3 * square, u - square, 3 * square - 2 * u],
-    )
-
-
-def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, Floats]:
-    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rates, (n,), the last of which is the mean."""
-    duration = n_ticks * CONTROL_PERIOD_S
-    change = wrap_angle(end_rad - start_rad)
-    (start, middle, end), (start_rate, middle_rate, end_rate) = _hermite(n_ticks)
-    rate = change / duration
-    start_slope, end_slope = start_rate_rad_s * duration, rate * duration
-    yaw = start_rad + start_slope * start + change * middle + end_slope * end
-    yaw_rate = start_slope * start_rate + change * 6 * middle_rate + end_slope * end_rate
-    return yaw, yaw_rate / duration
