@@ -29,5 +29,6 @@ def _without_opengl() -> Iterator[None]:
 
 with _without_opengl():
     import mujoco
+    import mujoco.rollout
 
 __all__ = ["mujoco"]

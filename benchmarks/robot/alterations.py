@@ -3,11 +3,14 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from legpush.arrays import Floats
 from legpush.scene.scenario import Scenario
 from sim_proc.headless import mujoco
 from sim_proc.model.world import PHYSICS_STEP_S, build_model
 from sim_proc.physics import physics
+from sim_proc.physics.ticks import Ticks
 
 
 @contextmanager
@@ -28,12 +31,11 @@ def altered(alter: Callable[[mujoco.MjModel], None], steps_per_command: int = 1)
         step(model, data, steps_per_command)
 
     vars(physics)["build_model"] = build_altered
-    mujoco.mj_step = step_often
     try:
-        yield
+        with stepped_by(step_often):
+            yield
     finally:
         vars(physics)["build_model"] = build_model
-        mujoco.mj_step = step
 
 
 @contextmanager
@@ -47,8 +49,29 @@ def delayed(n_steps: int) -> Iterator[None]:
         data.ctrl[:] = commands.get(now - n_steps, data.ctrl)
         step(model, data)
 
-    mujoco.mj_step = step_late
+    with stepped_by(step_late):
+        yield
+
+
+@contextmanager
+def stepped_by(replacement: Callable[[mujoco.MjModel, mujoco.MjData], None]) -> Iterator[None]:
+    """Let the simulator call something else for `mj_step`, also in ticks that MuJoCo would run in one call."""
+    step, run = mujoco.mj_step, Ticks.run
+
+    def run_stepwise(self: Ticks, model: mujoco.MjModel, controls: Floats, sensors: Floats) -> Floats:
+        data, qpos = self.data, np.empty((len(controls), model.nq))
+        for k, row in enumerate(qpos):
+            for control, readings in zip(controls[k], sensors[k], strict=True):
+                data.ctrl[:] = control
+                replacement(model, data)
+                readings[:] = data.sensordata
+            row[:] = data.qpos
+        return qpos
+
+    mujoco.mj_step = replacement
+    Ticks.run = run_stepwise  # type: ignore[method-assign]
     try:
         yield
     finally:
         mujoco.mj_step = step
+        Ticks.run = run  # type: ignore[method-assign]

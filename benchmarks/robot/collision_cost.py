@@ -15,6 +15,7 @@ from msgspec.structs import replace
 
 from agent_proc.statistics.intervals import median
 from benchmarks.report import write_report
+from benchmarks.robot.alterations import stepped_by
 from experiments.tables.parts import plain
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
@@ -98,8 +99,7 @@ def _recorded(scenario: Scenario, pushes: bool) -> tuple[Floats, Floats]:
         controls.append(data.ctrl.copy())
         step(model, data)
 
-    mujoco.mj_step = step_and_keep
-    try:
+    with stepped_by(step_and_keep):
         if pushes:
             for leg in FRONT_LEGS:
                 simulator.perform(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05), with_trace=False)
@@ -111,8 +111,6 @@ def _recorded(scenario: Scenario, pushes: bool) -> tuple[Floats, Floats]:
             simulator.perform(Follow(waypoints=tuple(ahead)), with_trace=False)
             for _ in range(2):
                 simulator.perform(Walk(), with_trace=False)
-    finally:
-        mujoco.mj_step = step
     return state, np.array(controls)
 
 

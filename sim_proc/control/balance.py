@@ -7,7 +7,8 @@ reference is that of Eq. 8: shifted toward the centroid of the supporting feet u
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from math import sqrt
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def plan_com(
     """
     from_reference, from_state, from_end = _preview_gains(weights, height_m)
     position, velocity, acceleration = (
-        a @ zmp_reference_m + b @ state + np.outer(c, end_velocity_m_s)
+        a @ zmp_reference_m + b @ state + c[:, None] * end_velocity_m_s
         for a, b, c in zip(from_reference, from_state, from_end, strict=True)
     )
     zmp = position - height_m / GRAVITY_M_S2 * acceleration
@@ -86,7 +87,9 @@ def _preview_gains(weights: tuple[float, ...], height_m: float) -> tuple[list[Fl
 
 def triangle_margin(points_m: Floats, support_feet_m: Floats) -> Floats:
     """Signed distance of points (n, 2) to the border of one triangle of feet (3, 2), inside positive, (n,)."""
-    margins: Floats = _edge_distances(points_m, support_feet_m).min(axis=1)
+    x, y = points_m.T
+    distances = [(x - edge.x_m) * edge.inward_x + (y - edge.y_m) * edge.inward_y for edge in _edges(support_feet_m)]
+    margins: Floats = np.minimum.reduce(distances)
     return margins
 
 
@@ -95,27 +98,44 @@ def shifted_reference(nominal_m: Floats, support_feet_m: Floats, margin_m: float
 
     That is the nominal point itself if it has the margin. If not even the centroid has it, the result is the centroid.
     """
-    centroid: Floats = support_feet_m.mean(axis=0)
-    at_nominal, at_centroid = _edge_distances(np.stack([nominal_m, centroid]), support_feet_m)
-    short = at_nominal < margin_m
-    if not short.any():
-        return nominal_m
-    if (at_centroid[short] < margin_m).any():
-        return centroid
-    fraction = float(((margin_m - at_nominal[short]) / (at_centroid[short] - at_nominal[short])).max())
-    shifted: Floats = nominal_m + fraction * (centroid - nominal_m)
-    return shifted
+    # Plain numbers, since NumPy is slow at a handful of them.
+    (x, y), (centroid_x, centroid_y) = nominal_m.tolist(), support_feet_m.mean(axis=0).tolist()
+    fraction = 0.0
+    for edge in _edges(support_feet_m):
+        at_nominal = edge.distance_m(x, y)
+        if at_nominal < margin_m:
+            at_centroid = edge.distance_m(centroid_x, centroid_y)
+            if at_centroid < margin_m:
+                return np.array([centroid_x, centroid_y])
+            fraction = max(fraction, (margin_m - at_nominal) / (at_centroid - at_nominal))
+    return np.array([x + fraction * (centroid_x - x), y + fraction * (centroid_y - y)])
 
 
-def _edge_distances(points_m: Floats, support_feet_m: Floats) -> Floats:
-    """Signed distances of points (n, 2) to the edges of a triangle (3, 2), inside positive, (n, 3)."""
-    first, second, third = support_feet_m
-    turn = (second[0] - first[0]) * (third[1] - first[1]) - (second[1] - first[1]) * (third[0] - first[0])
-    corners = support_feet_m if turn > 0 else support_feet_m[::-1]
-    edge = np.roll(corners, -1, axis=0) - corners
-    normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
-    distances: Floats = ((points_m[:, None] - corners) * normal).sum(axis=2)
-    return distances
+class _Edge(NamedTuple):
+    """An edge of a triangle: a point on it, and its normal, which has length 1 and points into the triangle."""
+
+    x_m: float
+    y_m: float
+    inward_x: float
+    inward_y: float
+
+    def distance_m(self, x_m: float, y_m: float) -> float:
+        """Signed distance of a point, inside positive."""
+        return (x_m - self.x_m) * self.inward_x + (y_m - self.y_m) * self.inward_y
+
+
+def _edges(support_feet_m: Floats) -> list[_Edge]:
+    """The three edges of a triangle (3, 2)."""
+    corners = support_feet_m.tolist()
+    (x, y), (second_x, second_y), (third_x, third_y) = corners
+    if (second_x - x) * (third_y - y) - (second_y - y) * (third_x - x) <= 0:
+        corners.reverse()
+    edges = []
+    for (x, y), (next_x, next_y) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        along_x, along_y = next_x - x, next_y - y
+        length_m = sqrt(along_x * along_x + along_y * along_y)
+        edges.append(_Edge(x, y, -along_y / length_m, along_x / length_m))
+    return edges
 
 
 def foot_forces(feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_m_s2: Floats, mass_kg: float) -> Floats:
@@ -128,13 +148,14 @@ def foot_forces(feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_
     the horizontal force in proportion to their vertical forces.
     """
     n = len(zmp_m)
-    lever = feet_m[:, :, :2] - zmp_m[:, None]
-    balance = np.stack([np.ones((n, 4)), lever[:, :, 0], lever[:, :, 1]], axis=1)
+    balance = np.ones((n, 3, 4))
+    balance[:, 1:] = (feet_m[:, :, :2] - zmp_m[:, None]).transpose(0, 2, 1)
     weighted = balance * load_share[:, None]
     wanted = np.zeros((n, 3, 1))
     wanted[:, 0] = mass_kg * GRAVITY_M_S2
     multipliers = np.linalg.solve(weighted @ balance.transpose(0, 2, 1), wanted)
     vertical = (weighted * multipliers).sum(axis=1)
-    horizontal = (vertical / GRAVITY_M_S2)[:, :, None] * acceleration_m_s2[:, None]
-    forces: Floats = np.concatenate([horizontal, vertical[:, :, None]], axis=2)
+    forces = np.empty((n, 4, 3))
+    forces[:, :, :2] = (vertical / GRAVITY_M_S2)[:, :, None] * acceleration_m_s2[:, None]
+    forces[:, :, 2] = vertical
     return forces

@@ -86,19 +86,21 @@ class PathWalk:
         n_legs = len(GAIT_ORDER)
         duration = n_legs * (gait.shift_ticks + gait.swing_ticks) * CONTROL_PERIOD_S
         swing_share = 1 - gait.swing_ticks / (2 * (gait.shift_ticks + gait.swing_ticks))
+        places = np.arange(n_legs)
+        middle, finish = (start + (end - start) * (places + share) / n_legs for share in (swing_share, 1.0))
+        middle, finish, behind, ahead = self._path.poses(np.stack([middle, finish, finish - 0.01, finish + 0.01]))
+        velocities = (ahead[:, :2] - behind[:, :2]) / 0.02 * (end - start) / duration
         steps = []
         for place, leg in enumerate(GAIT_ORDER):
-            middle, finish = (start + (end - start) * (place + share) / n_legs for share in (swing_share, 1.0))
-            near = self._path.poses(np.array([finish - 0.01, finish + 0.01]))
             steps.append(
                 Step(
                     leg=leg,
                     shift_ticks=gait.shift_ticks,
                     swing_ticks=gait.swing_ticks,
                     target_m=targets.feet_m[LEGS.index(leg)],
-                    nominal_xy_m=self._path.poses(np.array(middle))[:2],
-                    end_velocity_m_s=(near[1, :2] - near[0, :2]) / 0.02 * (end - start) / duration,
-                    end_yaw_rad=float(self._path.poses(np.array(finish))[2]),
+                    nominal_xy_m=middle[place, :2],
+                    end_velocity_m_s=velocities[place],
+                    end_yaw_rad=float(finish[place, 2]),
                     margin_m=gait.margin_m,
                 )
             )

@@ -37,7 +37,8 @@ class Knots:
 def knots(now_rad: Floats, velocity_rad_s: Floats, positions_rad: Floats) -> Knots:
     """Knots from the present command (12,) and its velocity through planned positions (n, 12).
 
-    Velocities are central differences, and a one-sided difference of second order at the last tick.
+    Velocities are central differences, and a one-sided difference of second order at the last tick. Accelerations are
+    central differences of the velocities, and one-sided ones of first order at both ends.
     """
     dt = CONTROL_PERIOD_S
     positions = np.concatenate([now_rad[None], positions_rad])
@@ -48,12 +49,19 @@ def knots(now_rad: Floats, velocity_rad_s: Floats, positions_rad: Floats) -> Kno
         velocities[-1] = (3 * positions[-1] - 4 * positions[-2] + positions[-3]) / (2 * dt)
     else:
         velocities[-1] = (positions[-1] - positions[-2]) / dt
-    accelerations = np.gradient(velocities, dt, axis=0)
+    accelerations = np.empty_like(positions)
+    accelerations[0], accelerations[-1] = (velocities[1] - velocities[0]) / dt, (velocities[-1] - velocities[-2]) / dt
+    accelerations[1:-1] = (velocities[2:] - velocities[:-2]) / (2 * dt)
     return Knots(positions_rad=positions, velocities_rad_s=velocities, accelerations_rad_s2=accelerations)
 
 
 _U: Final = np.arange(COMMANDS_PER_TICK)[:, None] / COMMANDS_PER_TICK
 """Share of the tick at the beginning of each servo step, (COMMANDS_PER_TICK, 1)."""
+_START, _START_SLOPE = 2 * _U**3 - 3 * _U**2 + 1, _U**3 - 2 * _U**2 + _U
+_END, _END_SLOPE = 3 * _U**2 - 2 * _U**3, _U**3 - _U**2
+"""The cubic Hermite basis at these shares."""
+_CHANGE_RATE, _START_RATE, _END_RATE = 6 * _U**2 - 6 * _U, 3 * _U**2 - 4 * _U + 1, 3 * _U**2 - 2 * _U
+"""Its derivatives."""
 
 
 def interpolated(at: Knots, torques_n_m: Floats) -> JointCommands:
@@ -61,12 +69,10 @@ def interpolated(at: Knots, torques_n_m: Floats) -> JointCommands:
 
     `torques_n_m` (n + 1, 12) are those at the knots. A command is the value at the beginning of its step.
     """
-    dt, u = CONTROL_PERIOD_S, _U
+    dt = CONTROL_PERIOD_S
     p0, p1 = at.positions_rad[:-1, None], at.positions_rad[1:, None]
     v0, v1 = at.velocities_rad_s[:-1, None] * dt, at.velocities_rad_s[1:, None] * dt
-    positions = (
-        (2 * u**3 - 3 * u**2 + 1) * p0 + (u**3 - 2 * u**2 + u) * v0 + (3 * u**2 - 2 * u**3) * p1 + (u**3 - u**2) * v1
-    )
-    velocities = (6 * u**2 - 6 * u) * (p0 - p1) + (3 * u**2 - 4 * u + 1) * v0 + (3 * u**2 - 2 * u) * v1
+    positions = _START * p0 + _START_SLOPE * v0 + _END * p1 + _END_SLOPE * v1
+    velocities = _CHANGE_RATE * (p0 - p1) + _START_RATE * v0 + _END_RATE * v1
     t0, t1 = torques_n_m[:-1, None], torques_n_m[1:, None]
-    return JointCommands(positions_rad=positions, velocities_rad_s=velocities / dt, torques_n_m=t0 + u * (t1 - t0))
+    return JointCommands(positions_rad=positions, velocities_rad_s=velocities / dt, torques_n_m=t0 + _U * (t1 - t0))

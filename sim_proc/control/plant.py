@@ -37,6 +37,8 @@ class StepLog:
 
 def joined_steps(logs: Sequence[StepLog]) -> StepLog:
     """The steps of motions that followed one another."""
+    if len(logs) == 1:
+        return logs[0]
     return StepLog(
         **{field.name: np.concatenate([getattr(log, field.name) for log in logs]) for field in fields(StepLog)}
     )
@@ -95,6 +97,8 @@ class TickLog:
 
 def joined(logs: Sequence[TickLog]) -> TickLog:
     """The log of motions that followed one another. It ended as the last one did."""
+    if len(logs) == 1:
+        return logs[0]
     ends: dict[str, Any] = {"touched_down": logs[-1].touched_down, "not_down": logs[-1].not_down}
     names = [field.name for field in fields(TickLog) if field.name not in ("steps", *ends)]
     rows: dict[str, Any] = {name: np.concatenate([getattr(log, name) for log in logs]) for name in names}

@@ -24,7 +24,9 @@ class Posture:
         robot = plant.robot
         self._kinematics = LegKinematics(robot)
         self._height_m = robot.stance.height_m
-        self._reanchor_ticks, self._press_m = robot.gait.reanchor_ticks, robot.gait.press_m
+        self._press_m = robot.gait.press_m
+        self._uncorrected: Floats = 1.0 - minimum_jerk(robot.gait.reanchor_ticks)
+        """Share of a correction by measured feet that is left after each of the first ticks."""
         self._tolerance_m = robot.gait.landing_speed_m_s * robot.gait.landing_ticks * CONTROL_PERIOD_S
         trunk = plant.trunk_pose()
         self.trunk_xy_m: Floats = trunk.xy()
@@ -117,15 +119,18 @@ class Posture:
         the planned motion, are fed forward. A correction by measured feet is spread over the first ticks.
         """
         n = len(yaw_rad)
-        from_world = _rotations(-yaw_rad)
-        joints = self._inverse(trunk_xy_m, from_world, feet_m)
+        from_world = _rotations(-np.append(self.yaw_rad, yaw_rad))
+        trunks = np.concatenate([self.trunk_xy_m[None], trunk_xy_m])
+        joints = self._inverse(trunks, from_world, np.concatenate([self.feet_m[None], feet_m]))
+        present, planned, from_world = joints[0].ravel(), joints[1:], from_world[1:]
         against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
         forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg)
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
-        torques = -np.einsum("nlij,nli->nlj", self._kinematics.jacobian(joints, SIDE), forces).reshape(n, 12)
-        planned = joints.reshape(n, 12)
-        left = 1.0 - minimum_jerk(self._reanchor_ticks)[:n]
-        planned[: len(left)] += left[:, None] * (self.joints_rad - self._present_joints_rad())
+        torques = -np.einsum("nlij,nli->nlj", self._kinematics.jacobian(planned, SIDE), forces).reshape(n, 12)
+        planned = planned.reshape(n, 12)
+        left = self._uncorrected[:n]
+        # Measured feet move the joints of the commanded trunk and feet away from the last commands.
+        planned[: len(left)] += left[:, None] * (self.joints_rad - present)
         motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
         torques += self.plant.inverse_dynamics_n_m(motion, yaw_rad)
         before = torques[0] if self._joint_torques_n_m is None else self._joint_torques_n_m
@@ -156,11 +161,6 @@ class Posture:
         self._joint_velocities_rad_s[joints] = 0.0
         self.feet_m[leg] = self.plant.tips_m()[leg]
 
-    def _present_joints_rad(self) -> Floats:
-        """Joint angles of the commanded trunk and feet, (12,); measured feet move them away from the last commands."""
-        from_world = _rotations(np.array([-self.yaw_rad]))
-        return self._inverse(self.trunk_xy_m[None], from_world, self.feet_m[None]).reshape(12)
-
     def _inverse(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
         """Joint angles, (n, 4, 3), of trunks (n, 2) with rotations (n, 2, 2) into their frames, and feet (n, 4, 3)."""
         return self._kinematics.inverse(self._tips_h(trunk_xy_m, from_world, feet_m), SIDE, saturate=True)
@@ -176,5 +176,7 @@ class Posture:
 
 def _rotations(yaw_rad: Floats) -> Floats:
     """Planar rotations, (n, 2, 2)."""
-    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
-    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+    rotations, sine = np.empty((len(yaw_rad), 2, 2)), np.sin(yaw_rad)
+    rotations[:, 0, 0] = rotations[:, 1, 1] = np.cos(yaw_rad)
+    rotations[:, 0, 1], rotations[:, 1, 0] = -sine, sine
+    return rotations

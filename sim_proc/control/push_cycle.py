@@ -93,8 +93,8 @@ class Pusher:
             *self._return_steps(push.leg, behind_box(box, pose @ expected, robot.station_m))[:2],
         ]
         swing = self._bezier_swing(push, goal)
-        self._steps.require_reach("the curve of a push", ahead, swing)
-        logs = [self._steps.take_step(ahead, swing, lands=False)]
+        planned = self._steps.require_reach("the curve of a push", ahead, swing)
+        logs = [self._steps.take_step(ahead, swing, lands=False, planned=planned)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen:
             follow = self._return_steps(push.leg, self._next_station(push.face))

@@ -6,20 +6,20 @@ Walking and pushing are sequences of such steps.
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from math import ceil
 from typing import Final
 
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.geometry import wrap_angle
-from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS, Leg
+from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.control.plant import TickLog, Touchdown, joined
 from sim_proc.control.posture import Posture
 from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
+from sim_proc.control.turning import turn
 from sim_proc.gravity import GRAVITY_M_S2
 
 SHIFT_WEIGHT: Final = 0.02
@@ -29,6 +29,8 @@ LAST_SHARE: Final = 0.05
 it again before it rises; with twice as much it would push itself off."""
 LIFTED_SHARE: Final = 1e-4
 """Share of its full load planned for a foot in the air: nothing, but the forces stay determined."""
+OTHERS: Final = tuple([leg for leg in range(len(LEGS)) if leg != lifted] for lifted in range(len(LEGS)))
+"""The feet that stand while each leg is up."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
 """Ticks to lengthen the shift, and multiples of the robot's least margin to widen the ZMP's margin by.
 
@@ -64,6 +66,10 @@ Swing = Callable[[Floats], Floats]
 """A function from the place of a foot, (3,), to its curve through the air, (swing_ticks, 3)."""
 
 
+Planned = tuple[Step, ComPlan]
+"""A step, with its shift as long as a stable lift takes, and the planned motion of the CoM over the steps ahead."""
+
+
 class Steps:
     """Takes one step at a time, and plans the motion of the centre of mass over the steps ahead for each."""
 
@@ -85,14 +91,17 @@ class Steps:
         """Where each foot stood before its last step, (4, 3)."""
         self.n_footsteps = 0
 
-    def take_step(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True) -> TickLog:
+    def take_step(
+        self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool = True, planned: Planned | None = None
+    ) -> TickLog:
         """Carry out `ahead[0]`. The other steps are those expected to follow.
 
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
+        `planned` is what `require_reach` planned of these steps, if it has.
         """
         self.without_floor = None
         self._carried = ()
-        logs = [self._lift_and_swing(ahead, swing, lands=lands)]
+        logs = [self._lift_and_swing(ahead, swing, lands=lands, planned=planned)]
         while (missing := logs[-1].not_down) is not None:
             leg, place_m = LEGS[missing], self.posture.feet_m[missing, :2].copy()
             logs += self._search(leg, [replace(ahead[0], leg=leg, target_m=place_m), *ahead[1:]])
@@ -103,14 +112,16 @@ class Steps:
             logs.append(self._lift_and_swing(ahead, swing, lands=lands))
         return joined(logs)
 
-    def _lift_and_swing(self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool) -> TickLog:
+    def _lift_and_swing(
+        self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool, planned: Planned | None = None
+    ) -> TickLog:
         """Carry out `ahead[0]`, up to the lift if another foot is not down then."""
         posture, leg = self.posture, ahead[0].leg
         if ahead[0].shift_ticks > 0:
             posture.measure()
             if leg is not None:
                 self._footholds_m[LEGS.index(leg)] = posture.feet_m[LEGS.index(leg)]
-        step, plan = self._plan(ahead)
+        step, plan = planned or self._plan(ahead)
         until = None
         if leg is not None:
             flight = flight_ticks(step.swing_ticks, self._gait) if lands else step.swing_ticks
@@ -168,15 +179,15 @@ class Steps:
         load_share = np.ones((n, 4))
         ramp = min(gait.ramp_ticks, step.shift_ticks)
         if self.landed is not None and ramp > 0:
-            load_share[:ramp, self.landed] = np.linspace(gait.landed_share, 1.0, ramp + 1)[1:]
+            load_share[:ramp, self.landed] = _ramp(gait.landed_share, 1.0, ramp)
         if leg is not None and swing is not None:
             feet[step.shift_ticks :, leg] = swing(posture.feet_m[leg])
             unload = load_share[step.shift_ticks - ramp : step.shift_ticks, leg]
-            np.minimum(unload, np.linspace(1.0, LAST_SHARE, ramp + 1)[1:], out=unload)
+            np.minimum(unload, _ramp(1.0, LAST_SHARE, ramp), out=unload)
             load_share[step.shift_ticks :, leg] = LIFTED_SHARE
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
-        yaw, yaw_rate = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
+        yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
         log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,
@@ -191,8 +202,8 @@ class Steps:
         posture.yaw_rate_rad_s = float(yaw_rate[last])
         return log
 
-    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> None:
-        """Check that the leg of `ahead[0]` follows its whole swing, with the trunk moving as planned. Nothing moves.
+    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> Planned:
+        """Plan `ahead[0]`, and check that its leg follows its whole swing, with the trunk moving so. Nothing moves.
 
         `what` names the swing in the error.
 
@@ -203,9 +214,10 @@ class Steps:
         other.posture = posture = self.posture.measured()
         step, plan = other._plan(ahead)
         leg, air = LEGS.index(step.leg or LEGS[0]), slice(step.shift_ticks, step.n_ticks)
-        yaw, _ = _turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
+        yaw, _ = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
         trunk = plan.position_m[air] - posture.com_offset_m
         posture.require_reach(what, leg, trunk, yaw[air], swing(posture.feet_m[leg]))
+        return step, plan
 
     def _touchdown(self, leg: Leg, step: Step, first_tick: int, landing_tick: int, *, stops_leg: bool) -> Touchdown:
         """The touchdown that ends a swing. Its ticks count from the lift."""
@@ -219,12 +231,12 @@ class Steps:
             stops_leg=stops_leg,
         )
 
-    def _plan(self, ahead: Sequence[Step]) -> tuple[Step, ComPlan]:
+    def _plan(self, ahead: Sequence[Step]) -> Planned:
         """The first step, with a shift long enough for a stable lift, and the planned motion of the CoM."""
         first = ahead[0]
         if first.leg is None or first.shift_ticks == 0:
             return first, self._plan_com(ahead)
-        support = np.delete(self.posture.feet_m[:, :2], LEGS.index(first.leg), axis=0)
+        support = self.posture.feet_m[OTHERS[LEGS.index(first.leg)], :2]
         least_m = self._gait.least_margin_m
         for longer, wider in CAUTION:
             step = replace(first, shift_ticks=first.shift_ticks + longer, margin_m=first.margin_m + wider * least_m)
@@ -240,19 +252,20 @@ class Steps:
         """The motion of the CoM over all of these steps."""
         posture = self.posture
         feet = posture.feet_m[:, :2].copy()
-        references, weights = [], []
+        references = np.empty((sum(step.n_ticks for step in ahead), 2))
+        weights: tuple[float, ...] = ()
         for step in ahead:
             reference = step.nominal_xy_m
             if step.leg is not None:
                 leg = LEGS.index(step.leg)
-                reference = shifted_reference(reference, np.delete(feet, leg, axis=0), step.margin_m)
+                reference = shifted_reference(reference, feet[OTHERS[leg]], step.margin_m)
                 feet[leg] = step.target_m
-            references.append(np.repeat(reference[None] - self._lean_m, step.n_ticks, axis=0))
-            weights += [SHIFT_WEIGHT] * step.shift_ticks + [1.0] * step.swing_ticks
+            references[len(weights) : len(weights) + step.n_ticks] = reference - self._lean_m
+            weights += (SHIFT_WEIGHT,) * step.shift_ticks + (1.0,) * step.swing_ticks
         return plan_com(
             posture.com_state,
-            np.concatenate(references),
-            tuple(weights),
+            references,
+            weights,
             ahead[-1].end_velocity_m_s,
             self._com_height_m,
         )
@@ -272,13 +285,7 @@ def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
     )
 
 
-def _turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, Floats]:
-    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rates, (n,), the last of which is the mean."""
-    duration = n_ticks * CONTROL_PERIOD_S
-    change = wrap_angle(end_rad - start_rad)
-    u = np.arange(1, n_ticks + 1) / n_ticks
-    rate = change / duration
-    start_slope, end_slope = start_rate_rad_s * duration, rate * duration
-    yaw = start_rad + start_slope * (u - 2 * u**2 + u**3) + change * (3 * u**2 - 2 * u**3) + end_slope * (u**3 - u**2)
-    yaw_rate = start_slope * (1 - 4 * u + 3 * u**2) + change * 6 * (u - u**2) + end_slope * (3 * u**2 - 2 * u)
-    return yaw, yaw_rate / duration
+@lru_cache
+def _ramp(start: float, end: float, n_ticks: int) -> Floats:
+    """Values at the ends of `n_ticks` ticks in which they go evenly from `start` to `end`, (n,), not to be changed."""
+    return np.linspace(start, end, n_ticks + 1)[1:]

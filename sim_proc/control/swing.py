@@ -1,12 +1,13 @@
 """Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 13, 14)."""
 
+from functools import lru_cache
 from math import pi
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from legpush.arrays import Floats
+from legpush.arrays import Flags, Floats, Integers
 from legpush.bounds import MAX_TICKS
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.robot_motion import Gait
@@ -71,20 +72,48 @@ def landing_swing(start_m: ArrayLike, end_m: ArrayLike, height_m: float, n_ticks
     the landing ticks. Along the floor it is at its place a little earlier.
     """
     start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
-    tick = np.arange(1, n_ticks + 1)
     flight, speed = flight_ticks(n_ticks, gait), gait.landing_speed_m_s * CONTROL_PERIOD_S
-    landing = n_ticks - flight
-    apex, apex_m = APEX_SHARE * flight, max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
-    along = quintic(np.clip(tick / (n_ticks - SETTLED_SHARE * landing), 0.0, 1.0))
-    curve: Floats = start + along[:, None] * (end - start)
-    rising = start[2] + (apex_m - start[2]) * quintic(np.clip(tick / apex, 0.0, 1.0))
-    falls = flight - apex
-    u = np.clip((tick - apex) / falls, 0.0, 1.0)
+    shares = _landing_shares(n_ticks, flight)
+    landing, falls = n_ticks - flight, flight - APEX_SHARE * flight
+    apex_m = max(start[2] + height_m, end[2] + height_m, end[2] + speed * landing)
+    curve: Floats = start + shares.along[:, None] * (end - start)
+    rising = start[2] + (apex_m - start[2]) * shares.risen
     drop, slope = end[2] + speed * landing - apex_m, -speed * falls
-    falling = apex_m + (10 * drop - 4 * slope) * u**3 + (7 * slope - 15 * drop) * u**4 + (6 * drop - 3 * slope) * u**5
-    lands = end[2] + speed * (n_ticks - tick)
-    curve[:, 2] = np.where(tick <= apex, rising, np.where(tick <= flight, falling, lands))
+    u3, u4, u5 = shares.fallen_powers
+    falling = apex_m + (10 * drop - 4 * slope) * u3 + (7 * slope - 15 * drop) * u4 + (6 * drop - 3 * slope) * u5
+    lands = end[2] + speed * shares.ticks_left
+    curve[:, 2] = np.where(shares.rises, rising, np.where(shares.flies, falling, lands))
     return curve
+
+
+class _LandingShares(NamedTuple):
+    """How far a step that lands has come at the end of each of its n ticks, (n,) each."""
+
+    along: Floats
+    """Share of the way along the floor."""
+    risen: Floats
+    """Share of the way up."""
+    fallen_powers: tuple[Floats, Floats, Floats]
+    """Share of the time from the highest point to the landing, to the powers of 3, 4 and 5."""
+    ticks_left: Integers
+    rises: Flags
+    flies: Flags
+    """Whether the foot still rises, and whether it does not land yet."""
+
+
+@lru_cache
+def _landing_shares(n_ticks: int, flight: int) -> _LandingShares:
+    """The shares of a step of `n_ticks`, which begins to land after `flight` of them."""
+    tick, apex = np.arange(1, n_ticks + 1), APEX_SHARE * flight
+    u = np.clip((tick - apex) / (flight - apex), 0.0, 1.0)
+    return _LandingShares(
+        along=quintic(np.minimum(tick / (n_ticks - SETTLED_SHARE * (n_ticks - flight)), 1.0)),
+        risen=quintic(np.minimum(tick / apex, 1.0)),
+        fallen_powers=(u**3, u**4, u**5),
+        ticks_left=n_ticks - tick,
+        rises=tick <= apex,
+        flies=tick <= flight,
+    )
 
 
 def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus: Locus, floor_m: float) -> Floats:

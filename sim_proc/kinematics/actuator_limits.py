@@ -23,16 +23,17 @@ class ActuatorLimits:
         """Largest torques at rest and at the best angle, (12,)."""
         self._slope = self.peak_n_m / np.array(len(LEGS) * [joint.max_speed_rad_s for joint in joints])
         self._by_angle = [
-            (slice(index, None, len(joints)), *np.array(joint.torque_by_angle).T)
+            (slice(index, None, len(joints)), np.radians(angles_deg), torques_n_m)
             for index, joint in enumerate(joints)
             if joint.torque_by_angle
+            for angles_deg, torques_n_m in [np.array(joint.torque_by_angle).T]
         ]
 
     def bounds_n_m(self, positions_rad: Floats, speeds_rad_s: Floats) -> tuple[Floats, Floats]:
         """Least and largest torques at joint angles and speeds (..., 12)."""
         peak = np.broadcast_to(self.peak_n_m, positions_rad.shape).copy()
-        for joints, angles_deg, torques_n_m in self._by_angle:
-            there = np.interp(positions_rad[..., joints], np.radians(angles_deg), torques_n_m)
+        for joints, angles_rad, torques_n_m in self._by_angle:
+            there = np.interp(positions_rad[..., joints], angles_rad, torques_n_m)
             np.minimum(peak[..., joints], there, out=peak[..., joints])
         lost = self._slope * speeds_rad_s
         upper = np.minimum(peak, np.maximum(self.peak_n_m - lost, 0.0))

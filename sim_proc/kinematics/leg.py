@@ -108,16 +108,19 @@ class LegKinematics:
         reaches. From there to straight up, and toward the axis, it turns back to straight down.
         """
         l1 = self._offset_m
-        x, y, z = np.moveaxis(tips, -1, 0)
+        x, y, z = tips[..., 0], tips[..., 1], tips[..., 2]
         z2_squared = y * y + z * z - l1 * l1
         z2 = -np.sqrt(np.maximum(z2_squared, LEAST_DROP_M**2))
         direction, farthest = np.arctan2(y, -z), self._farthest_rad
         beyond = np.copysign(farthest * (np.pi - np.abs(direction)) / (np.pi - farthest), direction)
         direction = np.where(np.abs(direction) <= farthest, direction, beyond)
         direction *= np.minimum(np.hypot(y, z) / l1, 1.0)
-        q1 = direction - np.arctan2(side * l1, -z2)
         beta2, beta3 = self._angles(np.clip(x * x + z2 * z2, *self._reach_squared_m2))
-        return np.stack([q1, np.arctan2(-x, -z2) + beta2, np.pi - beta3], axis=-1)
+        joints = np.empty(tips.shape)
+        joints[..., 0] = direction - np.arctan2(side * l1, -z2)
+        joints[..., 1] = np.arctan2(-x, -z2) + beta2
+        joints[..., 2] = np.pi - beta3
+        return joints
 
     def _angles(self, reach_squared_m2: Floats) -> tuple[Floats, Floats]:
         """Angles of the triangle of upper leg, lower leg and reach: at the hip-y axis, and at the knee."""
@@ -128,21 +131,21 @@ class LegKinematics:
     def jacobian(self, joints_rad: ArrayLike, side: ArrayLike) -> Floats:
         """Derivative of the tip in the hip frame with respect to the joint angles, (..., 3, 3)."""
         l1, l2, l3 = self._offset_m, self._upper_m, self._lower_m
-        q1, q2, q3 = np.moveaxis(np.asarray(joints_rad, dtype=np.float64), -1, 0)
+        joints = np.asarray(joints_rad, dtype=np.float64)
+        q1, q2, q3 = joints[..., 0], joints[..., 1], joints[..., 2]
         s2, c2 = np.sin(q2), np.cos(q2)
         s23, c23 = np.sin(q2 - q3), np.cos(q2 - q3)
         s1, c1 = np.sin(q1), np.cos(q1)
         y2 = np.asarray(side) * l1
         z2 = -l2 * c2 - l3 * c23
-        x_by_q2, x_by_q3 = z2, l3 * c23
         z2_by_q2, z2_by_q3 = l2 * s2 + l3 * s23, -l3 * s23
-        zero = np.zeros_like(s1)
-        rows = [
-            np.stack([zero, x_by_q2, x_by_q3], axis=-1),
-            np.stack([-y2 * s1 - z2 * c1, -z2_by_q2 * s1, -z2_by_q3 * s1], axis=-1),
-            np.stack([y2 * c1 - z2 * s1, z2_by_q2 * c1, z2_by_q3 * c1], axis=-1),
-        ]
-        return np.stack(rows, axis=-2)
+        jacobian = np.zeros((*joints.shape, 3))
+        jacobian[..., 0, 1], jacobian[..., 0, 2] = z2, l3 * c23
+        jacobian[..., 1, 0] = -y2 * s1 - z2 * c1
+        jacobian[..., 1, 1], jacobian[..., 1, 2] = -z2_by_q2 * s1, -z2_by_q3 * s1
+        jacobian[..., 2, 0] = y2 * c1 - z2 * s1
+        jacobian[..., 2, 1], jacobian[..., 2, 2] = z2_by_q2 * c1, z2_by_q3 * c1
+        return jacobian
 
 
 def _wrap(angle: Floats) -> Floats:

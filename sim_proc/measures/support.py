@@ -12,6 +12,16 @@ AROUND: Final = tuple(LEGS.index(leg) for leg in ("FL", "FR", "RR", "RL"))
 """The feet in their order around the robot, as long as no legs cross."""
 
 
+def _corners(code: int) -> list[int]:
+    """The feet in a set of feet, whose bits are 1, in their order around the robot; the last is repeated up to four."""
+    loaded = [leg for leg in AROUND if code >> leg & 1] or [0]
+    return loaded + loaded[-1:] * (len(LEGS) - len(loaded))
+
+
+CORNERS: Final = np.array([_corners(code) for code in range(1 << len(LEGS))])
+"""The corners of the polygon of each set of loaded feet, (16, 4)."""
+
+
 def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
     """Signed distances of p points in each of n steps, (p, n, 2), to the border of the polygon of the step, (p, n).
 
@@ -19,19 +29,13 @@ def support_margins(points_m: Floats, feet_m: Floats, loaded: Flags) -> Floats:
     The polygon of two feet is a segment, and that of one foot a point, so that no point is inside. If no foot is
     loaded, the distance is that to the mean of all feet.
     """
-    margins = np.empty(points_m.shape[:2])
-    sets = loaded @ (1 << np.arange(len(LEGS)))
-    for code in np.flatnonzero(np.bincount(sets)).tolist():
-        steps = np.flatnonzero(sets == code)
-        legs = [leg for leg in AROUND if code >> leg & 1]
-        # Coordinates and corners come first, so that NumPy goes through the steps in its innermost loops.
-        points = points_m[:, steps].transpose(2, 0, 1).copy()
-        feet = feet_m[steps].transpose(2, 1, 0)
-        corners = feet[:, legs] if legs else feet.mean(axis=1, keepdims=True)
-        if len(legs) > 3:
-            corners = _hulls(corners)
-        margins[:, steps] = _margins(points, corners)
-    return margins
+    legs = CORNERS[loaded @ (1 << np.arange(len(LEGS)))]
+    corners = np.take_along_axis(feet_m, legs[:, :, None], axis=1)
+    flying = ~loaded.any(axis=1)
+    if flying.any():
+        corners[flying] = feet_m[flying].mean(axis=1, keepdims=True)
+    # Coordinates and corners come first, so that NumPy goes through the steps in its innermost loops.
+    return _margins(points_m.transpose(2, 0, 1).copy(), _hulls(corners.transpose(2, 1, 0).copy()))
 
 
 def _cross(one: Floats, other: Floats) -> Floats:
@@ -40,9 +44,14 @@ def _cross(one: Floats, other: Floats) -> Floats:
     return product
 
 
+def _next(corners: Floats) -> Floats:
+    """The corner after each corner, (2, k, n)."""
+    return np.concatenate([corners[:, 1:], corners[:, :1]], axis=1)
+
+
 def _turns(corners: Floats) -> Floats:
     """At each corner (2, k, n), twice the area of the triangle with its neighbours: positive to the left."""
-    after = np.roll(corners, -1, axis=1) - corners
+    after = _next(corners) - corners
     return _cross(np.roll(after, 1, axis=1), after)
 
 
@@ -64,18 +73,20 @@ def _hulls(corners: Floats) -> Floats:
 
 
 def _margins(points: Floats, corners: Floats) -> Floats:
-    """Margins of points (2, p, n) in polygons whose k corners are in order, (2, k, n), for any k from 1 on: (p, n)."""
-    edges = np.roll(corners, -1, axis=1) - corners
-    n_corners = corners.shape[1]
-    margins = np.full(points.shape[1:], -1.0)
-    if n_corners > 2:
-        # Twice the area of a triangle; of four corners in order, one of which may lie between its neighbours.
-        turn = _cross(edges[:, 0], edges[:, 1]) + (_cross(edges[:, 2], edges[:, 3]) if n_corners > 3 else 0.0)
-        lengths = np.sqrt(edges[0] * edges[0] + edges[1] * edges[1])
-        along = edges * (np.sign(turn) / np.maximum(lengths, TINY))
-        offsets = _cross(along, corners)
-        np.minimum.reduce([_cross(along[:, k, None], points) - offsets[k] for k in range(n_corners)], out=margins)
-        margins[:, turn == 0.0] = -1.0
+    """Margins of points (2, p, n) in polygons whose four corners are in order, (2, 4, n): (p, n).
+
+    Corners may be in the same place, one after the other: then the polygon is a triangle, a segment or a point.
+    """
+    edges = _next(corners) - corners
+    # Twice the area; one of the corners may lie between its neighbours.
+    turn = _cross(edges[:, 0], edges[:, 1]) + _cross(edges[:, 2], edges[:, 3])
+    lengths = np.sqrt(edges[0] * edges[0] + edges[1] * edges[1])
+    along = edges * (np.sign(turn) / np.maximum(lengths, TINY))
+    offsets = np.where(lengths == 0.0, -np.inf, _cross(along, corners))
+    margins: Floats = _cross(along[:, 0, None], points) - offsets[0]
+    for k in range(1, len(LEGS)):
+        np.minimum(margins, _cross(along[:, k, None], points) - offsets[k], out=margins)
+    margins[:, turn == 0.0] = -1.0
     outside = margins < 0.0
     if outside.any():
         of, at = outside.nonzero()

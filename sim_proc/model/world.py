@@ -5,9 +5,9 @@ coefficient is stated once: of listed pairs of geoms, and of walls for whatever 
 """
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
-from legpush.scene.conventions import JOINTS, LEGS
+from legpush.scene.conventions import FRONT_LEGS, JOINTS, LEGS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import gravity_m_s2
 from sim_proc.headless import mujoco
@@ -105,7 +105,7 @@ def _add_contact_pairs(spec: mujoco.MjSpec, scenario: Scenario, box_geoms: Seque
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
-    """Add force sensors of the feet, against floor, box and everything, an IMU, and the robot's centre of mass."""
+    """Add sensors: forces on the feet, an IMU, joints, the robot's centre of mass, and numbers of contacts."""
 
     def contact_force(name: str, foot: str, other: str, kind: mujoco.mjtObj) -> None:
         """Net force of a geom or body on a foot: MuJoCo's contact sensor with data `force` and reduction `netforce`."""
@@ -117,6 +117,15 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
             reftype=kind,
             refname=other,
             intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), NET_FORCE, 1],
+        )
+
+    def n_contacts(name: str, **between: Any) -> None:
+        """The number of contacts, of all or of those between two things."""
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1],
+            **between,
         )
 
     for leg in LEGS:
@@ -151,3 +160,14 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
             objname=f"{leg}_foot",
             intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), NET_FORCE, 1],
         )
+    box, floor = (
+        {"objtype": mujoco.mjtObj.mjOBJ_BODY, "objname": "box"},
+        {"reftype": mujoco.mjtObj.mjOBJ_GEOM, "refname": "floor"},
+    )
+    for leg in LEGS:
+        n_contacts(f"{leg}_floor_contacts", objtype=mujoco.mjtObj.mjOBJ_GEOM, objname=f"{leg}_foot", **floor)
+    n_contacts("box_floor_contacts", **box, **floor)
+    for leg in FRONT_LEGS:
+        foot = {"reftype": mujoco.mjtObj.mjOBJ_GEOM, "refname": f"{leg}_foot"}
+        n_contacts(f"{leg}_box_contacts", **box, **foot)
+    n_contacts("contacts")

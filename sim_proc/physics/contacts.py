@@ -6,11 +6,12 @@ from typing import Final
 
 import numpy as np
 
-from legpush.arrays import Flags
+from legpush.arrays import Flags, Floats
 from legpush.errors import MotionError
 from legpush.messages.measures import MAX_PAIRS, UnexpectedContact
 from legpush.scene.conventions import FRONT_LEGS, LEGS, FrontLeg
 from sim_proc.headless import mujoco
+from sim_proc.physics.sensors import Sensors
 
 UNKNOWN: Final = -1
 """A number of contacts that no step has."""
@@ -26,8 +27,10 @@ class ContactWatch:
     after one with an unexpected contact.
     """
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    def __init__(self, model: mujoco.MjModel, sensors: Sensors) -> None:
         """Watch a world in which no leg pushes."""
+        self._counts = sensors.n_contacts
+        """Columns of the numbers of contacts: feet and floor, box and floor, front feet and box, and all."""
         self._names = tuple(model.geom(geom).name for geom in range(model.ngeom))
         box = np.flatnonzero(model.geom_bodyid == model.body("box").id).tolist()
         expected = _expected(model, box)
@@ -41,6 +44,8 @@ class ContactWatch:
     def expect(self, pushing: FrontLeg | None) -> None:
         """Begin to count again. The leg `pushing` may touch the box."""
         allowed = self._allowed[pushing]
+        self._weights = np.array([1.0] * (len(LEGS) + 1) + [float(leg == pushing) for leg in FRONT_LEGS] + [-1.0])
+        """The sum of the numbers of contacts with these weights is 0 in a step with expected contacts, (n,)."""
 
         @lru_cache(maxsize=MAX_SETS)
         def unexpected(geoms: bytes) -> tuple[tuple[int, tuple[int, int]], ...]:
@@ -58,6 +63,10 @@ class ContactWatch:
         other = copy(self)
         other._found = dict(self._found)
         return other
+
+    def suspects(self, readings: Floats) -> bool:
+        """Whether sensors (..., n) of physics steps tell of more contacts than those of feet, floor and box."""
+        return bool((readings[..., self._counts] @ self._weights).any())
 
     def begin_tick(self) -> None:
         """Let the next step be looked at."""

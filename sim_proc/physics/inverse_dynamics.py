@@ -5,7 +5,7 @@ from math import cos, sin
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.scene.conventions import JOINT_QPOS, LEGS
+from legpush.scene.conventions import JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.joint_commands import Knots
 from sim_proc.headless import mujoco
@@ -26,18 +26,21 @@ class InverseDynamics:
     def torques_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12), with the trunk turned by `yaw_rad` (n,)."""
         model, data, forces = self._model, self._data, self._forces
+        orientation, joints, joint_forces = data.qpos[TRUNK_QPOS][3:], data.qpos[JOINT_QPOS], forces[JOINT_QVEL]
+        joint_velocities, joint_accelerations = data.qvel[JOINT_QVEL], data.qacc[JOINT_QVEL]
         positions, velocities, accelerations = (
             rows[1:] for rows in (motion.positions_rad, motion.velocities_rad_s, motion.accelerations_rad_s2)
         )
+        kinematics, com_pos, com_vel, rne = mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel, mujoco.mj_rne
         torques = np.empty_like(positions)
         for k, yaw in enumerate(yaw_rad.tolist()):
-            data.qpos[3], data.qpos[6] = cos(yaw / 2), sin(yaw / 2)
-            data.qpos[JOINT_QPOS] = positions[k]
-            data.qvel[JOINT_QVEL] = velocities[k]
-            data.qacc[JOINT_QVEL] = accelerations[k]
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_comVel(model, data)
-            mujoco.mj_rne(model, data, 1, forces)
-            torques[k] = forces[JOINT_QVEL]
+            orientation[0], orientation[3] = cos(yaw / 2), sin(yaw / 2)
+            joints[:] = positions[k]
+            joint_velocities[:] = velocities[k]
+            joint_accelerations[:] = accelerations[k]
+            kinematics(model, data)
+            com_pos(model, data)
+            com_vel(model, data)
+            rne(model, data, 1, forces)
+            torques[k] = joint_forces
         return torques + self._armature * accelerations + self._damping * velocities

@@ -26,6 +26,8 @@ class Landing:
         measured joint angles, the planned angles (n, steps, 12), and how far the joints may stay behind them, (12,).
         """
         self._touchdown, self._forces, self._holds = touchdown, forces, holds
+        self._force = forces.start + forces.step * touchdown.leg
+        """Column of the vertical force of the foot."""
         self._measured, self._positions, self._allowed_rad = joints
         self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
 
@@ -34,18 +36,31 @@ class Landing:
 
         `sensors` (steps, n) gets a row after each step.
         """
+        return self._stopping(tick, controls, sensors) if self.may_stop(tick) else controls
+
+    def may_stop(self, tick: int) -> bool:
+        """Whether the leg may stop within a tick."""
         touchdown = self._touchdown
-        if touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick:
-            return self._stopping(tick, controls, sensors)
-        return controls
+        return touchdown.stops_leg and touchdown.first_tick <= tick < touchdown.landing_tick
+
+    def next_look(self, tick: int, n_ticks: int) -> int:
+        """The tick, of those of a run, before which a run that has come to `tick` has to look whether it ends."""
+        touchdown = self._touchdown
+        if tick < touchdown.lift_tick:
+            return min(touchdown.lift_tick, n_ticks)
+        if tick < touchdown.first_tick:
+            return min(touchdown.first_tick, n_ticks)
+        return tick + 1 if tick < touchdown.landing_tick else n_ticks
 
     def _stopping(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
-        stopped = False
-        for step, control in enumerate(controls):
-            if step and not stopped and self._down(sensors[step - 1])[self._touchdown.leg]:
+        force_n, column = self._touchdown.force_n, self._force
+        yield controls[0]
+        for step in range(1, len(controls)):
+            if -sensors.item(step - 1, column) >= force_n:
                 controls[step:, self._joints] = self._holds[tick, step, self._joints]
-                stopped = True
-            yield control
+                yield from controls[step:]
+                return
+            yield controls[step]
 
     def ends(self, tick: int, sensors: Floats) -> bool:
         """Whether the run ends with a tick with sensors (steps, n)."""
@@ -56,7 +71,8 @@ class Landing:
         """Whether the foot touched down in a tick with sensors (steps, n)."""
         if tick < self._touchdown.first_tick:
             return False
-        return bool(self._down(sensors)[:, self._touchdown.leg].any()) or self._is_blocked(tick, sensors)
+        is_down = (-sensors[:, self._force] >= self._touchdown.force_n).any()
+        return bool(is_down) or self._is_blocked(tick, sensors)
 
     def _is_blocked(self, tick: int, sensors: Floats) -> bool:
         """Whether a slow leg is stopped by something that its foot does not feel, such as an edge under the shank."""
@@ -69,11 +85,6 @@ class Landing:
         """The leg whose foot is not down at the end of a tick after which another foot is to be lifted."""
         if tick + 1 != self._touchdown.lift_tick:
             return None
-        down = self._down(sensors[-1])
+        down: Flags = -sensors[-1, self._forces] >= self._touchdown.force_n
         down[[self._touchdown.leg, *self._touchdown.carried]] = True
         return None if down.all() else int(np.argmin(down))
-
-    def _down(self, sensors: Floats) -> Flags:
-        """Whether the feet are down, (..., 4)."""
-        down: Flags = -sensors[..., self._forces] >= self._touchdown.force_n
-        return down

@@ -1,7 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 from math import cos, radians, sin
 from typing import Final
 
@@ -27,6 +27,7 @@ from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
 from sim_proc.physics.sensors import Sensors
+from sim_proc.physics.ticks import Ticks
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
@@ -45,6 +46,7 @@ class Physics:
         self.model = build_model(scenario)
         self.data = mujoco.MjData(self.model)
         model, data = self.model, self.data
+        self._ticks, self._warnings = Ticks(model, data), data.warning.number
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
         gravity = model.opt.gravity
@@ -58,7 +60,7 @@ class Physics:
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
         self._limits = ActuatorLimits(robot)
         self._dynamics = InverseDynamics(model, robot)
-        self.contacts = ContactWatch(model)
+        self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
         self._upright = cos(radians(robot.fall.tilt_deg))
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
@@ -96,14 +98,16 @@ class Physics:
         mujoco.mj_getState(self.model, self.data, before, STATE)
         waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
         controls = planned.copy()
-        qpos, sensors = self._simulate(controls, self._run_tick, landing)
-        if self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any():
-            # Limits at angles and speeds cost much and are met rarely: only then is the motion simulated with them.
+        qpos, sensors = self._simulate(controls, landing)
+        beyond = self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any()
+        if beyond or self.contacts.suspects(sensors) or (self.fallen and len(qpos) < len(controls)):
+            # Limits at angles and speeds cost much and are met rarely, and so are unexpected contacts and falls: only
+            # then is the motion simulated step by step.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
             self.contacts = contacts
             controls = planned.copy()
-            qpos, sensors = self._simulate(controls, self._run_limited_tick, landing)
+            qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         self._check(qpos)
         steps = self._sensors.steps(sensors)
         return TickLog(
@@ -126,53 +130,58 @@ class Physics:
         return Landing(touchdown, slice(first.start + 2, last.stop, 3), holds, lag)
 
     def _simulate(
-        self, controls: Floats, run_tick: Callable[[Iterable[Floats], Floats], None], landing: Landing | None
+        self, controls: Floats, landing: Landing | None, *, stepwise: bool = False, limited: bool = False
     ) -> tuple[Floats, Floats]:
-        """Run ticks with controls (n, steps, 12) up to a fall or a touchdown.
+        """Run ticks with controls (n, steps, 12) up to a fall, a touchdown or a warning.
 
-        Return `qpos` of each tick and the sensors of all steps. The controls become those that were commanded.
+        Return `qpos` of each tick and the sensors of all steps. The controls become those that were commanded. With
+        `stepwise`, contacts are watched, and with `limited`, torques are limited at the angles and speeds of each step.
         """
-        n, data, upright, lowest_m = len(controls), self.data, self._upright, self.robot.fall_height_m
+        n = len(controls)
         qpos, sensors = np.empty((n, self.model.nq)), np.empty((n, COMMANDS_PER_TICK, self.model.nsensordata))
-        for k in range(n):
-            run_tick(controls[k] if landing is None else landing.controls(k, controls[k], sensors[k]), sensors[k])
-            row = qpos[k]
-            row[:] = data.qpos
-            self.tick += 1
+        k = 0
+        while k < n:
+            if stepwise or (landing is not None and landing.may_stop(k)):
+                ticks = slice(k, k + 1)
+                planned = controls[k] if landing is None else landing.controls(k, controls[k], sensors[k])
+                self._run_steps(planned, sensors[k], limited=limited)
+                qpos[k] = self.data.qpos
+            else:
+                last = n if landing is None else landing.next_look(k, n)
+                ticks = slice(k, min(last, k + max(self._waiting.next_tick - self.tick, 1)))
+                qpos[ticks] = self._ticks.run(self.model, controls[ticks], sensors[ticks])
+            k = ticks.stop
+            self.tick += k - ticks.start
             if self._waiting.next_tick <= self.tick:
                 self._let_appear(self.tick)
-            if 1 - 2 * (row[4] * row[4] + row[5] * row[5]) < upright or row[2] < lowest_m:
-                self.fallen = True
-                return qpos[: k + 1], sensors[: k + 1]
-            if landing is not None and landing.ends(k, sensors[k]):
-                return qpos[: k + 1], sensors[: k + 1]
-        return qpos, sensors
+            for tick, row in enumerate(qpos[ticks, :6].tolist(), ticks.start):
+                if self._is_fallen(row):
+                    self.fallen = True
+                    return qpos[: tick + 1], sensors[: tick + 1]
+            if np.count_nonzero(self._warnings) or (landing is not None and landing.ends(k - 1, sensors[k - 1])):
+                break
+        return qpos[:k], sensors[:k]
 
-    def _run_tick(self, controls: Iterable[Floats], sensors: Floats) -> None:
-        """Run one tick with controls (steps, 12), up to the largest torques, and fill in the sensors of its steps."""
-        model, data, ctrl, sensordata = self.model, self.data, self.data.ctrl, self.data.sensordata
-        contacts = self.contacts
+    def _is_fallen(self, qpos: Sequence[float]) -> bool:
+        """Whether the trunk leans too far or is too low, from the first numbers of `qpos`."""
+        _, _, height_m, _, x, y = qpos
+        return 1 - 2 * (x * x + y * y) < self._upright or height_m < self.robot.fall_height_m
+
+    def _run_steps(self, controls: Iterable[Floats], sensors: Floats, *, limited: bool) -> None:
+        """Run one tick step by step with controls (steps, 12), fill in the sensors of its steps, and watch contacts."""
+        model, data, contacts, bounds = self.model, self.data, self.contacts, self.model.actuator_forcerange
+        step, ctrl, sensordata = mujoco.mj_step, data.ctrl, data.sensordata
         contacts.begin_tick()
         for control, row in zip(controls, sensors, strict=True):
+            if limited:
+                bounds[:, 0], bounds[:, 1] = self._limits.bounds_n_m(data.qpos[JOINT_QPOS], data.qvel[JOINT_QVEL])
             ctrl[:] = control
-            mujoco.mj_step(model, data)
+            step(model, data)
             row[:] = sensordata
             if data.ncon != contacts.n_known:
                 contacts.look(model, data)
-
-    def _run_limited_tick(self, controls: Iterable[Floats], sensors: Floats) -> None:
-        """Run one tick with the limits of torque at the angles and speeds of each step."""
-        model, data = self.model, self.data
-        bounds = model.actuator_forcerange
-        self.contacts.begin_tick()
-        for control, row in zip(controls, sensors, strict=True):
-            bounds[:, 0], bounds[:, 1] = self._limits.bounds_n_m(data.qpos[JOINT_QPOS], data.qvel[JOINT_QVEL])
-            data.ctrl[:] = control
-            mujoco.mj_step(model, data)
-            row[:] = data.sensordata
-            if data.ncon != self.contacts.n_known:
-                self.contacts.look(model, data)
-        bounds[:, 0], bounds[:, 1] = -self._limits.peak_n_m, self._limits.peak_n_m
+        if limited:
+            bounds[:, 0], bounds[:, 1] = -self._limits.peak_n_m, self._limits.peak_n_m
 
     def begin(self) -> None:
         """Begin the episode at tick 0, with robot and box at rest in their places on the floor.
@@ -207,9 +216,9 @@ class Physics:
             LegpushError: MuJoCo warned, or the state stopped being finite.
         """
         when = f"between ticks {self.tick - len(qpos)} and {self.tick}: the episode cannot go on"
-        for warning in mujoco.mjtWarning.__members__.values():
-            if warning != mujoco.mjtWarning.mjNWARNING and self.data.warning[warning].number:
-                raise LegpushError(f"MuJoCo warned of {warning.name} {when}")
+        warnings = np.flatnonzero(self._warnings)
+        if len(warnings):
+            raise LegpushError(f"MuJoCo warned of {mujoco.mjtWarning(warnings[0]).name} {when}")
         if not np.isfinite(qpos).all():
             raise LegpushError(f"qpos stopped being finite {when}")
 

@@ -16,6 +16,8 @@ class Sensors:
             self._from_to(f"FL_hip_x_{what}", f"RR_knee_{what}") for what in ("position", "velocity", "torque")
         )
         """Columns of the twelve joints."""
+        self.n_contacts = self._from_to("FL_floor_contacts", "contacts")
+        """Columns of the numbers of contacts, in the order of the model."""
         self._tips = self._from_to("FL_tip", "RR_tip")
         self._floor_forces = self._from_to("FL_floor_force", "RR_floor_force")
         self._box_forces = self._from_to("FL_box_force", "RR_box_force")

@@ -17,6 +17,7 @@ OF_NO_ROBOT = {
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
     "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
+    "measures/support.py": {"CORNERS"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},
     "model/collisions.py": {
         "SOLREF",

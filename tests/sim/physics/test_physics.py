@@ -121,14 +121,15 @@ def test_torques_stay_within_the_limits_at_each_angle_and_speed(physics: Physics
     targets[:, 2] += np.linspace(0.1, 1.0, 10)
     limits = ActuatorLimits(ROBOT)
     seen: list[bool] = []
-    step = physics._run_limited_tick
+    step = physics._run_steps
 
-    def run_limited_tick(controls: Iterable[Floats], sensors: Floats) -> None:
-        step(controls, sensors)
+    def run_steps(controls: Iterable[Floats], sensors: Floats, *, limited: bool) -> None:
+        assert limited
+        step(controls, sensors, limited=limited)
         columns = (sensors[:, columns] for columns in physics._joint_sensors)
         seen.append(bool(limits.beyond(*columns).any()))
 
-    physics._run_limited_tick = run_limited_tick  # type: ignore[method-assign]
+    physics._run_steps = run_steps  # type: ignore[method-assign]
     physics.run(held(targets))
     assert len(seen) == 10
     assert not any(seen)
