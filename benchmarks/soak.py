@@ -1,7 +1,7 @@
 """`python -m benchmarks.soak DIR...`: keeps the results of `legpush bench soak` in `results/soak.json`.
 
-Several folders are put together, such as one of the table and one of the steps. Of each cell the state and the time are
-kept; what went wrong is kept in full.
+Several folders are put together, such as one of the table and one of the steps. A part that none of them has stays as it
+was kept before. Of each cell the state and the time are kept; what went wrong is kept in full.
 """
 
 import json
@@ -19,30 +19,43 @@ from legpush.files import write_whole
 from legpush.soak.results import RESULTS_FILE, SoakResults, read_results
 
 RESULT: Final = RESULTS / "soak.json"
+PARTS: Final = {
+    "soak": ("summary", "kills", "cells"),
+    "soak_steps": ("steps",),
+    "soak_training": ("training",),
+}
+"""The parts of the results by the names under which the file says how they were made."""
 
 
-def together(folders: Sequence[Path]) -> SoakResults:
-    """Return the results of all folders as one.
+def found_in(folders: Sequence[Path]) -> dict[str, Any]:
+    """Return what is kept of the results of all folders, by part.
 
     Raises:
         ConfigError: A folder has no results.
     """
-    found: SoakResults | None = None
+    found: dict[str, Any] = {"made": {}}
     for folder in folders:
         if not (folder / RESULTS_FILE).exists():
             raise ConfigError(f"Expected the folder of a soak, with {RESULTS_FILE} in it, got {folder}")
         results = read_results(folder)
-        if found is None:
-            found = results
-            continue
-        found.cells += results.cells
-        found.steps += results.steps
-        found.training = results.training or found.training
-        found.made |= {f"soak_{number}": made for number, made in enumerate(results.made.values(), len(found.made) + 1)}
-    if found is None:
-        raise ConfigError("Expected the folder of a soak, got none")
-    found.summarize()
+        results.summarize()
+        for part, names in PARTS.items():
+            values = kept(results)
+            if values[names[-1]]:
+                found |= {name: values[name] for name in names}
+                found["made"][part] = next(iter(results.made.values()))
     return found
+
+
+def with_before(found: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
+    """Return the results with those parts of the ones before that they lack."""
+    made, parts = {}, {}
+    for part, names in PARTS.items():
+        source = found if part in found["made"] else before
+        if part in source.get("made", {}):
+            made[part] = source["made"][part]
+            parts |= {name: source[name] for name in names}
+    return {"made": made, **parts}
 
 
 def kept(results: SoakResults) -> dict[str, Any]:
@@ -59,7 +72,8 @@ def kept(results: SoakResults) -> dict[str, Any]:
 
 def main(folders: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="DIR")]) -> int:
     """Keep the results of these soaks."""
-    write_whole(RESULT, f"{json.dumps(kept(together(folders)), indent=1)}\n".encode())
+    before = json.loads(RESULT.read_text()) if RESULT.exists() else {}
+    write_whole(RESULT, f"{json.dumps(with_before(found_in(folders), before), indent=1)}\n".encode())
     print(f"kept {RESULT}")
     return 0
 
