@@ -1,7 +1,7 @@
 """`python -m benchmarks.soak DIR...`: keeps the results of `legpush bench soak` in `results/soak.json`.
 
-Several folders are put together, such as one of the table and one of the steps. A part that none of them has stays as it
-was kept before. Of each cell the state and the time are kept; what went wrong is kept in full.
+Several folders are put together, such as one of the table and one of the steps. A part that none of them has stays as
+it was kept before. Of each cell the state and the time are kept; what went wrong is kept in full.
 """
 
 import json
@@ -49,7 +49,8 @@ def found_in(folders: Sequence[Path]) -> dict[str, Any]:
 
 def with_before(found: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
     """Return the results with those parts of the ones before that they lack."""
-    made, parts = {}, {}
+    made: dict[str, Any] = {}
+    parts: dict[str, Any] = {}
     for part, names in PARTS.items():
         source = found if part in found["made"] else before
         if part in source.get("made", {}):
