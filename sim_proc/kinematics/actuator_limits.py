@@ -11,7 +11,7 @@ SLACK_N_M = 1e-9
 
 
 class ActuatorLimits:
-    """Largest torques of the twelve joints of one robot.
+    """Largest torques of the twelve joints of one robot. Many rows are fastest in column-major order, joint by joint.
 
     A joint that moves the way its torque acts has less torque the faster it moves: all of it at rest, and none at its
     largest speed. A knee is driven by a linkage, so its torque depends on its angle as well.
@@ -22,16 +22,17 @@ class ActuatorLimits:
         self.peak_n_m: Floats = np.array(len(LEGS) * [joint.max_torque_n_m for joint in joints])
         """Largest torques at rest and at the best angle, (12,)."""
         self._slope = self.peak_n_m / np.array(len(LEGS) * [joint.max_speed_rad_s for joint in joints])
-        self._by_angle = [
-            (slice(index, None, len(joints)), np.radians(angles_deg), torques_n_m)
-            for index, joint in enumerate(joints)
-            if joint.torque_by_angle
-            for angles_deg, torques_n_m in [np.array(joint.torque_by_angle).T]
-        ]
+        self._by_angle = []
+        """Joints whose torque depends on their angle, angles, and torques there."""
+        for index, joint in enumerate(joints):
+            if joint.torque_by_angle:
+                angles_deg, torques_n_m = np.array(joint.torque_by_angle).T
+                self._by_angle.append((slice(index, None, len(joints)), np.radians(angles_deg), torques_n_m))
 
     def bounds_n_m(self, positions_rad: Floats, speeds_rad_s: Floats) -> tuple[Floats, Floats]:
         """Least and largest torques at joint angles and speeds (..., 12)."""
-        peak = np.broadcast_to(self.peak_n_m, positions_rad.shape).copy()
+        peak = np.empty_like(positions_rad)
+        peak[:] = self.peak_n_m
         for joints, angles_rad, torques_n_m in self._by_angle:
             there = np.interp(positions_rad[..., joints], angles_rad, torques_n_m)
             np.minimum(peak[..., joints], there, out=peak[..., joints])

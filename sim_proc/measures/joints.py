@@ -54,7 +54,7 @@ class JointMeter:
             max_torques_n_m=magnitudes.max(axis=1),
             max_speeds_rad_s=np.abs(speeds).max(axis=1),
             max_powers_w=np.abs(powers).max(axis=1),
-            n_at_limit=np.count_nonzero(self._limits.reached(positions_rad, speeds_rad_s, torques_n_m), axis=0),
+            n_at_limit=np.count_nonzero(self._limits.reached(angles.T, speeds.T, torques.T), axis=0),
             least_to_limits_rad=np.minimum(angles.min(axis=1) - low, high - angles.max(axis=1)),
             torque_counts=counts.reshape(len(JOINTS), TORQUE_BINS),
             positive_work_j=float(np.maximum(powers, 0.0).sum()) * PHYSICS_STEP_S,

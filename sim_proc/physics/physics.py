@@ -99,7 +99,8 @@ class Physics:
         waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
         controls = planned.copy()
         qpos, sensors = self._simulate(controls, landing)
-        beyond = self._limits.beyond(*(sensors[:, :, columns] for columns in self._joint_sensors)).any()
+        rows = sensors.reshape(-1, sensors.shape[-1])
+        beyond = self._limits.beyond(*(rows[:, columns].copy(order="F") for columns in self._joint_sensors)).any()
         if beyond or self.contacts.suspects(sensors) or (self.fallen and len(qpos) < len(controls)):
             # Limits at angles and speeds cost much and are met rarely, and so are unexpected contacts and falls: only
             # then is the motion simulated step by step.

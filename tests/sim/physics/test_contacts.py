@@ -92,6 +92,14 @@ def test_a_pushing_leg_may_touch_the_box_and_another_may_not(at_the_box: Scenari
         stand(physics, 1)
         found = physics.contacts.found()
         assert [(each.first, each.second) for each in found] == [("FL_foot", "box")][:n_pairs]
+        assert physics.contacts.suspects(physics.data.sensordata) == bool(n_pairs)
+
+
+@pytest.mark.parametrize("is_walled", [False, True])
+def test_the_numbers_of_contacts_tell_whether_to_look_at_them(is_walled: bool, at_the_box: Scenario) -> None:
+    physics = physics_with(walled(at_the_box, 2.25, 5.18) if is_walled else at_the_box)
+    stand(physics, 1)
+    assert physics.contacts.suspects(physics.data.sensordata) == is_walled
 
 
 def test_a_motion_that_is_simulated_again_is_counted_once(at_the_box: Scenario) -> None:
