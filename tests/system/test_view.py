@@ -114,7 +114,7 @@ def test_a_recording_is_drawn_played_and_moved_to_any_time_and_asks_nobody_else(
     with viewer(str(recording)) as (url, _), chrome.page(url) as page:
         shows(page, "Recording pushes.mcap", "Planner", "Simulator", "Agent", "step", "push", "box error")
         until(lambda: is_drawn(page), "robot and floor")
-        assert page.js("document.querySelectorAll('.uplot').length") == 4
+        assert page.js("document.querySelectorAll('.uplot').length") == 5
 
         pause(page)
         page.type_number(0.5)
