@@ -18,20 +18,41 @@ MEASURES: Final = (
     "n_push_cycles",
     "n_footsteps",
     "sim_time_s",
+    *(
+        f"{phase}_{name}"
+        for phase in ("walk", "push")
+        for name in (
+            "hip_x_usual_torque_n_m",
+            "hip_y_usual_torque_n_m",
+            "knee_usual_torque_n_m",
+            "touchdowns_per_footstep",
+            "usual_landing_speed_m_s",
+            "max_penetration_m",
+            "n_outside_support",
+            "min_support_margin_m",
+            "n_unexpected_steps",
+            "cost_of_transport",
+        )
+    ),
 )
-WORST: Final = {"min_support_margin_m": np.min}
+WORST: Final = {name: np.min for name in MEASURES if name.endswith("min_support_margin_m")}
 """The worst value is the largest one, except for these measures."""
+STUDIES: Final = ("missions", "shipped")
 COLUMNS: Final = ("scenario", "seed", "success", "reason", "handover_distance_m", *MEASURES, "state_crc")
 
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    study = read_rows("missions")
-    scenarios = {
-        name: summarize(study.where(scenario=name)) for name in dict.fromkeys(row["scenario"] for row in study.rows)
-    }
-    table = [{column: row[column] for column in COLUMNS} for row in study.rows]
-    return {"missions.csv": as_csv(table), "missions.json": as_json(made_of(missions=study), {"scenarios": scenarios})}
+    files = {}
+    for name in STUDIES:
+        study = read_rows(name)
+        by_scenario = dict.fromkeys(row["scenario"] for row in study.rows)
+        scenarios = {scenario: summarize(study.where(scenario=scenario)) for scenario in by_scenario}
+        table = [{column: row[column] for column in COLUMNS} for row in study.rows]
+        files[f"{name}.csv"] = as_csv(table)
+        numbers = {"all": summarize(study.rows), "scenarios": scenarios}
+        files[f"{name}.json"] = as_json(made_of(**{name: study}), numbers)
+    return files
 
 
 def summarize(rows: list[Row]) -> Row:

@@ -23,19 +23,23 @@ MEASURES: Final = (
     "box_travel_m",
     "robot_travel_m",
 )
+STUDIES: Final = ("random_rooms", "unseen_rooms")
 N_COLUMNS: Final = 12
 GOOD, BAD = "#2b8a4b", "#c0392b"
 
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    study = read_rows("random_rooms")
-    table = [
-        {key: value for key, value in row.items() if not isinstance(value, list) and key != "drawn_scenario"}
-        for row in study.rows
-    ]
-    numbers = summarize(study.rows)
-    return {"random_rooms.csv": as_csv(table), "random_rooms.json": as_json(made_of(random_rooms=study), numbers)}
+    files = {}
+    for name in STUDIES:
+        study = read_rows(name)
+        table = [
+            {key: value for key, value in row.items() if not isinstance(value, list) and key != "drawn_scenario"}
+            for row in study.rows
+        ]
+        files[f"{name}.csv"] = as_csv(table)
+        files[f"{name}.json"] = as_json(made_of(**{name: study}), summarize(study.rows))
+    return files
 
 
 def summarize(rows: list[Row]) -> Row:
@@ -54,6 +58,16 @@ def summarize(rows: list[Row]) -> Row:
         "min_support_margin_m": min(row["min_support_margin_m"] for row in rows),
         "n_with_negative_margin": sum(row["min_support_margin_m"] < 0.0 for row in rows),
     }
+    for phase in ("walk", "push"):
+        if phase_rows := [row for row in rows if row.get(f"{phase}_n_steps")]:
+            summary[phase] = {
+                "n_steps": sum(row[f"{phase}_n_steps"] for row in phase_rows),
+                "n_outside_support": sum(row[f"{phase}_n_outside_support"] for row in phase_rows),
+                "n_missions_outside": sum(row[f"{phase}_n_outside_support"] > 0 for row in phase_rows),
+                "min_support_margin_m": min(row[f"{phase}_min_support_margin_m"] for row in phase_rows),
+                "n_unexpected_steps": sum(row[f"{phase}_n_unexpected_steps"] for row in phase_rows),
+                "n_missions_unexpected": sum(row[f"{phase}_n_unexpected_steps"] > 0 for row in phase_rows),
+            }
     for name in MEASURES:
         values = [row[name] for row in good]
         summary[name] = {
@@ -66,7 +80,10 @@ def summarize(rows: list[Row]) -> Row:
 
 def pictures() -> dict[str, Figure]:
     """Draw all rooms; the frame is green if the mission succeeded, else red."""
-    rows = read_rows("random_rooms").rows
+    return {f"{name}.png": _mosaic(read_rows(name).rows) for name in STUDIES}
+
+
+def _mosaic(rows: list[Row]) -> Figure:
     n_rows = ceil(len(rows) / N_COLUMNS)
     figure = Figure(figsize=(1.25 * N_COLUMNS, 1.36 * n_rows), layout="constrained", dpi=90)
     cells = np.atleast_1d(figure.subplots(n_rows, N_COLUMNS, squeeze=False)).ravel()
@@ -77,7 +94,7 @@ def pictures() -> dict[str, Figure]:
     figure.suptitle(
         "Random rooms: the box (brown) from dashed to green, the robot's way (blue); red frames: no success"
     )
-    return {"random_rooms.png": figure}
+    return figure
 
 
 def _draw_room(axis: Axes, row: Row, scenario: Scenario) -> None:
