@@ -8,7 +8,7 @@ import warnings
 from itertools import chain
 from math import degrees, exp, log
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -163,9 +163,8 @@ def test_every_motion_within_the_bounds_is_carried_out_or_refused(
         warnings.simplefilter("error")
         try:
             outcome = simulator.perform(Reset(scenario=scenario, seed=seed), with_trace=True)
-        except MotionError:
-            scenario = replace(scenario, room=replace(scenario.room, obstacles=()))
-            outcome = simulator.perform(Reset(scenario=scenario, seed=seed), with_trace=True)
+        except MotionError:  # the robot would stand in a wall or in the box
+            reject()
         for motion in (Push(w1=0.5, w2=0.5, leg="FL", depth_m=bounds.MAX_DEPTH_M, face=face), *chain(*motions)):
             assert codec.decode(codec.encode(outcome), Outcome) == outcome
             try:
