@@ -48,7 +48,7 @@ def test_a_mission_goes_on_without_its_recorder_and_says_so(tmp_path: Path) -> N
     out, file = tmp_path / "run", tmp_path / "mission.mcap"
     command = [*LEGPUSH, "run", "--scenario", "push", "--no-video", "--out", str(out), "--record", str(file)]
     launcher = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    limit, pause = 400_000, threading.Event()
+    limit, pause = 1_500_000, threading.Event()
     try:
         while not (victims := [p for p in psutil.Process(launcher.pid).children(True) if _records(p)]):
             pause.wait(0.01)
