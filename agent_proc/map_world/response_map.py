@@ -14,14 +14,11 @@ from numpy.typing import ArrayLike
 from agent_proc.map_world.fit import fit_surface
 from agent_proc.map_world.random_pushes import MeasuredSeries, Stance, mean_stance
 from agent_proc.map_world.surface import ResponseSurface
-from agent_proc.push_model.map import measured_faces, same_face
+from agent_proc.push_model.map import measured_faces, read_measured, same_face
 from legpush.arrays import Floats
 from legpush.errors import ConfigError
 from legpush.files import write_whole
-from legpush.messages.codec import convert
 from legpush.scenarios.file import robot_table
-from legpush.scenarios.lines import lines_of, located_faults
-from legpush.scenarios.schema_faults import schema_faults
 from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.names import BoxShape, Face
 from legpush.scene.robot import RobotSpec
@@ -157,14 +154,4 @@ def load_response_map(path: Path | None = None) -> ResponseMap:
         ConfigError: The file cannot be read, or is not a usable map; names the file and the field.
     """
     path = path or Path(str(files("agent_proc") / "map_world" / DEFAULT_FILE))
-    wanted = "expected a map that `legpush calibrate --random-pushes` wrote"
-    try:
-        text = path.read_text(encoding="utf-8")
-        plain = msgspec.json.decode(text, type=dict)
-    except OSError as error:
-        raise ConfigError(f"{path}: {wanted} ({error.strerror})") from error
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ConfigError(f"{path}: {wanted} ({error})") from error
-    if faults := schema_faults(plain, ResponseMap, convert):
-        raise ConfigError(*located_faults(faults, str(path), lines_of(text)))
-    return convert(plain, ResponseMap)
+    return read_measured(path, ResponseMap, "expected a map that `legpush calibrate --random-pushes` wrote")

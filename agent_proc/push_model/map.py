@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import degrees
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, TypeVar
 
 import msgspec
 import numpy as np
@@ -24,6 +24,7 @@ from legpush.scene.faces import FACES, PUSHABLE, pushed_box
 from legpush.scene.names import BoxShape, Face
 from legpush.scene.scenario import Box
 
+T = TypeVar("T", bound=Struct)
 LEAST_FORWARD_M: Final = 1e-4
 LEAST_TURN_RAD: Final = 1e-4
 """A box cannot be steered if one push moves or turns it less than this."""
@@ -207,22 +208,31 @@ def write_push_map(push_map: PushMap, path: Path) -> None:
     write_whole(path, msgspec.json.format(msgspec.json.encode(push_map), indent=1) + b"\n")
 
 
+def read_measured(path: Path, kind: type[T], wanted: str) -> T:
+    """Read a record of measured pushes from a JSON file; `wanted` says in errors what the file should be.
+
+    Raises:
+        ConfigError: The file cannot be read, or is no such record; names the file, and every wrong field with its line.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        plain = msgspec.json.decode(text, type=dict)
+    except OSError as error:
+        raise ConfigError(f"{path}: {wanted} ({error.strerror})") from error
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise ConfigError(f"{path}: {wanted} ({error})") from error
+    if faults := schema_faults(plain, kind, convert):
+        raise ConfigError(*located_faults(faults, str(path), lines_of(text)))
+    return convert(plain, kind)
+
+
 def load_push_map(path: Path, box: Box) -> PushMap:
     """Read the map of this box from a file; mass and friction may differ.
 
     Raises:
         ConfigError: The file cannot be read, or is not a usable map of this box.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-        plain = msgspec.json.decode(text, type=dict)
-    except OSError as error:
-        raise ConfigError(f"{path}: expected a push map that `legpush calibrate` wrote ({error.strerror})") from error
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ConfigError(f"{path}: expected a push map that `legpush calibrate` wrote ({error})") from error
-    if faults := schema_faults(plain, PushMap, convert):
-        raise ConfigError(*located_faults(faults, str(path), lines_of(text)))
-    push_map = convert(plain, PushMap)
+    push_map = read_measured(path, PushMap, "expected a push map that `legpush calibrate` wrote")
     if (of := _solid(push_map.box)) != (expected := _solid(box)):
         raise ConfigError(
             f"{path}: expected the push map of {expected}, got that of {of}; `legpush calibrate` makes one"
