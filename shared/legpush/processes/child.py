@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -69,7 +70,7 @@ class Process:
         """Send a signal to the whole group; nothing happens once it has ended."""
         with self._reaping:
             if self.exit_code is None:
-                os.killpg(self.pid, number)
+                self._kill_group(number)
 
     def is_frozen(self) -> bool:
         """Whether it is stopped, by SIGSTOP or a debugger, and so can neither go on nor end."""
@@ -94,9 +95,17 @@ class Process:
         """Wait for the leader, end what it left behind, and only then let its number go to other processes."""
         os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT)
         with self._reaping:
-            os.killpg(self.pid, signal.SIGKILL)
+            self._kill_group(signal.SIGKILL)
             self.exit_code = self._child.wait()
         self._on_exit(self)
+
+    def _kill_group(self, number: int) -> None:
+        """Signal the group; there is none if a signal to the launcher's own group ended the child too early.
+
+        A child is in the launcher's group until it opens its own, and `Popen` does not notice if it dies there.
+        """
+        with suppress(ProcessLookupError):
+            os.killpg(self.pid, number)
 
 
 def describe_exit(exit_code: int) -> str:

@@ -3,8 +3,10 @@
 import os
 import queue
 import signal
+import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
@@ -92,3 +94,19 @@ def test_a_command_that_is_tried_again_has_its_further_flags_once(tmp_path: Path
     first = Command(role="sim", argv=("a",), log=tmp_path / "log", environment=os.environ, flags_again=("--recorded",))
     again = first.again()
     assert again.argv == again.again().argv == ("a", "--recorded")
+
+
+def test_one_that_died_before_it_opened_its_group_has_an_exit_code_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def start_in_our_group(argv: list[str], *, start_new_session: bool, **others: Any) -> subprocess.Popen[bytes]:
+        assert start_new_session
+        return popen(argv, **others)
+
+    popen = subprocess.Popen
+    monkeypatch.setattr(subprocess, "Popen", start_in_our_group)
+    ended: queue.Queue[Process] = queue.Queue()
+    process = Process(command(tmp_path, "import signal; signal.pause()"), ended.put)
+    process.signal(signal.SIGINT)
+    os.kill(process.pid, signal.SIGKILL)
+    assert ended.get(timeout=20.0).exit_code == -signal.SIGKILL
