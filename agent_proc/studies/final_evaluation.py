@@ -19,7 +19,7 @@ NOMINAL: Final = "nominal"
 DRAWN: Final = "drawn"
 """Cases: the start without offsets, and starts with those of the scenario."""
 FINAL_COLUMNS: Final = (
-    Column(name="final_success", unit="", about="by each start: whether the last policy was done within the tolerances"),
+    Column(name="final_success", unit="", about="by each start: whether the last policy was done, within tolerances"),
     Column(name="final_ended", unit="", about="by each start: `done`, `fell`, `astray` or `max_cycles`"),
     Column(name="final_position_error_m", unit="m", about="by each start"),
     Column(name="final_angle_error_deg", unit="deg", about="by each start"),
@@ -34,9 +34,9 @@ FINAL_COLUMNS: Final = (
 def final_columns(
     policy: PolicyFolder, task: TaskConfig, worlds: Sequence[SteppingWorld], n_starts: int
 ) -> dict[str, Any]:
-    """Evaluate a policy in `task`, which has the observation and the actions of its own; empty without starts."""
+    """Evaluate a policy in `task`, which has the observation and the actions of its own; without starts, no values."""
     if not n_starts:
-        return {}
+        return {column.name: None for column in FINAL_COLUMNS}
     scenario = task.scenario
     decider = NetworkPolicy(task, policy.actor(), policy.normalizer, "the policy that was trained")
     nominal = replace(scenario, randomization=Randomization())

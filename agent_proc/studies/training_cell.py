@@ -50,12 +50,12 @@ COLUMNS: Final = (
     Column(name="last_angle_error_deg", unit="deg", about="mean of the last policy"),
     Column(name="last_falls", unit="", about="falls in the evaluation of the last policy"),
     Column(name="n_evaluated", unit="", about="episodes of an evaluation"),
-    *FINAL_COLUMNS,
     Column(name="episode_step", unit="", about="by each episode of the training: push cycles before its end"),
     Column(name="episode_return", unit="", about="by each episode: sum of its rewards"),
     Column(name="episode_success", unit="", about="by each episode: whether the box ended within the tolerances"),
     Column(name="episode_position_error_m", unit="m", about="by each episode, at its end"),
     Column(name="episode_angle_error_deg", unit="deg", about="by each episode, at its end"),
+    *FINAL_COLUMNS,
     Column(name="policy_zip", unit="", about="folder of the best policy, as a zip file in base64", may_differ=True),
 )
 
