@@ -14,19 +14,19 @@ CHANGED: Final = ("paper-learns", "paper-learns", True, 256)
 """The other level of each factor."""
 NAMES: Final = ("end", "frame", "normalization", "updates")
 """Names of the factors in tables and pages."""
-EQ18: Final = ("paper-learns", "paper-text", True, 256)
+KEPT: Final = ("paper-learns", "paper-text", True, 256)
 """Everything is changed but the frame of the observation."""
 CHANGES: Final = (
     "the published code",
-    "Eq. 18, read at every step",
-    "the reward of Eqs. 15 to 17",
+    "the paper's observation, read at every step",
+    "the paper's reward",
     "continuous actions",
     "ReLU, as in the paper",
     "starts that vary",
     "an end within the tolerances or past the goal",
     "normalized observation",
     "32 updates instead of 4, batches of 64",
-    "the goal's frame instead of Eq. 18",
+    "the goal's frame instead of the world",
     "progress as reward",
     "an end where no push helps",
     "settings of the profile `tuned`",
@@ -39,7 +39,7 @@ BETWEEN: Final[tuple[tuple[Any, ...], ...]] = (
     ("release", "paper-text", False, 2048),
     ("paper-learns", "paper-text", False, 2048),
     ("paper-learns", "paper-text", True, 2048),
-    EQ18,
+    KEPT,
     CHANGED,
 )
 """Rungs that are combinations of the factorial."""
@@ -66,12 +66,13 @@ def _settings(row: Row) -> tuple[Any, ...]:
 def causes(factorial: Sequence[Row]) -> dict[str, Any]:
     """Return, for each factor: the paper with this change alone, and everything changed but this.
 
-    For a factor other than the frame, the latter keeps Eq. 18: in the goal's frame, little depends on them.
+    For a factor other than the frame, the latter keeps the paper's observation: in the goal's frame, little depends
+    on the others.
     """
     cells = grouped(factorial, combination)
     found: dict[str, Any] = {}
     for place, name in enumerate(NAMES):
-        alone, without = list(PRINTED), list(CHANGED if name == "frame" else EQ18)
+        alone, without = list(PRINTED), list(CHANGED if name == "frame" else KEPT)
         alone[place], without[place] = CHANGED[place], PRINTED[place]
         found[name] = {
             "alone": training_numbers(cells[tuple(alone)]),

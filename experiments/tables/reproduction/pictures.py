@@ -21,7 +21,7 @@ ENDS: Final = {
     "paper-learns": ("within the tolerances or past the goal", "tab:blue"),
 }
 """Words and colour of each end."""
-FRAMES: Final = {"paper-text": "Eq. 18, metres of the world", "paper-learns": "the goal's frame"}
+FRAMES: Final = {"paper-text": "the paper's observation, metres of the world", "paper-learns": "the goal's frame"}
 COLUMNS: Final = {
     (False, 2048): "as measured,\n4 updates",
     (False, 256): "as measured,\n32 updates",

@@ -19,7 +19,7 @@ LADDER: Final = "reproduction_ladder"
 TRAININGS: Final = {
     "text": "reproduction_text",
     "release": "reproduction_release",
-    "eq18": "reproduction_eq18",
+    "observation": "reproduction_observation",
     "learns_fixed": "reproduction_learns_fixed",
     "learns_variable": "reproduction_learns_variable",
     "tuned_fixed": "reproduction_tuned_fixed",

@@ -11,7 +11,7 @@ from legpush.errors import ConfigError
 
 
 def test_the_built_in_profiles_are_there() -> None:
-    assert profile_names() == ("paper-eq18", "paper-learns", "paper-text", "release", "sac", "td3", "tuned")
+    assert profile_names() == ("paper-observation", "paper-learns", "paper-text", "release", "sac", "td3", "tuned")
 
 
 @pytest.mark.parametrize("name", profile_names())
@@ -47,12 +47,12 @@ def test_the_other_profiles_of_the_paper_differ_in_what_they_say(name: str, acti
     assert (other.network.hidden, other.normalize_observation) == (text.network.hidden, text.normalize_observation)
 
 
-def test_eq_18_kept_has_the_published_network_but_normalizes_and_updates_more_often() -> None:
-    text, kept = load_profile("paper-text"), load_profile("paper-eq18")
+def test_the_observation_of_the_paper_kept_has_the_published_network_but_normalizes_and_updates_more_often() -> None:
+    text, kept = load_profile("paper-text"), load_profile("paper-observation")
     assert isinstance(text, PpoProfile)
     assert isinstance(kept, PpoProfile)
 
-    assert (kept.task, kept.network, kept.steps) == ("paper-eq18", text.network, text.steps)
+    assert (kept.task, kept.network, kept.steps) == ("paper-observation", text.network, text.steps)
     assert kept.settings == replace(text.settings, n_steps=256, batch_size=64)
     assert (kept.normalize_observation, kept.normalize_reward) == (True, False)
 
