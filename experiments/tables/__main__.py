@@ -30,8 +30,6 @@ from experiments.tables import (
     unseen,
     walking,
 )
-from experiments.tables.reproduction import pictures as reproduction_pictures
-from experiments.tables.reproduction import tables as reproduction
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -44,7 +42,6 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "push_effect": push_effect.texts,
     "random_rooms": random_rooms.texts,
     "references": references.texts,
-    "reproduction": reproduction.texts,
     "straight_push": straight_push.texts,
     "unknown_boxes": unknown_boxes.texts,
     "unseen": unseen.texts,
@@ -58,7 +55,6 @@ PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "mass_sweep": mass_sweep.pictures,
     "random_rooms": random_rooms.pictures,
     "references": references.pictures,
-    "reproduction": reproduction_pictures.pictures,
     "straight_push": straight_push.pictures,
     "unknown_boxes": unknown_boxes.pictures,
     "unseen": unseen.pictures,

@@ -1,7 +1,7 @@
 """How the trainings learn: curves, comparisons of settings, speed, and the errors at the ends.
 
-Returns are a moving average over 30 episodes, as published, and means over the training seeds have their 95 %
-intervals. The trainings of the paper's own settings are in `reproduction`.
+The pictures are the counterparts of Figs. 14 and 15. Returns are a moving average over 30 episodes, and means over the
+training seeds have their 95 % intervals.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,6 +21,7 @@ SHARE: Final = 0.9
 STUDIES: Final = (
     "training_fixed",
     "training_variable",
+    "training_paper",
     "training_networks",
     "training_algorithms",
     "training_randomized",
@@ -45,6 +46,8 @@ def variants(studies: Mapping[str, Rows]) -> Variants:
 
 def _variant(study: str, row: Row) -> str:
     match study:
+        case "training_paper":
+            return f"paper-{row['entry']}"
         case "training_fixed" | "training_variable":
             return f"{row['profile']}-{row['entry']}"
         case "training_networks":
@@ -60,6 +63,7 @@ def texts() -> dict[str, str]:
     studies = read_trainings()
     by_variant = variants(studies)
     numbers = {variant: _numbers(list(seeds.values())) for variant, seeds in by_variant.items()}
+    numbers["paper"] = _numbers(studies["training_paper"].rows)
     speed = [row["episodes_to_90_percent"] for row in _speed_rows(by_variant) if row["variant"] == "tuned-fixed"]
     return {
         "learning_speed.csv": as_csv(_speed_rows(by_variant)),

@@ -37,13 +37,14 @@ def pictures() -> dict[str, Figure]:
 
 
 def _curves(by_variant: Variants) -> Figure:
-    """Draw a panel for each entry."""
-    figure = Figure(figsize=(10.0, 3.6), layout="constrained", dpi=110)
-    for axis, entry in zip(figure.subplots(1, 2), ("fixed", "variable"), strict=True):
-        seeds = by_variant.get(f"tuned-{entry}", {})
-        draw_average(axis, [row["episode_return"] for row in seeds.values()])
-        axis.set_title(f"profile tuned, {entry} entry, {len(seeds)} seeds")
-        axis.set_ylabel("return")
+    """Draw a panel for each profile and entry."""
+    figure = Figure(figsize=(10.0, 6.4), layout="constrained", dpi=110)
+    for row, profile in zip(figure.subplots(2, 2), ("paper", "tuned"), strict=True):
+        for axis, entry in zip(row, ("fixed", "variable"), strict=True):
+            seeds = by_variant.get(f"{profile}-{entry}", {})
+            draw_average(axis, [each["episode_return"] for each in seeds.values()])
+            axis.set_title(f"profile {profile}, {entry} entry, {len(seeds)} seeds")
+            axis.set_ylabel("return")
     figure.suptitle(f"Moving average over {WINDOW} episodes: each seed, mean with Student's t 95 %")
     return figure
 

@@ -11,7 +11,7 @@ from legpush.errors import ConfigError
 
 
 def test_the_built_in_profiles_are_there() -> None:
-    assert profile_names() == ("paper-observation", "paper-learns", "paper-text", "release", "sac", "td3", "tuned")
+    assert profile_names() == ("paper-learns", "paper-observation", "paper-text", "release", "sac", "td3", "tuned")
 
 
 @pytest.mark.parametrize("name", profile_names())

@@ -23,7 +23,7 @@ def write(folder: Path, text: str) -> str:
 
 
 def test_the_built_in_tasks_are_there() -> None:
-    assert task_names() == ("paper-observation", "paper-learns", "paper-text", "release", "tuned")
+    assert task_names() == ("paper-learns", "paper-observation", "paper-text", "release", "tuned")
 
 
 def test_the_least_change_that_learns_differs_from_the_paper_in_what_is_said_and_nothing_else() -> None:
@@ -142,7 +142,7 @@ def test_a_wrong_file_is_refused_with_its_place(tmp_path: Path, text: str, messa
 def test_what_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"mine\.toml: expected a task in TOML \(.*No such file"):
         load_task(str(tmp_path / "mine.toml"))
-    with pytest.raises(ConfigError, match=r"the name of a task \(paper-observation, .*\) or the path .* got 'papier'"):
+    with pytest.raises(ConfigError, match=r"the name of a task \(paper-learns, .*\) or the path .* got 'papier'"):
         load_task("papier")
     with pytest.raises(ScenarioError, match="nowhere"):
         load_task(write(tmp_path, f'scenario = "nowhere"\n{HEAD}'))
