@@ -95,7 +95,7 @@ def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
     pose = Pose2(x_m=float(box[0]), y_m=float(box[1]), yaw_rad=yaw)
     start = timeline.tips_m[step.first_row + shift_ticks - 1, LEGS.index(push.leg)]
     goal = contact_point(robot, timeline.scenario.box, pose, push.face, push.leg, push.depth_m)
-    control = control_points(start, goal, push.w1, push.w2, push.locus, robot.legs.foot_radius_m)
+    control = control_points(start, goal, (push.w1, push.w2), push.locus, robot.legs.foot_radius_m)
     return Curve(bezier(control, np.linspace(0.0, 1.0, CURVE_POINTS)), control)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from experiments.cells.circle import closing_m, fit_circle, fit_sine
 from experiments.cells.own_estimate import OWN_ESTIMATE
+from experiments.cells.push_curve import PUSH_CURVE
 from experiments.cells.straight_push import STRAIGHT_PUSH
 from experiments.cells.walk import WALK, path_of
 from legpush.study.cells import CellKind, columns_of
@@ -77,3 +78,24 @@ def test_a_straight_push_has_the_box_and_the_trunk_at_the_same_times() -> None:
     assert found["box_x_m"][-1] - found["box_x_m"][0] == pytest.approx(1.0, abs=0.1)
     assert found["error_m"][0] > 0.8 > 0.03 > found["error_m"][-1]
     assert len(found["error_m"]) == len(found["error_deg"]) > 10
+
+
+def test_a_cubic_push_of_the_swing_side_comes_from_above_and_moves_the_box() -> None:
+    found = result(PUSH_CURVE, weights=(0.5, 0.5), locus="swing", leg="FL", depth_m=0.05, seed=1)
+
+    assert set(found) == {column.name for column in PUSH_CURVE.columns}
+    assert (found["degree"], found["refused"], found["fell"]) == (3, "", False)
+    assert found["forward_m"] == pytest.approx(0.037, abs=0.003)
+    assert found["contact_height_m"] == pytest.approx(0.2, abs=0.02)
+    assert len(found["foot_x_m"]) == len(found["foot_z_m"]) > 40
+
+
+def test_the_far_half_of_the_published_locus_leads_a_foot_along_the_floor() -> None:
+    swing, published = (
+        result(PUSH_CURVE, weights=(1.0, 1.0), locus=locus, leg="FL", depth_m=0.05, box_height_m=0.15, seed=1)
+        for locus in ("swing", "published")
+    )
+
+    assert published["n_raised"] == 2
+    assert published["lowest_asked_m"] < -0.02
+    assert published["low_way_m"] > 0.05 > swing["low_way_m"]
