@@ -30,6 +30,7 @@ from experiments.tables import (
     unseen,
     walking,
 )
+from experiments.tables.paper import turn_rate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -43,6 +44,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "random_rooms": random_rooms.texts,
     "references": references.texts,
     "straight_push": straight_push.texts,
+    "turn_rate": turn_rate.texts,
     "unknown_boxes": unknown_boxes.texts,
     "unseen": unseen.texts,
     "walking": walking.texts,
