@@ -41,8 +41,21 @@ def filled_template(name: str) -> str:
         NumberError: A number is missing.
     """
     text = (TEMPLATES / f"{name}.md").read_text().rstrip()
-    sources = dict.fromkeys(found["source"] for found in _PLACE.finditer(text))
-    return f"{_PLACE.sub(_value, text)}\n\n{made_words(list(sources))}\n"
+    return f"{filled_text(text)}\n\n{made_words(sources_of(text))}\n"
+
+
+def filled_text(text: str) -> str:
+    """Return a text with its numbers.
+
+    Raises:
+        NumberError: A number is missing.
+    """
+    return _PLACE.sub(_value, text)
+
+
+def sources_of(text: str) -> list[str]:
+    """Name the files of results that a text has numbers of, in the order of the text."""
+    return list(dict.fromkeys(found["source"] for found in _PLACE.finditer(text)))
 
 
 def made_words(sources: list[str]) -> str:

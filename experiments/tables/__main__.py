@@ -30,7 +30,7 @@ from experiments.tables import (
     unseen,
     walking,
 )
-from experiments.tables.paper import turn_rate
+from experiments.tables.paper import mass_trend, push_curves, stability, turn_rate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -39,10 +39,13 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "handover": handover.texts,
     "learning": learning.texts,
     "mass_sweep": mass_sweep.texts,
+    "mass_trend": mass_trend.texts,
     "missions": missions.texts,
+    "push_curves": push_curves.texts,
     "push_effect": push_effect.texts,
     "random_rooms": random_rooms.texts,
     "references": references.texts,
+    "stability": stability.texts,
     "straight_push": straight_push.texts,
     "turn_rate": turn_rate.texts,
     "unknown_boxes": unknown_boxes.texts,

@@ -49,9 +49,9 @@ def test_the_reasons_of_endings_are_those_of_the_table() -> None:
 
 
 def test_every_template_is_a_part_of_a_page() -> None:
-    pages = generate.MEASURED.read_text() + generate.README.read_text()
+    pages = "".join(page.read_text() for page in (generate.MEASURED, generate.README, generate.PAPER))
 
-    assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted(generate.TEMPLATES)
+    assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted([*generate.TEMPLATES, "claims"])
 
 
 def test_no_table_of_the_measurements_is_written_by_hand() -> None:

@@ -26,6 +26,7 @@ PUBLISHED_STEP_S: Final = 0.05
 OUR_STEP_S: Final = 0.002
 DEPTHS_M: Final = (0.03, 0.05, 0.08)
 USUAL: Final = "5 cm"
+SHALLOW: Final = "3 cm"
 
 
 def texts() -> dict[str, str]:
@@ -35,18 +36,11 @@ def texts() -> dict[str, str]:
     ours = {f"{100 * depth_m:g} cm": _our_rates(study, depth_m) for depth_m in DEPTHS_M}
     table = [{"series": f"published, {name}", **_flat(rates)} for name, rates in theirs.items()]
     table += [{"series": f"here, depth {name}", **_flat(rates)} for name, rates in ours.items()]
-    usual = ours[USUAL]
     numbers = {
         "published": theirs,
         "here": ours,
-        "here_over_published": {
-            direction: {name: _value(usual[name]) / _value(rates[name]) for name in usual}
-            for direction, rates in theirs.items()
-        },
-        "shallow_over_published": {
-            direction: _value(ours["3 cm"]["turn_deg_per_cycle"]) / _value(rates["turn_deg_per_cycle"])
-            for direction, rates in theirs.items()
-        },
+        "here_over_published": {direction: _over(ours[USUAL], rates) for direction, rates in theirs.items()},
+        "shallow_over_published": {direction: _over(ours[SHALLOW], rates) for direction, rates in theirs.items()},
     }
     return {"turn_rate.csv": as_csv(table), "turn_rate.json": as_json(made_of(circles=study), numbers)}
 
@@ -71,7 +65,7 @@ def _rates(omega_rad_s: float, cycle_s: float | Estimate, radius_m: float, step_
     """Return a rate of turn in all units."""
     middle_s = cycle_s.value if isinstance(cycle_s, Estimate) else cycle_s
     return {
-        "omega_rad_s": omega_rad_s,
+        "millirad_s": 1e3 * omega_rad_s,
         "cycle_s": plain(cycle_s, 1) if isinstance(cycle_s, Estimate) else cycle_s,
         "turn_deg_per_cycle": float(np.degrees(omega_rad_s * middle_s)),
         "microrad_per_step": 1e6 * omega_rad_s * step_s,
@@ -94,6 +88,10 @@ def _period_s(time_s: Floats, value: Floats) -> float:
     weighted = (value - value.mean()) * np.hanning(len(value))
     power = np.abs(np.exp(-2j * np.pi * time_s / PERIODS_S[:, None]) @ weighted)
     return float(PERIODS_S[power.argmax()])
+
+
+def _over(ours: Row, theirs: Row) -> Row:
+    return {name: _value(ours[name]) / _value(theirs[name]) for name in ours}
 
 
 def _value(number: Any) -> float:
