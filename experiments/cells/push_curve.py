@@ -104,7 +104,7 @@ def _measured(cell: PushCurve, scenario: Scenario, before: Pose2, outcome: Outco
     moved = before.inverse() @ planar_pose(outcome.world.box)
     foot = foot_path(trace, LEGS.index(cell.leg), robot.pushing.push_ticks)
     along_m = before.inverse().apply(foot.tips_m[:, :2])[:, 0]
-    steps_m, box_steps_m = np.diff(foot.tips_m, axis=0), np.diff(foot.boxes_m, axis=0)
+    steps_m, box_steps_m = np.diff(foot.tips_m, axis=0), np.diff(foot.qpos[:, BOX], axis=0)
     ways_m, speeds_m_s = np.linalg.norm(steps_m, axis=1), np.linalg.norm(box_steps_m, axis=1) / CONTROL_PERIOD_S
     bottom_m = foot.tips_m[1:, 2] - robot.legs.foot_radius_m
     pushed = np.flatnonzero(speeds_m_s > PUSHED_M_S)
@@ -145,12 +145,14 @@ def asked_curve(cell: PushCurve, start_m: Floats, goal_m: Floats, floor_m: float
 
 
 class FootPath(Struct, frozen=True, kw_only=True):
-    """A foot along its curve, and the box, a row for each tick and one for where they stood."""
+    """A foot along its curve, and robot and box, a row for each tick and one for where they stood."""
 
     tips_m: Floats
     """Centre of the foot, (n + 1, 3)."""
-    boxes_m: Floats
-    """Centre of the box, (n + 1, 2)."""
+    forces_n: Floats
+    """Force on it, from floor and box, (n + 1, 3)."""
+    qpos: Floats
+    """Generalized positions as in a trace, (n + 1, 26)."""
 
 
 def foot_path(trace: Trace, leg: int, n_ticks: int) -> FootPath:
@@ -159,7 +161,8 @@ def foot_path(trace: Trace, leg: int, n_ticks: int) -> FootPath:
     away_m = np.linalg.norm(tips_m - tips_m[0], axis=1)
     begin = max(int(np.argmax(away_m > MOVED_M)) - 1, 0)
     rows = slice(begin, begin + n_ticks + 1)
-    return FootPath(tips_m=tips_m[rows], boxes_m=np.array(trace.qpos)[rows, BOX])
+    forces_n = np.array(trace.contact_forces_n)[rows, leg]
+    return FootPath(tips_m=tips_m[rows], forces_n=forces_n, qpos=np.array(trace.qpos)[rows])
 
 
 PUSH_CURVE: Final = CellKind(

@@ -30,7 +30,7 @@ from experiments.tables import (
     unseen,
     walking,
 )
-from experiments.tables.paper import mass_trend, push_curves, stability, turn_rate
+from experiments.tables.paper import mass_trend, push_curves, push_pictures, stability, turn_rate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -58,6 +58,7 @@ PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "handover": handover.pictures,
     "learning": learning_pictures.pictures,
     "mass_sweep": mass_sweep.pictures,
+    "push_curves": push_pictures.pictures,
     "random_rooms": random_rooms.pictures,
     "references": references.pictures,
     "straight_push": straight_push.pictures,

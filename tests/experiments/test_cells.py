@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from experiments.cells.circle import closing_m, fit_circle, fit_sine
+from experiments.cells.close_up import CLOSE_UP
 from experiments.cells.own_estimate import OWN_ESTIMATE
 from experiments.cells.push_curve import PUSH_CURVE
 from experiments.cells.straight_push import STRAIGHT_PUSH
@@ -99,3 +100,17 @@ def test_the_far_half_of_the_published_locus_leads_a_foot_along_the_floor() -> N
     assert published["n_raised"] == 2
     assert published["lowest_asked_m"] < -0.02
     assert published["low_way_m"] > 0.05 > swing["low_way_m"]
+
+
+def test_the_leg_of_a_close_up_has_the_lengths_of_its_links_and_ends_at_the_face() -> None:
+    found = result(CLOSE_UP, w1=0.5, w2=0.5, leg="FL", depth_m=0.05, seed=1)
+
+    place = {name: np.array([found[f"{name}_x_m"], found[f"{name}_z_m"]]) for name in ("hip", "knee", "foot", "box")}
+    upper_m, lower_m = (
+        np.linalg.norm(place[one] - place[other], axis=0) for one, other in (("hip", "knee"), ("knee", "foot"))
+    )
+    assert upper_m.max() == pytest.approx(0.3205, abs=0.002)
+    assert lower_m.max() == pytest.approx(0.37, abs=0.002)
+    assert place["foot"][0, -1] == pytest.approx(0.05 - 0.02, abs=0.005)
+    assert place["box"][0, -1] > place["box"][0, 0] + 0.03
+    assert len({len(found[f"{name}_x_m"]) for name in place} | {len(found["force_n"])}) == 1

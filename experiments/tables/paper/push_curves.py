@@ -29,7 +29,7 @@ N_DIGITS: Final = 5
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    loci, degrees = read_rows("push_loci"), read_rows("push_degrees")
+    loci, degrees, close_up = (read_rows(name) for name in ("push_loci", "push_degrees", "close_up"))
     by_locus = _grouped(loci.rows, lambda row: (row["box_height_m"], row["locus"]))
     by_weights = _grouped(degrees.rows, lambda row: (row["depth_m"], len(row["weights"]) + 1, curve_name(row)))
     by_degree = _grouped(_usual(degrees), lambda row: row["degree"])
@@ -56,7 +56,7 @@ def texts() -> dict[str, str]:
     return {
         "push_loci.csv": as_csv(loci_table),
         "push_degrees.csv": as_csv(degrees_table),
-        "push_curves.json": as_json(made_of(push_loci=loci, push_degrees=degrees), numbers),
+        "push_curves.json": as_json(made_of(push_loci=loci, push_degrees=degrees, close_up=close_up), numbers),
     }
 
 
