@@ -112,6 +112,8 @@ def _close_up() -> Figure:
         axis.set(title=f"({number}) after {0.02 * tick:.2f} s, {force}", aspect="equal")
     for axis in axes[-1]:
         axis.set_xlabel("ahead of the face before the push [m]")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("height [m]")
     figure.suptitle("One push with the left front foot, 5 cm deep, w1 = w2 = 0.5, 0.1 kg")
     return figure
 
