@@ -1,4 +1,4 @@
-"""The kind of cell that pushes a box once along a curve of any degree and of either locus (Eqs. 13 and 14).
+"""The kind of cell that pushes a box once along a curve of any degree and of either locus (Eqs. 14 and 15).
 
 Lengths along and across the push are in the frame of the pushed face, and those of right pushes are mirrored, so that
 both legs give the same numbers if they do the same.
@@ -139,7 +139,7 @@ def _measured(cell: PushCurve, scenario: Scenario, before: Pose2, outcome: Outco
 
 
 def asked_curve(cell: PushCurve, start_m: Floats, goal_m: Floats, floor_m: float) -> tuple[Floats, int]:
-    """Return the curve as Eq. 14 asks for it, (n, 3), and how many of its inner control points are below the floor."""
+    """Return the curve as Eq. 15 asks for it, (n, 3), and how many of its inner control points are below the floor."""
     points = control_points(start_m, goal_m, cell.weights, cell.locus, -np.inf)
     return bezier(points, np.linspace(0.0, 1.0, N_POINTS)), int(np.sum(points[1:-1, 2] < floor_m - ROUNDED_M))
 

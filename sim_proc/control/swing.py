@@ -1,4 +1,4 @@
-"""Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 13, 14)."""
+"""Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 14, 15)."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -16,7 +16,7 @@ from legpush.scene.robot_motion import Gait
 Locus = Literal["swing", "published"]
 
 LOCUS_RANGE_RAD: Final[dict[Locus, tuple[float, float]]] = {"swing": (-pi / 2, pi / 2), "published": (0.0, pi)}
-"""theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the one in the paper."""
+"""theta_min and theta_max of Eq. 15: the half circle on the swing side of the chord, and the one in the paper."""
 
 APEX_SHARE: Final = 0.45
 """When a foot is highest: share of the flight before the landing."""
@@ -120,7 +120,7 @@ def _landing_shares(n_ticks: int, flight: int) -> _LandingShares:
 def control_points(
     start_m: ArrayLike, end_m: ArrayLike, weights: Sequence[float], locus: Locus, floor_m: float
 ) -> Floats:
-    """The control points, (n + 1, 3), of a push of degree n from `start_m` to `end_m`, (3,) each (Eq. 14).
+    """The control points, (n + 1, 3), of a push of degree n from `start_m` to `end_m`, (3,) each (Eq. 15).
 
     The n - 1 inner ones, one for each of the `weights`, lie on the circle about the middle M of the chord, in the
     vertical plane through it: `P_i = M + r (sin(theta_i) u + cos(theta_i) n)`,
@@ -143,7 +143,7 @@ def control_points(
 
 
 def bezier(points_m: ArrayLike, t: ArrayLike) -> Floats:
-    """The Bezier curve of degree n (Eq. 13) of control points (n + 1, d) at parameters (m,), (m, d)."""
+    """The Bezier curve of degree n (Eq. 14) of control points (n + 1, d) at parameters (m,), (m, d)."""
     points, t = np.asarray(points_m, dtype=np.float64), np.asarray(t, dtype=np.float64)
     degree = len(points) - 1
     basis = np.stack([comb(degree, i) * (1 - t) ** (degree - i) * t**i for i in range(degree + 1)], axis=-1)

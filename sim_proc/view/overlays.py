@@ -85,7 +85,7 @@ def box_trace(timeline: Timeline, row: int) -> Floats:
 
 
 def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
-    """The curve of the foot in a push (Eqs. 13, 14); None if the step is no push or has no trace."""
+    """The curve of the foot in a push (Eqs. 14, 15); None if the step is no push or has no trace."""
     push, robot = step.motion, timeline.scenario.robot
     shift_ticks = robot.pushing.shift_ticks
     if not isinstance(push, Push) or step.n_rows <= shift_ticks or not step.first_row:

@@ -54,7 +54,7 @@ def test_a_swing_is_smooth() -> None:
     assert np.abs(np.diff(curve, 2, axis=0)).max() < 1e-5
 
 
-def test_the_bezier_curve_of_equation_13_begins_at_p0_and_ends_at_p3_along_its_polygon() -> None:
+def test_the_bezier_curve_of_equation_14_begins_at_p0_and_ends_at_p3_along_its_polygon() -> None:
     points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.2], [0.1, 0.0, 0.3], [0.3, 0.1, 0.2]])
     curve = bezier(points, np.linspace(0, 1, 2001))
     np.testing.assert_allclose(curve[[0, -1]], points[[0, 3]])
