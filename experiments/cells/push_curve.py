@@ -147,6 +147,8 @@ def asked_curve(cell: PushCurve, start_m: Floats, goal_m: Floats, floor_m: float
 class FootPath(Struct, frozen=True, kw_only=True):
     """A foot along its curve, and robot and box, a row for each tick and one for where they stood."""
 
+    first_row: int
+    """Row of the trace that is the first one here."""
     tips_m: Floats
     """Centre of the foot, (n + 1, 3)."""
     forces_n: Floats
@@ -162,7 +164,7 @@ def foot_path(trace: Trace, leg: int, n_ticks: int) -> FootPath:
     begin = max(int(np.argmax(away_m > MOVED_M)) - 1, 0)
     rows = slice(begin, begin + n_ticks + 1)
     forces_n = np.array(trace.contact_forces_n)[rows, leg]
-    return FootPath(tips_m=tips_m[rows], forces_n=forces_n, qpos=np.array(trace.qpos)[rows])
+    return FootPath(first_row=begin, tips_m=tips_m[rows], forces_n=forces_n, qpos=np.array(trace.qpos)[rows])
 
 
 PUSH_CURVE: Final = CellKind(

@@ -30,7 +30,7 @@ from experiments.tables import (
     unseen,
     walking,
 )
-from experiments.tables.paper import mass_trend, push_curves, push_pictures, stability, turn_rate
+from experiments.tables.paper import mass_trend, push_curves, push_pictures, robot_pictures, stability, turn_rate
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -61,6 +61,7 @@ PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "push_curves": push_pictures.pictures,
     "random_rooms": random_rooms.pictures,
     "references": references.pictures,
+    "stability": robot_pictures.pictures,
     "straight_push": straight_push.pictures,
     "unknown_boxes": unknown_boxes.pictures,
     "unseen": unseen.pictures,

@@ -103,7 +103,7 @@ def test_the_far_half_of_the_published_locus_leads_a_foot_along_the_floor() -> N
 
 
 def test_the_leg_of_a_close_up_has_the_lengths_of_its_links_and_ends_at_the_face() -> None:
-    found = result(CLOSE_UP, w1=0.5, w2=0.5, leg="FL", depth_m=0.05, seed=1)
+    found = result(CLOSE_UP, mass_kg=0.1, w1=0.5, w2=0.5, leg="FL", depth_m=0.05, seed=1)
 
     place = {name: np.array([found[f"{name}_x_m"], found[f"{name}_z_m"]]) for name in ("hip", "knee", "foot", "box")}
     upper_m, lower_m = (
@@ -114,3 +114,8 @@ def test_the_leg_of_a_close_up_has_the_lengths_of_its_links_and_ends_at_the_face
     assert place["foot"][0, -1] == pytest.approx(0.05 - 0.02, abs=0.005)
     assert place["box"][0, -1] > place["box"][0, 0] + 0.03
     assert len({len(found[f"{name}_x_m"]) for name in place} | {len(found["force_n"])}) == 1
+    pressed = {name: np.array(found[f"press_{name}_m"]).reshape(-1, 3) for name in ("foot", "knee", "com")}
+    here = found["press_tick"]
+    assert pressed["knee"][0, [0, 2]] == pytest.approx(place["knee"][:, here], abs=1e-3)
+    assert np.array(found["press_forces_n"]).reshape(-1, 3)[:, 2].sum() == pytest.approx(31.84 * 9.81, rel=0.05)
+    assert pressed["com"].shape == (1, 3)

@@ -22,6 +22,7 @@ FLOOR_M: Final = RobotSpec().legs.foot_radius_m
 """Height of the centre of a foot on the floor."""
 LOCI: Final[dict[Locus, str]] = {"swing": "θ in [-π/2, π/2]", "published": "θ in [0, π], as printed"}
 N_PANELS: Final = 6
+TRAINED_KG: Final = 0.1
 
 
 def pictures() -> dict[str, Figure]:
@@ -102,7 +103,7 @@ def _draw_family(axis: Axes, locus: Locus, family: list[Row]) -> None:
 
 def _close_up() -> Figure:
     """Draw six moments of one push from the side: leg, way of the foot, box, and force on the foot."""
-    row = read_rows("close_up").rows[0]
+    row = read_rows("close_up").where(mass_kg=TRAINED_KG)[0]
     ticks = np.linspace(0, len(row["foot_x_m"]) - 1, N_PANELS).round().astype(int).tolist()
     figure = Figure(figsize=(11.0, 6.6), layout="constrained", dpi=110)
     axes = figure.subplots(2, N_PANELS // 2, sharex=True, sharey=True)
