@@ -10,13 +10,15 @@ import numpy as np
 from agent_proc.figures import Axes, Figure
 from experiments.rows import Row, read_rows
 from legpush.arrays import Floats
-from legpush.scene.conventions import LEGS
+from legpush.scene.conventions import LEGS, Leg
 
 HEAVY_KG: Final = 5.0
 """A box whose force can be seen beside the weight of the robot."""
 PUSHING: Final = LEGS.index("FL")
-M_PER_N: Final = 0.0015
+M_PER_N: Final = 0.001
 """Length of an arrow for each newton."""
+LABELS: Final[dict[Leg, tuple[int, int]]] = {"FL": (-8, -14), "FR": (4, -14), "RL": (-48, 14), "RR": (6, 4)}
+"""Offsets of the names of the forces."""
 FRAME_M: Final = 0.15
 """Length of the axes of a frame."""
 AROUND_DEG: Final = 30.0
@@ -28,7 +30,7 @@ AXES: Final = (("x", "tab:red"), ("y", "tab:green"), ("z", "tab:blue"))
 def pictures() -> dict[str, Figure]:
     """Draw the three panels."""
     row = read_rows("close_up").where(mass_kg=HEAVY_KG)[0]
-    figure = Figure(figsize=(14.5, 5.0), layout="constrained", dpi=110)
+    figure = Figure(figsize=(14.5, 4.4), layout="constrained", dpi=110)
     _draw_frames(figure.add_subplot(1, 3, 1), row)
     _draw_support(figure.add_subplot(1, 3, 2), row)
     _draw_forces(figure.add_subplot(1, 3, 3), row)
@@ -87,7 +89,7 @@ def _draw_support(axis: Axes, row: Row) -> None:
     axis.plot(*com[:2], "*", color="tab:red", markersize=11, label="CoM")
     axis.axvline(0.0, color="saddlebrown", linestyle=":", label="face before the push")
     axis.set(title="support from above", xlabel="x [m]", ylabel="y [m]", aspect="equal")
-    axis.legend(fontsize=7, loc="upper left")
+    axis.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=4)
     axis.margins(0.15)
     axis.grid(alpha=0.25)
 
@@ -103,7 +105,7 @@ def _draw_forces(axis: Axes, row: Row) -> None:
     for leg, (foot, force) in enumerate(zip(feet, forces, strict=True)):
         color = "tab:red" if leg == PUSHING else "tab:blue"
         _draw_arrow(axis, foot, foot + M_PER_N * force, color)
-        _write(axis, f"{LEGS[leg]} {np.linalg.norm(force):.0f} N", foot[[0, 2]], (4, -12), color)
+        _write(axis, f"{LEGS[leg]} {np.linalg.norm(force):.0f} N", foot[[0, 2]], LABELS[LEGS[leg]], color)
     weight_n = float(forces[:, 2].sum())
     _draw_arrow(axis, com, com - [0.0, 0.0, M_PER_N * weight_n], "black")
     axis.plot(*com[[0, 2]], "*", color="black", markersize=9)

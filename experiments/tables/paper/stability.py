@@ -17,7 +17,7 @@ N_DIGITS: Final = 5
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    missions, straight = read_rows("missions"), read_rows("straight_push")
+    missions, straight, close_up = (read_rows(name) for name in ("missions", "straight_push", "close_up"))
     rows = missions.rows
     moments = [row["push_max_push_moment_n_m"] for row in rows]
     distances = [row["handover_distance_m"] for row in rows if row["walk_n_steps"]]
@@ -28,6 +28,7 @@ def texts() -> dict[str, str]:
         "push_moment_n_m": plain(mean(moments), N_DIGITS),
         "largest_push_moment_n_m": max(moments),
         "largest_push_moment_over_weight_m": max(moments) / weight_n,
+        "one_push": {f"{row['mass_kg']:g} kg": _pressed(row, weight_n) for row in close_up.rows},
         "tilt_deg": {
             "pitch": max(row["trunk_max_abs_pitch_deg"] for row in rows),
             "roll": max(row["trunk_max_abs_roll_deg"] for row in rows),
@@ -45,9 +46,19 @@ def texts() -> dict[str, str]:
         },
         "handover_m": {"n": len(distances), "least": min(distances), "largest": max(distances)},
     }
-    return {"stability.json": as_json(made_of(missions=missions, straight_push=straight), numbers)}
+    return {"stability.json": as_json(made_of(missions=missions, straight_push=straight, close_up=close_up), numbers)}
 
 
 def least(rows: list[Row], name: str) -> float:
     """Return the least value of a measure of the missions that have it."""
     return float(min(row[name] for row in rows if row[name] is not None))
+
+
+def _pressed(row: Row, weight_n: float) -> Row:
+    """Return the force of the box and the sum of Eq. 9 in the tick of a push in which the box presses the most."""
+    moment_n_m = float(np.hypot(*row["press_moment_n_m"][:2]))
+    return {
+        "force_n": row["force_n"][row["press_tick"]],
+        "moment_n_m": moment_n_m,
+        "moment_over_weight_m": moment_n_m / weight_n,
+    }
