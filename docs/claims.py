@@ -19,11 +19,14 @@ ROOT: Final = Path(__file__).parents[1]
 CLAIMS: Final = ROOT / "experiments" / "paper" / "claims.toml"
 TO_ROOT: Final = "../"
 """From the page to the root of the repository."""
-Verdict = Literal["reproduced", "reproduced with a correction", "better", "differs", "not reproduced", "not attempted"]
+Verdict = Literal[
+    "reproduced", "reproduced with a correction", "better", "added", "differs", "not reproduced", "not attempted"
+]
 MEANINGS: Final[dict[Verdict, str]] = {
     "reproduced": "the same method or the same finding",
     "reproduced with a correction": "the same, after an error in the printed text is corrected; the row names it",
     "better": "measured as in the paper, and the result is better; the row has both numbers",
+    "added": "the paper leaves it for later or gives no number; it is measured here",
     "differs": "done in another way, or another result was measured; the row says which",
     "not reproduced": "tried; the paper's finding did not come out",
     "not attempted": "the row says why",

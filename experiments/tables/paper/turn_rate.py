@@ -16,6 +16,7 @@ from experiments.rows import Row, Rows, read_rows
 from experiments.tables.circles import FRICTION, PUBLISHED_FITS
 from experiments.tables.parts import as_csv, as_json, made_of, plain, published
 from legpush.arrays import Floats
+from legpush.geometry import wrap_angle
 
 WINDOW_S: Final = 3000.0
 PERIODS_S: Final = np.arange(60.0, 180.0, 0.1)
@@ -34,8 +35,9 @@ def texts() -> dict[str, str]:
     study = read_rows("circles")
     theirs = {direction: _published_rates(direction) for direction in PUBLISHED_FITS}
     ours = {f"{100 * depth_m:g} cm": _our_rates(study, depth_m) for depth_m in DEPTHS_M}
-    table = [{"series": f"published, {name}", **_flat(rates)} for name, rates in theirs.items()]
-    table += [{"series": f"here, depth {name}", **_flat(rates)} for name, rates in ours.items()]
+    units = list(ours[USUAL])
+    table = [{"series": f"published, {name}", **_flat(rates, units)} for name, rates in theirs.items()]
+    table += [{"series": f"here, depth {name}", **_flat(rates, units)} for name, rates in ours.items()]
     numbers = {
         "published": theirs,
         "here": ours,
@@ -51,7 +53,8 @@ def _published_rates(direction: str) -> Row:
     steady = series[series[:, 0] >= begin_s]
     fit = fit_sine(steady[:, 0], steady[:, 1], omega_rad_s)
     cycle_s = cycle_time_s(steady)
-    return _rates(fit["omega_rad_s"], cycle_s, fit["amplitude_m"], PUBLISHED_STEP_S)
+    rates = _rates(fit["omega_rad_s"], cycle_s, fit["amplitude_m"], PUBLISHED_STEP_S)
+    return rates | {"phi_rad": wrap_angle(fit["phi_rad"])}
 
 
 def _our_rates(study: Rows, depth_m: float) -> Row:
@@ -98,5 +101,5 @@ def _value(number: Any) -> float:
     return float(number["value"] if isinstance(number, dict) else number)
 
 
-def _flat(rates: Row) -> Row:
-    return {name: float(f"{_value(number):.5g}") for name, number in rates.items()}
+def _flat(rates: Row, units: list[str]) -> Row:
+    return {name: float(f"{_value(rates[name]):.5g}") for name in units}
