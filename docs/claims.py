@@ -117,9 +117,10 @@ def _verdict_table(claims: tuple[Claim, ...]) -> str:
 def _row(claim: Claim) -> str:
     says = claim.says if claim.n is None else f"{claim.says} (n {claim.n})"
     try:
-        here = numbers.filled_text(claim.here)
+        here, kinds = numbers.filled_text(claim.here), numbers.kinds_of(claim.here)
     except numbers.NumberError as error:
         raise ClaimError(f"{claim.name}: {error}") from error
+    here += f". Intervals: {', '.join(kinds)}" if kinds else ""
     where = ", ".join(_shown_place(claim, place) for place in claim.where)
     cells = (", ".join(claim.covers), says, here, claim.verdict, where or "-")
     return f"| {' | '.join(' '.join(cell.split()) for cell in cells)} |"

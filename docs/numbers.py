@@ -82,13 +82,28 @@ def read(source: str) -> dict[str, Any]:
     raise NumberError(f"Expected {source}.json in the results of experiments or benchmarks, got none")
 
 
-def _value(found: re.Match[str]) -> str:
+def kinds_of(text: str) -> list[str]:
+    """Name the kinds of the intervals that a text shows, in its order.
+
+    Raises:
+        NumberError: A number is missing.
+    """
+    shown = (_found_value(found) for found in _PLACE.finditer(text) if found["unit"] and not found["bare"])
+    return list(dict.fromkeys(each["kind"] for each in shown if isinstance(each, dict) and each.get("low") is not None))
+
+
+def _found_value(found: re.Match[str]) -> Any:
     value: Any = read(found["source"])
     for key in found["path"].split("/"):
         try:
             value = value[int(key)] if isinstance(value, list) else value[key]
         except (KeyError, IndexError, TypeError, ValueError) as error:
             raise NumberError(f"{found[0]}: expected a value, got none at {key!r}") from error
+    return value
+
+
+def _value(found: re.Match[str]) -> str:
+    value = _found_value(found)
     if found["unit"] is None:
         if isinstance(value, dict | list | float):
             raise NumberError(f"{found[0]}: expected a form such as |cm.2 for {value!r}")
