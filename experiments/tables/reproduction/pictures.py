@@ -96,7 +96,7 @@ def factorial_figure(rows: Sequence[Row]) -> Figure:
         _finish(axis)
     axes[0].set_ylabel("position error [cm]")
     axes[1].legend(title="end of an episode", fontsize=8, title_fontsize=8)
-    figure.suptitle("World without physics: last policy of each training on starts that it has not seen, and medians")
+    figure.suptitle("World without physics: last policy of each training on unseen starts, and medians")
     return figure
 
 
