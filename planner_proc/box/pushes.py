@@ -14,9 +14,9 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.planning import BoxPathQuery, PushSide
 from planner_proc.box.dubins import SAMPLE_M, Dubins
-from planner_proc.box.footprint_field import FootprintField, Squares, placed
 from planner_proc.box.walking_space import WalkingSpace, places_behind
 from planner_proc.clearance.field import ClearanceField
+from planner_proc.clearance.footprint_field import FootprintField, Squares, placed
 
 LEAST_STAGE_M: Final = 0.005
 """Shortest stage for which it is worth changing sides."""
@@ -46,6 +46,8 @@ class Side:
         self._field = field
         self._walk_clearance_m = query.walk_clearance_m
         self._stand_off = side.frame @ side.stand_off
+        self._body = None if query.body is None else FootprintField((query.body,), field, squares)
+        self._body_clearance_m = query.body_clearance_m
         self._frame = side.frame
         self._box_from_frame = side.frame.inverse()
         self.turn_rad = side.frame.yaw_rad
@@ -84,8 +86,11 @@ class Side:
 
     def can_begin(self, pose: Pose2) -> bool:
         """Whether the robot can come to stand behind the box at a pose, and push from there."""
-        room_m = self._field.clearance_m(self.stand_off(pose).xy()[None])[0]
-        return bool(room_m >= self._walk_clearance_m) and self.fits(pose)
+        stand_off = self.stand_off(pose)
+        room_m = self._field.clearance_m(stand_off.xy()[None])[0]
+        if room_m < self._walk_clearance_m or not self.fits(pose):
+            return False
+        return self._body is None or bool(self._body.free(_row(stand_off), self._body_clearance_m)[0])
 
     def stand_off(self, pose: Pose2) -> Pose2:
         """Where the robot's walk to this side ends if the box is at a pose."""

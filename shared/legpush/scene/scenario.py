@@ -225,7 +225,9 @@ class PlanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     goal_region_m: Length = 0.25
     """Radius of the goal region of Algorithm 1."""
     margin_m: Margin = 0.1
-    """Clearance to keep beyond the circle around the robot's footprint."""
+    """Clearance to keep beyond the circle through the robot's feet."""
+    body_margin_m: Margin = 0.05
+    """Clearance that the floor which the robot covers keeps, turns on the spot included."""
     smoothing: Smoothing = Smoothing()
     anytime: Anytime | None = None
     """With it, the robot starts to walk on the first path, and may switch to a better one between gait cycles."""

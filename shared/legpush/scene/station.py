@@ -80,13 +80,13 @@ def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, 
 
 
 def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
-    """Return whether the feet can turn to any heading at a place, and a path can be planned from there."""
+    """Return whether the robot can turn to any heading at a place, and a path can be planned from there."""
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     space_m = min(
         distance_to_border_m(trunk.xy()[None], scenario.room),
         *(distance_to_point_m(other, trunk.xy()) for other in solid),
     )
-    return space_m >= scenario.robot.stance.foot_circle_m + CELLS * scenario.room.resolution_m
+    return space_m >= scenario.robot.stance.body_circle_m + CELLS * scenario.room.resolution_m
 
 
 def box_reach_m(box: Box, offsets: Randomization) -> float:

@@ -10,12 +10,12 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import TrunkPathQuery
 from legpush.plans.trunk_queries import SLACK_M, query_to_measured_box, query_to_nominal_box, query_to_pose
 from legpush.scenarios.file import load_scenario
-from legpush.scene.clearance import clearance_at
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.footprints import box_footprint
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.station import nominal_obstacle, stand_off
+from tests.distances import clearance_at
 from tests.robots import CIRCLE_M
 
 SCENARIO = load_scenario("default")

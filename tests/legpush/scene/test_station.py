@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from legpush.geometry import Pose2
 from legpush.plans.trunk_queries import query_to_measured_box
-from legpush.scene.clearance import clearance_at
 from legpush.scene.footprints import box_footprint, distance_to_point_m
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Randomization, Rectangle, Room
 from legpush.scene.station import at_station, last_stretch, nominal_obstacle, stand_off, station
 from tests.agent.fake_world import make_scenario
+from tests.distances import clearance_at
 from tests.robots import CIRCLE_M, ROBOT
 
 poses = st.builds(Pose2, x_m=st.floats(3.0, 9.0), y_m=st.floats(2.0, 4.0), yaw_rad=st.floats(-pi, pi))

@@ -1,0 +1,69 @@
+"""Where the trunk may be: a disc about its centre and the body keep their clearances."""
+
+from math import ceil, hypot
+from typing import Final
+
+import numpy as np
+
+from legpush.arrays import Flags, Floats
+from legpush.messages.planning import TrunkPathQuery
+from legpush.scene.footprints import Footprint
+from planner_proc.body.motion import filled
+from planner_proc.clearance.field import ClearanceField
+from planner_proc.clearance.footprint_field import FootprintField, Squares
+
+_DISC_M: Final = 0.12
+"""Longest part of the body that one disc of the quick measure covers."""
+
+
+class BodySpace:
+    """Free poses, by a quick measure for many of them and by an exact one."""
+
+    def __init__(self, query: TrunkPathQuery, body: Footprint, field: ClearanceField) -> None:
+        """Take the query's `body`, in the frame of the trunk, and the `field` of its grid."""
+        self._field = field
+        self._disc_m = query.clearance_m
+        self._body_m = query.body_clearance_m
+        self._footprints = FootprintField((body,), field, Squares(query.grid))
+        self.reach_m = self._footprints.reach_m
+        """Distance from the trunk's centre to the farthest point of the body."""
+        n = ceil(body.length_m / _DISC_M)
+        along_m = (np.arange(n) + 0.5) / n * body.length_m - body.length_m / 2
+        self._discs_b = body.pose.apply(np.stack([along_m, np.zeros(n)], axis=1))
+        self._radius_m = hypot(body.length_m / n, body.width_m) / 2
+
+    def disc_is_free(self, points_m: Floats, extra_m: float) -> Flags:
+        """Where the disc keeps `extra_m` more than its clearance, by the quick measure, for points (n, 2), (n,)."""
+        apart = np.hypot(*self._field.offsets_m(points_m).T)
+        return (apart >= self._disc_m + extra_m) & self._field.on_grid(points_m)
+
+    def body_seems_free(self, points_m: Floats, yaw_rad: float, extra_m: float) -> Flags:
+        """The same for the body at one heading: a row of discs covers it and reaches a little beyond."""
+        poses = np.column_stack([points_m, np.full(len(points_m), yaw_rad)])
+        free = np.ones(len(poses), dtype=np.bool_)
+        for x_m, y_m in self._discs_b.tolist():
+            left = np.flatnonzero(free)
+            c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+            at_m = poses[left, :2] + np.array([c * x_m - s * y_m, s * x_m + c * y_m])
+            apart = np.hypot(*self._field.offsets_m(at_m).T)
+            free[left] = (apart >= self._radius_m + self._body_m + extra_m) & self._field.on_grid(at_m)
+        return free
+
+    def body_is_free(self, poses: Floats) -> Flags:
+        """In which poses, (n, 3), the body keeps its clearance, exactly, (n,)."""
+        return self._footprints.free(poses, self._body_m)
+
+    def faults(self, poses: Floats) -> Flags:
+        """Between which consecutive poses, (n, 3), disc or body do not keep their clearances, (n - 1,)."""
+        faulty = ~self._field.free_segments(poses[:, :2], self._disc_m)
+        between = [filled(poses[k : k + 2]) for k in range(len(poses) - 1)]
+        owners = np.repeat(np.arange(len(between)), [len(part) for part in between])
+        blocked = ~self.body_is_free(np.concatenate(between)) if between else np.zeros(0, dtype=np.bool_)
+        faulty[owners[blocked]] = True
+        return faulty
+
+    def is_free(self, poses: Floats) -> bool:
+        """Whether disc and body keep their clearances all along poses, (n, 3)."""
+        return bool(self._field.free_segments(poses[:, :2], self._disc_m).all()) and bool(
+            self.body_is_free(filled(poses)).all()
+        )
