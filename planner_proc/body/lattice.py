@@ -87,7 +87,7 @@ def _places(start: Floats, along_m: Floats, within_m: float, step_m: float) -> t
 def _free(space: BodySpace, points_m: Floats, start: Floats, goal: Floats, slack_m: float) -> tuple[Flags, Flags]:
     """Which headings are free at each place, and which in the middle of a turn to the next one, (n, headings) each."""
     ends = np.minimum(*(np.hypot(*(points_m - end[:2]).T) for end in (start, goal))) < EXACT_WITHIN_M
-    disc = space.disc_is_free(points_m, slack_m) | (ends & space.disc_is_free(points_m, 0.0))
+    disc: Flags = space.disc_is_free(points_m, slack_m) | (ends & space.disc_is_free(points_m, 0.0))
     flags = np.zeros((len(points_m), 2 * N_HEADINGS), dtype=np.bool_)
     for half in range(2 * N_HEADINGS):
         yaw_rad = start[2] + HEADING_RAD / 2 * half
@@ -130,7 +130,7 @@ def _steps(cells: Integers, free: Flags, between: Flags, turn_m: float, step_m: 
 
 def _cheapest(graph: _Graph, start: Floats, goal: Floats, turn_m: float, step_m: float) -> Integers:
     """Nodes of the cheapest motion to a node from which a short step leads to the goal; empty if there is none."""
-    costs, before = dijkstra(graph.steps, indices=0, return_predecessors=True)
+    costs, before = dijkstra(graph.steps, indices=np.array(0), return_predecessors=True)
     away_m = np.hypot(*(graph.points_m - goal[:2]).T)
     best, best_cost = -1, np.inf
     for place in np.flatnonzero(away_m <= step_m).tolist():

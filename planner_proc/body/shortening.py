@@ -37,8 +37,10 @@ def _simple(poses: Floats, space: BodySpace) -> Floats | None:
     candidates = [np.array([begin, end])]
     if np.hypot(move[0], move[1]) > _SAME_M:
         ahead_rad = atan2(move[1], move[0])
-        for yaw_rad in (ahead_rad, ahead_rad + pi):
-            candidates.append(np.array([begin, [*begin[:2], yaw_rad], [*end[:2], yaw_rad], end]))
+        candidates += [
+            np.array([begin, [*begin[:2], yaw_rad], [*end[:2], yaw_rad], end])
+            for yaw_rad in (ahead_rad, ahead_rad + pi)
+        ]
     present_m = cost_m(poses, space.reach_m)
     costed = sorted(((cost_m(each, space.reach_m), k) for k, each in enumerate(candidates)))
     for cost, k in costed:

@@ -35,7 +35,8 @@ class BodySpace:
     def disc_is_free(self, points_m: Floats, extra_m: float) -> Flags:
         """Where the disc keeps `extra_m` more than its clearance, by the quick measure, for points (n, 2), (n,)."""
         apart = np.hypot(*self._field.offsets_m(points_m).T)
-        return (apart >= self._disc_m + extra_m) & self._field.on_grid(points_m)
+        free: Flags = (apart >= self._disc_m + extra_m) & self._field.on_grid(points_m)
+        return free
 
     def body_seems_free(self, points_m: Floats, yaw_rad: float, extra_m: float) -> Flags:
         """The same for the body at one heading: a row of discs covers it and reaches a little beyond."""

@@ -96,8 +96,8 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     walk_clearance_m: QueryLength
     """Least distance from the trunk centre to any occupied cell and to the box while the robot walks around it."""
     body: Footprint | None = None
-    """The floor that the robot covers, in the frame of the trunk. At a stand-off, it keeps `body_clearance_m` from every
-    occupied cell. With nil, only its clearance as a disc counts there."""
+    """The floor that the robot covers, in the frame of the trunk. At a stand-off, it keeps `body_clearance_m` from
+    every occupied cell. With nil, only its clearance as a disc counts there."""
     body_clearance_m: QueryDistance = 0.0
     side_change_m: QueryDistance
     """Cost of a change of sides, as a length of path of the box."""
