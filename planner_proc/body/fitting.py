@@ -15,7 +15,7 @@ from planner_proc.body.shortening import shortened
 from planner_proc.body.space import BodySpace
 from planner_proc.clearance.field import ClearanceField
 
-WITHIN_M: Final = (1.0, 2.5)
+WITHIN_M: Final = (1.0, 2.5, 8.0)
 """How far from the path of the disc to look for one of the body, in turn."""
 WAYPOINT_M: Final = 0.05
 WAYPOINT_RAD: Final = 0.2
@@ -31,7 +31,7 @@ class BodyFitting:
             raise ValueError("Expected a query with a body")
         self._query = query
         self._field = field
-        self._space = BodySpace(query, query.body, field)
+        self._space = BodySpace(query.grid, field, query.clearance_m, query.body, query.body_clearance_m)
         self._replacement: Plan | None = None
 
     def fitted(self, plan: Plan) -> Plan:

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Flags, Floats
-from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.footprints import Footprint
+from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.body.motion import filled
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.clearance.footprint_field import FootprintField, Squares
@@ -19,12 +19,17 @@ _DISC_M: Final = 0.12
 class BodySpace:
     """Free poses, by a quick measure for many of them and by an exact one."""
 
-    def __init__(self, query: TrunkPathQuery, body: Footprint, field: ClearanceField) -> None:
-        """Take the query's `body`, in the frame of the trunk, and the `field` of its grid."""
+    def __init__(
+        self, grid: OccupancyGrid, field: ClearanceField, disc_m: float, body: Footprint, body_m: float
+    ) -> None:
+        """Take the `field` of the grid, the clearance of the trunk's centre, and the body with its clearance.
+
+        The body is given in the frame of the trunk.
+        """
         self._field = field
-        self._disc_m = query.clearance_m
-        self._body_m = query.body_clearance_m
-        self._footprints = FootprintField((body,), field, Squares(query.grid))
+        self._disc_m = disc_m
+        self._body_m = body_m
+        self._footprints = FootprintField((body,), field, Squares(grid))
         self.reach_m = self._footprints.reach_m
         """Distance from the trunk's centre to the farthest point of the body."""
         n = ceil(body.length_m / _DISC_M)

@@ -11,8 +11,10 @@ import numpy as np
 from msgspec.structs import replace
 
 from legpush.arrays import Floats
-from legpush.geometry import Pose2, wrap_angle
+from legpush.geometry import Pose2, distance_m, wrap_angle
 from legpush.messages.planning import BoxPathQuery, PushSide
+from legpush.scene.footprints import Footprint
+from planner_proc.box.body_walks import BodyWalks
 from planner_proc.box.dubins import SAMPLE_M, Dubins
 from planner_proc.box.walking_space import WalkingSpace, places_behind
 from planner_proc.clearance.field import ClearanceField
@@ -33,6 +35,10 @@ class Stage:
     end: Pose2
     length_m: float
 
+
+NEAR_M: Final = 0.15
+NEAR_RAD: Final = 0.25
+"""Poses of the box that differ by less are the same place to walk around."""
 
 Way = tuple[Stage, ...]
 """Stages in order: each begins where the one before it ends."""
@@ -112,6 +118,8 @@ class Pushes:
         self._query = query
         self.extra_m = 0.0
         """Clearance to keep beyond what is required, by the quick measure."""
+        self._no_walks: list[tuple[int, Stage]] = []
+        """Sides with the stages to whose beginnings no walk of the body leads from them."""
         self.out_of_reach = False
         """Whether a way was refused because the robot cannot come to a side where box and robot fit."""
 
@@ -146,10 +154,32 @@ class Pushes:
 
     def _can_walk(self, before: int, stage: Stage) -> bool:
         """Whether the robot can walk around the box, from one of its sides to where a stage begins."""
-        begins_m = places_behind(self.sides[before].stand_off(stage.begin), STEPS_BACK_M)
+        if any(before == side and _are_near(stage, other) for side, other in self._no_walks):
+            return False
+        begins_m = places_behind(self.sides[before].stand_off(stage.begin), STEPS_BACK_M)[:, :2]
         end_m = self.sides[stage.side].stand_off(stage.begin).xy()
-        box = replace(self._query.box, pose=stage.begin @ self._query.box.pose)
-        return self._walking.joins(begins_m, end_m, box)
+        return self._walking.joins(begins_m, end_m, self._box(stage))
+
+    def _box(self, stage: Stage) -> Footprint:
+        """The box where a stage begins."""
+        return replace(self._query.box, pose=stage.begin @ self._query.box.pose)
+
+    def body_can_walk(self, way: Sequence[Stage]) -> bool:
+        """Whether the body of the robot, too, can walk to each other side; what it cannot is refused from now on."""
+        query = self._query
+        for stage, following in pairwise(way):
+            if query.body is None or stage.side == following.side:
+                continue
+            begins = places_behind(self.sides[stage.side].stand_off(following.begin), STEPS_BACK_M)
+            end = _row(self.sides[following.side].stand_off(following.begin))[0]
+            walks = BodyWalks(
+                query.grid, self._box(following), query.walk_clearance_m, query.body, query.body_clearance_m
+            )
+            if not walks.joins(begins, end):
+                self._no_walks.append((stage.side, following))
+                self.out_of_reach = True
+                return False
+        return True
 
     def one_side(self, a: Pose2, b: Pose2) -> Iterator[Way]:
         """The direct push from each side."""
@@ -204,6 +234,12 @@ class Pushes:
             if self.free(way, side_before):
                 return way
         return None
+
+
+def _are_near(a: Stage, b: Stage) -> bool:
+    """Whether two stages begin at the same side and nearly the same pose."""
+    off_rad = abs(wrap_angle(a.begin.yaw_rad - b.begin.yaw_rad))
+    return a.side == b.side and distance_m(a.begin, b.begin) < NEAR_M and off_rad < NEAR_RAD
 
 
 def _row(pose: Pose2) -> Floats:

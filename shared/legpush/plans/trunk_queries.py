@@ -40,7 +40,7 @@ def query_to_pose(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box_
 def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> TrunkPathQuery:
     """Ask as the scenario says.
 
-    A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least that of its feet.
+    A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least half its width.
     Its body keeps the clearance that it has at both ends.
     """
     planning, robot = scenario.planning, scenario.robot
@@ -51,7 +51,7 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
         grid=occupied.grid,
         start=start,
         goal=goal,
-        clearance_m=max(min(clearance_m(scenario), present_m), robot.stance.foot_circle_m),
+        clearance_m=max(min(clearance_m(scenario), present_m), robot.stance.body_width_m / 2),
         body=robot_footprint(robot, ORIGIN),
         body_clearance_m=max(min(planning.body_margin_m, body_m), 0.0),
         planner=planning.planner,
