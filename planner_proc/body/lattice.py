@@ -32,8 +32,6 @@ class _Graph:
 
     points_m: Floats
     """Places, (n, 2), the start first."""
-    free: Flags
-    """Which headings are free at each place, (n, `N_HEADINGS`)."""
     steps: csr_matrix
     """Costs of steps between nodes."""
 
@@ -44,26 +42,24 @@ def search(space: BodySpace, start: Floats, goal: Floats, along_m: Floats, withi
     Places are at most `within_m` from a line of points, (k, 2).
     """
     points_m, cells = _places(start, along_m, within_m, step_m)
-    removed: set[int] = set()
     for slack_m in SLACKS_M:
         free, between = _free(space, points_m, start, goal, slack_m)
+        free[0, 0] = True
         for _ in range(MOST_REPAIRS):
-            free.ravel()[list(removed)] = False
-            free[0, 0] = True
-            graph = _Graph(points_m=points_m, free=free, steps=_steps(cells, free, between, space.reach_m, step_m))
-            nodes = _cheapest(graph, start, goal, space.reach_m, step_m)
-            if not len(nodes):
+            graph = _Graph(points_m=points_m, steps=_steps(cells, free, between, space.reach_m, step_m))
+            places, headings = _cheapest(graph, start, goal, space.reach_m, step_m)
+            if not len(places):
                 break
-            places, headings = np.divmod(nodes, N_HEADINGS)
             poses = np.column_stack([points_m[places], start[2] + HEADING_RAD * headings])
             poses = np.concatenate([poses, goal[None]])
             faulty = np.flatnonzero(space.faults(poses))
             if not len(faulty):
                 return poses
-            removed |= {int(nodes[k]) for fault in faulty for k in (fault, fault + 1) if 0 < k < len(nodes)}
-            if faulty[0] == 0 and len(nodes) == 1:
+            both = np.unique(np.concatenate([faulty, faulty + 1]))
+            nodes = both[(both > 0) & (both < len(places))]
+            if not len(nodes):
                 break
-        removed.clear()
+            free[places[nodes], headings[nodes]] = False
     return np.empty((0, 3))
 
 
@@ -86,8 +82,9 @@ def _places(start: Floats, along_m: Floats, within_m: float, step_m: float) -> t
 
 def _free(space: BodySpace, points_m: Floats, start: Floats, goal: Floats, slack_m: float) -> tuple[Flags, Flags]:
     """Which headings are free at each place, and which in the middle of a turn to the next one, (n, headings) each."""
-    ends = np.minimum(*(np.hypot(*(points_m - end[:2]).T) for end in (start, goal))) < EXACT_WITHIN_M
-    disc: Flags = space.disc_is_free(points_m, slack_m) | (ends & space.disc_is_free(points_m, 0.0))
+    ends: Flags = np.minimum(*(np.hypot(*(points_m - end[:2]).T) for end in (start, goal))) < EXACT_WITHIN_M
+    disc = space.disc_is_free(points_m, slack_m)
+    disc[ends] |= space.disc_is_free(points_m[ends], 0.0)
     flags = np.zeros((len(points_m), 2 * N_HEADINGS), dtype=np.bool_)
     for half in range(2 * N_HEADINGS):
         yaw_rad = start[2] + HEADING_RAD / 2 * half
@@ -128,8 +125,8 @@ def _steps(cells: Integers, free: Flags, between: Flags, turn_m: float, step_m: 
     return coo_matrix(entries, shape=(n * N_HEADINGS, n * N_HEADINGS)).tocsr()
 
 
-def _cheapest(graph: _Graph, start: Floats, goal: Floats, turn_m: float, step_m: float) -> Integers:
-    """Nodes of the cheapest motion to a node from which a short step leads to the goal; empty if there is none."""
+def _cheapest(graph: _Graph, start: Floats, goal: Floats, turn_m: float, step_m: float) -> tuple[Integers, Integers]:
+    """Places and headings of the cheapest motion to a node from which a short step leads to the goal, if there is one."""
     costs, before = dijkstra(graph.steps, indices=np.array(0), return_predecessors=True)
     away_m = np.hypot(*(graph.points_m - goal[:2]).T)
     best, best_cost = -1, np.inf
@@ -146,4 +143,4 @@ def _cheapest(graph: _Graph, start: Floats, goal: Floats, turn_m: float, step_m:
     while best >= 0:
         nodes.append(best)
         best = int(before[best])
-    return np.array(nodes[::-1], dtype=np.int64)
+    return np.divmod(np.array(nodes[::-1], dtype=np.int64), N_HEADINGS)

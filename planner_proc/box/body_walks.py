@@ -18,7 +18,7 @@ WITHIN_M: Final = (1.5, 4.0)
 class BodyWalks:
     """Walks of the body in a room with the box."""
 
-    def __init__(self, grid: OccupancyGrid, box: Footprint, disc_m: float, body: Footprint, body_m: float) -> None:
+    def __init__(self, grid: OccupancyGrid, box: Footprint, body: Footprint, disc_m: float, body_m: float) -> None:
         """Take the clearance of the trunk's centre, and the body, in the frame of the trunk, with its clearance."""
         self._box_m = box.pose.xy()
         occupied = with_footprint(grid, box)
@@ -27,10 +27,11 @@ class BodyWalks:
 
     def joins(self, begins: Floats, end: Floats) -> bool:
         """Whether a walk leads from one of the poses `begins`, (n, 3), to the pose `end`, (3,)."""
-        free = begins[self._space.body_is_free(begins)]
-        for begin in free[:1]:
-            along_m = np.stack([begin[:2], self._box_m, end[:2]])
-            for within_m in WITHIN_M:
-                if len(lattice.search(self._space, begin, end, along_m, within_m, self._step_m)):
-                    return True
-        return False
+        free = np.flatnonzero(self._space.body_is_free(begins))
+        if not len(free):
+            return False
+        begin = begins[free[0]]
+        along_m = np.stack([begin[:2], self._box_m, end[:2]])
+        return any(
+            len(lattice.search(self._space, begin, end, along_m, within_m, self._step_m)) for within_m in WITHIN_M
+        )

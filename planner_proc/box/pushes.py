@@ -172,10 +172,8 @@ class Pushes:
                 continue
             begins = places_behind(self.sides[stage.side].stand_off(following.begin), STEPS_BACK_M)
             end = _row(self.sides[following.side].stand_off(following.begin))[0]
-            walks = BodyWalks(
-                query.grid, self._box(following), query.walk_clearance_m, query.body, query.body_clearance_m
-            )
-            if not walks.joins(begins, end):
+            clearances_m = (query.walk_clearance_m, query.body_clearance_m)
+            if not BodyWalks(query.grid, self._box(following), query.body, *clearances_m).joins(begins, end):
                 self._no_walks.append((stage.side, following))
                 self.out_of_reach = True
                 return False
