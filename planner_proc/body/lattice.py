@@ -75,7 +75,8 @@ def _places(start: Floats, along_m: Floats, within_m: float, step_m: float) -> t
     cells = np.stack([columns.ravel(), rows.ravel()], axis=1)
     cells = np.concatenate([[[0, 0]], cells[(cells != 0).any(axis=1)]])
     points_m = start[:2] + cells @ axes
-    near = cKDTree(along_m).query(points_m)[0] <= within_m
+    away_m: Floats = np.asarray(cKDTree(along_m).query(points_m)[0])
+    near = away_m <= within_m
     near[0] = True
     return points_m[near], cells[near]
 
@@ -126,7 +127,7 @@ def _steps(cells: Integers, free: Flags, between: Flags, turn_m: float, step_m: 
 
 
 def _cheapest(graph: _Graph, start: Floats, goal: Floats, turn_m: float, step_m: float) -> tuple[Integers, Integers]:
-    """Places and headings of the cheapest motion to a node from which a short step leads to the goal, if there is one."""
+    """Places and headings of the cheapest motion to a node that is one short step from the goal, if there is one."""
     costs, before = dijkstra(graph.steps, indices=np.array(0), return_predecessors=True)
     away_m = np.hypot(*(graph.points_m - goal[:2]).T)
     best, best_cost = -1, np.inf

@@ -32,10 +32,7 @@ class BodySpace:
         self._footprints = FootprintField((body,), field, Squares(grid))
         self.reach_m = self._footprints.reach_m
         """Distance from the trunk's centre to the farthest point of the body."""
-        n = ceil(body.length_m / _DISC_M)
-        along_m = (np.arange(n) + 0.5) / n * body.length_m - body.length_m / 2
-        self._discs_b = body.pose.apply(np.stack([along_m, np.zeros(n)], axis=1))
-        self._radius_m = hypot(body.length_m / n, body.width_m) / 2
+        self._discs = _covering_discs(body)
 
     def disc_is_free(self, points_m: Floats, extra_m: float) -> Flags:
         """Where the disc keeps `extra_m` more than its clearance, by the quick measure, for points (n, 2), (n,)."""
@@ -44,15 +41,15 @@ class BodySpace:
         return free
 
     def body_seems_free(self, points_m: Floats, yaw_rad: float, extra_m: float) -> Flags:
-        """The same for the body at one heading: a row of discs covers it and reaches a little beyond."""
+        """The same for the body at one heading: discs cover it and reach a little beyond."""
         poses = np.column_stack([points_m, np.full(len(points_m), yaw_rad)])
         free = np.ones(len(poses), dtype=np.bool_)
-        for x_m, y_m in self._discs_b.tolist():
+        c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+        for x_m, y_m, radius_m in self._discs:
             left = np.flatnonzero(free)
-            c, s = np.cos(yaw_rad), np.sin(yaw_rad)
             at_m = poses[left, :2] + np.array([c * x_m - s * y_m, s * x_m + c * y_m])
             apart = np.hypot(*self._field.offsets_m(at_m).T)
-            free[left] = (apart >= self._radius_m + self._body_m + extra_m) & self._field.on_grid(at_m)
+            free[left] = (apart >= radius_m + self._body_m + extra_m) & self._field.on_grid(at_m)
         return free
 
     def body_is_free(self, poses: Floats) -> Flags:
@@ -73,3 +70,19 @@ class BodySpace:
         return bool(self._field.free_segments(poses[:, :2], self._disc_m).all()) and bool(
             self.body_is_free(filled(poses)).all()
         )
+
+
+def _covering_discs(body: Footprint) -> list[tuple[float, float, float]]:
+    """Discs (x, y, radius) that cover the body, in the frame of the trunk: a row, with small ones at both ends."""
+    n_along, n_across = ceil(body.length_m / _DISC_M), ceil(body.width_m / _DISC_M)
+    part_m, across_m = body.length_m / n_along, body.width_m / n_across
+    discs = []
+    for k in range(n_along):
+        is_end = k in (0, n_along - 1)
+        width_m = across_m if is_end else body.width_m
+        places_m = [((j + 0.5) * across_m - body.width_m / 2) for j in range(n_across)] if is_end else [0.0]
+        for y_m in places_m:
+            x_m = (k + 0.5) * part_m - body.length_m / 2
+            (at,) = body.pose.apply([[x_m, y_m]]).tolist()
+            discs.append((at[0], at[1], hypot(part_m, width_m) / 2))
+    return discs

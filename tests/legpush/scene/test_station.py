@@ -102,13 +102,14 @@ def test_the_distance_to_what_is_occupied_is_that_to_the_square_or_the_border(
     assert distance_m == pytest.approx(expected_m, abs=1e-9)
 
 
-def test_a_robot_closer_than_its_footprint_asks_for_no_less_than_that() -> None:
+def test_a_robot_that_stands_in_a_wall_asks_for_half_its_width() -> None:
     wall = Rectangle(x_min_m=0.0, x_max_m=12.0, y_min_m=0.0, y_max_m=2.8)
     scenario = make_scenario(room=Room(size_m=(12.0, 6.0), obstacles=(wall,)))
 
     query = query_to_measured_box(scenario, 3, scenario.start.pose(), scenario.box.pose.pose(), "rear")
 
-    assert query.clearance_m == CIRCLE_M
+    assert query.clearance_m == scenario.robot.stance.body_width_m / 2
+    assert query.body_clearance_m == 0.0
     assert (query.seed, query.planner) == (3, "rrt_connect")
 
 
