@@ -54,7 +54,7 @@ def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
 def body_faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
     """Where the body of the robot does not keep its clearance, at the waypoints or between them."""
     body = query.body
-    if body is None:
+    if body is None or not plan.waypoints:
         return []
     occupied, turn_m = Occupied(query.grid), float(np.hypot(*body.corners().T).max())
     poses = poses_along(plan.waypoints, turn_m, 0.0, BODY_STEP_M)
