@@ -56,6 +56,7 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """The floor that the robot covers, in the frame of the trunk. It keeps `body_clearance_m` from every occupied cell,
     turns on the spot included. With nil, headings do not count."""
     body_clearance_m: QueryDistance = 0.0
+    """Least distance from the body to any occupied cell."""
 
 
 class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -99,6 +100,7 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The floor that the robot covers, in the frame of the trunk. At a stand-off, it keeps `body_clearance_m` from
     every occupied cell. With nil, only its clearance as a disc counts there."""
     body_clearance_m: QueryDistance = 0.0
+    """Least distance from the body to any occupied cell at a stand-off, and on a walk to another side."""
     side_change_m: QueryDistance
     """Cost of a change of sides, as a length of path of the box."""
     clearance_m: QueryDistance
