@@ -73,7 +73,7 @@ class BetterPaths:
         return (*joint, *waypoints[k + 1 :]) if self._body_fits(joint) else ()
 
     def _body_fits(self, joint: tuple[Pose2, ...]) -> bool:
-        """Whether the body keeps its clearance, or the one that it has, from here to a waypoint, turns included."""
+        """Whether the body keeps its clearance, less if it is nearer to something now, from here to a waypoint."""
         body = self.query.body
         if body is None:
             return True

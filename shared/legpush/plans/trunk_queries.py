@@ -41,7 +41,7 @@ def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footpr
     """Ask as the scenario says.
 
     A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least half its width.
-    Its body keeps the clearance that it has at both ends.
+    If its body is nearer to something at one of the ends, that distance is the clearance of the body.
     """
     planning, robot = scenario.planning, scenario.robot
     occupied = Occupied(occupancy_grid(scenario.room, [box]))

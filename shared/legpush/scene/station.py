@@ -67,7 +67,7 @@ def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, 
 def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, ...]:
     """Return waypoints straight back from the box, up to the first with space to turn around, or as far as possible.
 
-    On the way, the body keeps the clearance of the planner, or the one that it has.
+    On the way, the body keeps the clearance of planned paths. If it is nearer to something now, it comes no nearer.
     """
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     pushing = scenario.robot.pushing

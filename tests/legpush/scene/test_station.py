@@ -129,7 +129,7 @@ def test_the_gap_and_the_feet_make_the_distance_to_the_box() -> None:
 
 
 def test_the_way_back_ends_before_the_body_comes_too_near_to_a_wall() -> None:
-    wall = Rectangle(x_min_m=0.0, x_max_m=4.0, y_min_m=0.0, y_max_m=6.0)
+    wall = Rectangle(x_min_m=0.0, x_max_m=4.5, y_min_m=0.0, y_max_m=6.0)
     scenario = make_scenario(room=Room(size_m=(12.0, 6.0), obstacles=(wall,)))
     box = Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0)
     trunk = station(ROBOT, scenario.box, box)
