@@ -3,9 +3,9 @@
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
-of endings in `run.md`; and the tasks and their terms in `learn.md`. Everything between the lines
-`<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a
-generated part is stale.
+of endings in `run.md`; the tasks and their terms in `learn.md`; and the claims of the paper in `paper.md`. Everything
+between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
+test fails when a generated part is stale.
 """
 
 import ast
@@ -20,7 +20,7 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import numbers, source_tree, study_list, term_tables
+from docs import claims, numbers, source_tree, study_list, term_tables
 from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
@@ -32,6 +32,7 @@ DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
 ARCHITECTURE: Final = DOCS / "architecture.md"
 MEASURED: Final = DOCS / "measured.md"
+PAPER: Final = DOCS / "paper.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
 LEARN: Final = DOCS / "learn.md"
@@ -130,6 +131,7 @@ def main() -> None:
         (PROTOCOL, protocol_parts()),
         (ARCHITECTURE, architecture_parts()),
         (MEASURED, measured),
+        (PAPER, measured | claims.parts()),
         (README, measured),
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
