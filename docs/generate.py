@@ -26,7 +26,7 @@ from legpush.messages import common, measures, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
 from legpush.runs.reasons import REASONS
-from legpush.scene import footprints, occupancy, reference, robot, robot_body, robot_motion, scenario
+from legpush.scene import footprints, occupancy, plan_settings, reference, robot, robot_body, robot_motion, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
@@ -94,9 +94,9 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         scenario.PoseDeg,
         scenario.Box,
         scenario.Goal,
-        scenario.PlanSettings,
-        scenario.Smoothing,
-        scenario.Anytime,
+        plan_settings.PlanSettings,
+        plan_settings.Smoothing,
+        plan_settings.Anytime,
         scenario.MissionSettings,
         scenario.PushSettings,
         scenario.Randomization,

@@ -1,5 +1,6 @@
 """Plans a path of the box: checks the query, searches, and measures exactly. Equal queries get equal plans."""
 
+from dataclasses import replace
 from itertools import pairwise
 from math import degrees, hypot
 from typing import Final
@@ -17,6 +18,8 @@ EXTRA_CLEARANCE_CELLS: Final = (0.0, 0.2, 0.6)
 """Extra clearances for the search, which measures quickly. The next one is tried if the path that was found does not
 keep the clearance by the exact measure.
 """
+MOST_WALKS: Final = 8
+"""How many ways are searched whose walks around the box turn out to be too narrow for the body of the robot."""
 SAME_PLACE_M: Final = 1e-9
 """A stage that is shorter than this is left out."""
 NEAREST_STEP_M: Final = 0.05
@@ -45,6 +48,13 @@ def make_box_plan(query: BoxPathQuery, field: ClearanceField, interrupted: Inter
         pushes.extra_m = extra_cells * query.grid.resolution_m
         found = search(query, pushes, interrupted)
         n_iterations += found.n_iterations
+        for _ in range(MOST_WALKS):
+            if not found.way or pushes.body_can_walk(found.way):
+                break
+            found = search(query, pushes, interrupted)
+            n_iterations += found.n_iterations
+        else:
+            found = replace(found, way=())
         if not found.way:
             break
         plan = _judged(found, pushes, n_iterations)

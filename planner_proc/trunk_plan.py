@@ -11,6 +11,7 @@ from legpush.bounds import MAX_WAYPOINTS
 from legpush.geometry import Point2, Pose2, wrap_angle
 from legpush.messages.planning import Plan, Tree, TrunkPathQuery
 from legpush.plans.planner import Interrupted
+from planner_proc.body.fitting import BodyFitting
 from planner_proc.clearance.field import ROUNDING_M, ClearanceField
 from planner_proc.search.registry import routes
 from planner_proc.search.route import Route
@@ -42,8 +43,11 @@ def make_trunk_plans(query: TrunkPathQuery, field: ClearanceField, interrupted: 
         yield from [_turn_on_the_spot(query, field)] * n_revisions
         return
     best: Plan | None = None
+    fitting = BodyFitting(query, field) if query.body is not None else None
     for route in routes(query, field, interrupted):
         plan = _plan_from_route(query, field, route)
+        if fitting is not None and plan.status == "exact":
+            plan = fitting.fitted(plan)
         if best is None or _is_better(plan, best):
             best = plan
         yield best

@@ -7,7 +7,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agent_proc.push_model.estimate import PushEstimate
-from legpush.geometry import Pose2
+from legpush.geometry import ORIGIN, Pose2
 from legpush.messages.planning import BoxPathQuery, PushSide
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import box_footprint, robot_footprint
@@ -35,8 +35,10 @@ def query_for_box(
         goal=scenario.goal.pose.pose(),
         sides=tuple(_side(scenario, face, estimate) for face, estimate in estimates.items()),
         present_side=faces.index(present) if present in faces else None,
-        box=box_footprint(scenario.box, Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)),
+        box=box_footprint(scenario.box, ORIGIN),
         walk_clearance_m=clearance_m(scenario),
+        body=robot_footprint(scenario.robot, ORIGIN),
+        body_clearance_m=scenario.planning.body_margin_m,
         side_change_m=pushing.face_change_m,
         clearance_m=pushing.margin_m,
         run_in_m=pushing.run_in_m,

@@ -13,7 +13,7 @@ from agent_proc.reporting.charts import draw_box_error, draw_margins, draw_tilt,
 from agent_proc.reporting.mission_record import MissionRecord
 from agent_proc.reporting.picture_parts import appeared, box_at, extent, followed, handover_place, thin, widen
 from agent_proc.reporting.style import BOX, FLOOR, GOAL, GRID, INK, RAW, STYLE, WALL
-from legpush.geometry import Pose2
+from legpush.geometry import ORIGIN, Pose2
 from legpush.messages.planning import BoxPathQuery, Plan, TrunkPathQuery
 from legpush.messages.poses import planar_pose
 from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS
@@ -26,7 +26,6 @@ FEET: Final = {"FL": "#e29b3e", "FR": "#c86b9b", "RL": "#6f63b5", "RR": "#3d9fb0
 APPEARED, GIVEN_UP = "#b8651b", "#77706a"
 DPI: Final = 160
 HEADLINE_LENGTH: Final = 140
-WORLD: Final = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
 ZOOM_ASPECT: Final = 2.45
 BEHIND_M: Final = np.array([0.6, 0.2])
 BESIDE_M: Final = np.array([0.1, 0.2])
@@ -76,7 +75,7 @@ def _draw_plan(axes: Axes, record: MissionRecord, result: MissionResult) -> None
         axes.plot(
             *step.path_m.T, color=color, lw=3.2, ls=dashes, alpha=0.45, label=label, zorder=3, solid_capstyle="round"
         )
-    _draw_feet(axes, record, WORLD, 0.55)
+    _draw_feet(axes, record, ORIGIN, 0.55)
     axes.plot(*thin(record.ticks().trunk_m).T, color=TRUNK, lw=1.1, label="trunk", zorder=5)
     _draw_robot(axes, record.scenario.robot, planar_pose(record.steps[0].world.trunk), label="robot at start and end")
     _draw_robot(axes, record.scenario.robot, planar_pose(record.steps[-1].world.trunk))
@@ -127,7 +126,7 @@ def _draw_zoom(axes: Axes, record: MissionRecord) -> None:
     axes.set_title("Pushing")
 
 
-def _draw_room(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
+def _draw_room(axes: Axes, record: MissionRecord, seen: Pose2 = ORIGIN) -> None:
     room = record.scenario.room
     axes.set_facecolor(FLOOR)
     axes.grid(color=GRID, lw=0.6, zorder=0)
@@ -178,7 +177,7 @@ def _draw_feet(axes: Axes, record: MissionRecord, seen: Pose2, width: float) -> 
         )
 
 
-def _draw_robot(axes: Axes, robot: RobotSpec, trunk: Pose2, seen: Pose2 = WORLD, label: str | None = None) -> None:
+def _draw_robot(axes: Axes, robot: RobotSpec, trunk: Pose2, seen: Pose2 = ORIGIN, label: str | None = None) -> None:
     """Draw the foot rectangle of the robot and a line to its front."""
     trunk = seen @ trunk
     feet = foot_rectangle(robot, trunk)
@@ -187,7 +186,7 @@ def _draw_robot(axes: Axes, robot: RobotSpec, trunk: Pose2, seen: Pose2 = WORLD,
     axes.plot(*nose.T, color=INK, lw=1.1, zorder=6)
 
 
-def _draw_box(axes: Axes, record: MissionRecord, seen: Pose2 = WORLD) -> None:
+def _draw_box(axes: Axes, record: MissionRecord, seen: Pose2 = ORIGIN) -> None:
     """Draw the box at start and end, its track, and its goal."""
     steps = record.pushing() or record.steps[-1:]
     ghosts = np.unique(np.linspace(0, len(steps) - 1, N_GHOSTS + 2, dtype=int))[1:-1]

@@ -5,12 +5,13 @@ from operator import itemgetter
 from typing import Final
 
 import numpy as np
+from msgspec.structs import replace
 
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.plans.trunk_queries import SLACK_M
 from legpush.scene.clearance import Occupied
-from legpush.scene.paths import arc_lengths_m, path_length_m
+from legpush.scene.paths import arc_lengths_m, path_length_m, poses_along
 
 LEAST_GAIN_M: Final = 0.1
 """Least length, turns included, that a better path has to save."""
@@ -68,7 +69,18 @@ class BetterPaths:
         n = max(1, ceil(length_m / SPACING_M))
         points = np.linspace(line[0], line[1], n + 1).tolist()
         straight = tuple(Pose2(x_m=x_m, y_m=y_m, yaw_rad=heading_rad) for x_m, y_m in points)
-        return (here, *straight, *waypoints[k:])
+        joint = (here, *straight, there)
+        return (*joint, *waypoints[k + 1 :]) if self._body_fits(joint) else ()
+
+    def _body_fits(self, joint: tuple[Pose2, ...]) -> bool:
+        """Whether the body keeps its clearance, less if it is nearer to something now, from here to a waypoint."""
+        body = self.query.body
+        if body is None:
+            return True
+        poses = poses_along(joint, self._foot_circle_m, 0.0, SPACING_M)
+        apart_m = (self._occupied.distance_m(replace(body, pose=pose @ body.pose)) for pose in poses)
+        required_m = min(self.query.body_clearance_m, next(apart_m) - SLACK_M)
+        return all(distance_m >= required_m for distance_m in apart_m)
 
 
 def _places(waypoints: tuple[Pose2, ...], here: Pose2) -> list[int]:

@@ -6,16 +6,15 @@ A path is kept if a new obstacle leaves it the clearance that it was planned wit
 from collections.abc import Sequence
 from typing import Final
 
-import numpy as np
 from msgspec.structs import replace
 
-from legpush.arrays import Floats
 from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, WorldState
 from legpush.scene.conventions import CONTROL_PERIOD_S
+from legpush.scene.footprints import distance_m, distance_to_point_m, obstacle_footprint, robot_footprint
 from legpush.scene.occupancy import clearance_m, room_by_now
-from legpush.scene.paths import travelled_m
+from legpush.scene.paths import poses_along
 from legpush.scene.scenario import Rectangle, Scenario
 
 LOOK_STEP_M: Final = 0.05
@@ -46,19 +45,9 @@ def in_words(appeared: Sequence[Appearance]) -> str:
 
 
 def is_in_walk(obstacle: Rectangle, scenario: Scenario, waypoints: Sequence[Pose2], from_m: float = 0.0) -> bool:
-    """Whether an obstacle is nearer than the planner's clearance to what is left of a path of the trunk."""
-    ahead = _ahead_m(waypoints, from_m, scenario.robot.stance.foot_circle_m)
-    low = np.array([obstacle.x_min_m, obstacle.y_min_m]) - ahead
-    high = ahead - np.array([obstacle.x_max_m, obstacle.y_max_m])
-    apart = np.hypot(*np.maximum(np.maximum(low, high), 0.0).T)
-    return bool(apart.min() < clearance_m(scenario))
-
-
-def _ahead_m(waypoints: Sequence[Pose2], from_m: float, foot_circle_m: float) -> Floats:
-    """Places on a path from a travelled length on, (n, 2)."""
-    at_m = travelled_m(waypoints, foot_circle_m)
-    where = np.append(np.arange(min(from_m, at_m[-1]), at_m[-1], LOOK_STEP_M), at_m[-1])
-    return np.stack(
-        [np.interp(where, at_m, [p.x_m for p in waypoints]), np.interp(where, at_m, [p.y_m for p in waypoints])],
-        axis=-1,
+    """Whether an obstacle is nearer than the planner's clearances to what is left of a path of the trunk."""
+    robot, place, margin_m = scenario.robot, obstacle_footprint(obstacle), scenario.planning.body_margin_m
+    ahead = poses_along(waypoints, robot.stance.foot_circle_m, from_m, LOOK_STEP_M)
+    return any(distance_to_point_m(place, pose.xy()) < clearance_m(scenario) for pose in ahead) or any(
+        distance_m(place, robot_footprint(robot, pose)) < margin_m for pose in ahead
     )

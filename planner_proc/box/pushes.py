@@ -11,12 +11,14 @@ import numpy as np
 from msgspec.structs import replace
 
 from legpush.arrays import Floats
-from legpush.geometry import Pose2, wrap_angle
+from legpush.geometry import Pose2, distance_m, wrap_angle
 from legpush.messages.planning import BoxPathQuery, PushSide
+from legpush.scene.footprints import Footprint
+from planner_proc.box.body_walks import BodyWalks
 from planner_proc.box.dubins import SAMPLE_M, Dubins
-from planner_proc.box.footprint_field import FootprintField, Squares, placed
 from planner_proc.box.walking_space import WalkingSpace, places_behind
 from planner_proc.clearance.field import ClearanceField
+from planner_proc.clearance.footprint_field import FootprintField, Squares, placed
 
 LEAST_STAGE_M: Final = 0.005
 """Shortest stage for which it is worth changing sides."""
@@ -34,6 +36,10 @@ class Stage:
     length_m: float
 
 
+NEAR_M: Final = 0.15
+NEAR_RAD: Final = 0.25
+"""Poses of the box that differ by less are the same place to walk around."""
+
 Way = tuple[Stage, ...]
 """Stages in order: each begins where the one before it ends."""
 
@@ -46,14 +52,14 @@ class Side:
         self._field = field
         self._walk_clearance_m = query.walk_clearance_m
         self._stand_off = side.frame @ side.stand_off
+        self._body = None if query.body is None else FootprintField((query.body,), field, squares)
+        self._body_clearance_m = query.body_clearance_m
         self._frame = side.frame
         self._box_from_frame = side.frame.inverse()
         self.turn_rad = side.frame.yaw_rad
         self._dubins = Dubins(side.min_turning_radius_m)
         self.footprints = FootprintField(side.footprints, field, squares)
-        # Between two samples, no point of the footprints is farther than this from its place at the nearer one.
-        between_m = 0.5 * SAMPLE_M * (1.0 + self.footprints.reach_m / side.min_turning_radius_m)
-        self.required_m = query.clearance_m + between_m
+        self.required_m = _required_m(query.clearance_m, self.footprints.reach_m, side.min_turning_radius_m)
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
         """Length of the push from one pose of the box to another."""
@@ -84,8 +90,11 @@ class Side:
 
     def can_begin(self, pose: Pose2) -> bool:
         """Whether the robot can come to stand behind the box at a pose, and push from there."""
-        room_m = self._field.clearance_m(self.stand_off(pose).xy()[None])[0]
-        return bool(room_m >= self._walk_clearance_m) and self.fits(pose)
+        stand_off = self.stand_off(pose)
+        room_m = self._field.clearance_m(stand_off.xy()[None])[0]
+        if room_m < self._walk_clearance_m or not self.fits(pose):
+            return False
+        return self._body is None or bool(self._body.free(_row(stand_off), self._body_clearance_m)[0])
 
     def stand_off(self, pose: Pose2) -> Pose2:
         """Where the robot's walk to this side ends if the box is at a pose."""
@@ -107,6 +116,8 @@ class Pushes:
         self._query = query
         self.extra_m = 0.0
         """Clearance to keep beyond what is required, by the quick measure."""
+        self._no_walks: list[tuple[int, Stage]] = []
+        """Sides with the stages to whose beginnings no walk of the body leads from them."""
         self.out_of_reach = False
         """Whether a way was refused because the robot cannot come to a side where box and robot fit."""
 
@@ -141,10 +152,30 @@ class Pushes:
 
     def _can_walk(self, before: int, stage: Stage) -> bool:
         """Whether the robot can walk around the box, from one of its sides to where a stage begins."""
-        begins_m = places_behind(self.sides[before].stand_off(stage.begin), STEPS_BACK_M)
+        if any(before == side and _are_near(stage, other) for side, other in self._no_walks):
+            return False
+        begins_m = places_behind(self.sides[before].stand_off(stage.begin), STEPS_BACK_M)[:, :2]
         end_m = self.sides[stage.side].stand_off(stage.begin).xy()
-        box = replace(self._query.box, pose=stage.begin @ self._query.box.pose)
-        return self._walking.joins(begins_m, end_m, box)
+        return self._walking.joins(begins_m, end_m, self._box(stage))
+
+    def _box(self, stage: Stage) -> Footprint:
+        """The box where a stage begins."""
+        return replace(self._query.box, pose=stage.begin @ self._query.box.pose)
+
+    def body_can_walk(self, way: Sequence[Stage]) -> bool:
+        """Whether the body of the robot, too, can walk to each other side; what it cannot is refused from now on."""
+        query = self._query
+        for stage, following in pairwise(way):
+            if query.body is None or stage.side == following.side:
+                continue
+            begins = places_behind(self.sides[stage.side].stand_off(following.begin), STEPS_BACK_M)
+            end = _row(self.sides[following.side].stand_off(following.begin))[0]
+            clearances_m = (query.walk_clearance_m, query.body_clearance_m)
+            if not BodyWalks(query.grid, self._box(following), query.body, *clearances_m).joins(begins, end):
+                self._no_walks.append((stage.side, following))
+                self.out_of_reach = True
+                return False
+        return True
 
     def one_side(self, a: Pose2, b: Pose2) -> Iterator[Way]:
         """The direct push from each side."""
@@ -199,6 +230,24 @@ class Pushes:
             if self.free(way, side_before):
                 return way
         return None
+
+
+def _required_m(clearance_m: float, reach_m: float, radius_m: float) -> float:
+    """Clearance at samples that are `SAMPLE_M` apart with which footprints keep `clearance_m` between them, too.
+
+    Seen from a footprint, a point of an obstacle moves along an arc of at most length 2 h between two samples. If a
+    straight line of that length comes as near as c to a convex shape, one of its ends is no farther from it than the
+    root of c² + h². The arc is off its chord by less than the last term.
+    """
+    half_m = 0.5 * SAMPLE_M * (1.0 + reach_m / radius_m)
+    off_m = (radius_m + reach_m) * (SAMPLE_M / radius_m) ** 2 / 8
+    return hypot(clearance_m, half_m) + off_m
+
+
+def _are_near(a: Stage, b: Stage) -> bool:
+    """Whether two stages begin at the same side and nearly the same pose."""
+    off_rad = abs(wrap_angle(a.begin.yaw_rad - b.begin.yaw_rad))
+    return a.side == b.side and distance_m(a.begin, b.begin) < NEAR_M and off_rad < NEAR_RAD
 
 
 def _row(pose: Pose2) -> Floats:

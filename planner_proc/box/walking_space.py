@@ -79,8 +79,9 @@ class WalkingSpace:
 
 
 def places_behind(stand_off: Pose2, distances_m: Sequence[float]) -> Floats:
-    """Points behind a stand-off, at distances straight back from it, (n, 2)."""
-    return stand_off.apply(np.array([[-distance_m, 0.0] for distance_m in distances_m]))
+    """Poses behind a stand-off, at distances straight back from it, (n, 3)."""
+    points_m = stand_off.apply(np.array([[-distance_m, 0.0] for distance_m in distances_m]))
+    return np.column_stack([points_m, np.full(len(points_m), stand_off.yaw_rad)])
 
 
 def _distance_m(footprint: Footprint, points_m: Floats) -> Floats:

@@ -10,7 +10,7 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, PlanStatus, PushSide, TrunkPathQuery
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Smoothing
+from legpush.scene.plan_settings import Smoothing
 
 CLEARANCE_M: Final = 0.44
 RESOLUTION_M: Final = 0.05
@@ -134,3 +134,13 @@ def _grid(cells: Flags) -> OccupancyGrid:
 
 def _pose(x_m: float, y_m: float, yaw_rad: float = 0.0) -> Pose2:
     return Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+
+
+BESIDE_A_WALL: Final = query(
+    room(8.0, 6.0),
+    (4.0, 0.5, 0.0),
+    (2.0, 2.0, 3.0),
+    body=Footprint(pose=Pose2(x_m=-0.11, y_m=0.0, yaw_rad=0.0), length_m=0.98, width_m=0.44),
+    body_clearance_m=0.05,
+)
+"""A robot beside a wall that has to leave it before it turns round."""

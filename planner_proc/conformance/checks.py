@@ -71,6 +71,7 @@ CHECKS: Final[dict[str, Callable[[Bench], str]]] = {
     "turning radius between straight lines": partial(path_checks.steers, steering="straight"),
     "turning radius, forward only (Dubins)": partial(path_checks.steers, steering="dubins"),
     "turning radius, backward too (Reeds and Shepp)": partial(path_checks.steers, steering="reeds_shepp"),
+    "the body of the robot turns where it has room": path_checks.minds_the_body,
     "paths of the box: already at its goal": partial(path_checks.knows_boxes, goal=HERE),
     "paths of the box: straight ahead": partial(path_checks.knows_boxes, goal=AHEAD),
     "paths of the box: to the side and turned": partial(path_checks.knows_boxes, goal=ASIDE),

@@ -9,8 +9,8 @@ from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.names import Steering
 from planner_proc.conformance.bench import EASY, REMARK, Bench
 from planner_proc.conformance.box_truth import box_faults
-from planner_proc.conformance.cases import Case, box_query
-from planner_proc.conformance.truth import faults
+from planner_proc.conformance.cases import BESIDE_A_WALL, Case, box_query
+from planner_proc.conformance.truth import body_faults, faults
 
 RADIUS_M: Final = 0.5
 """Turning radius to ask for."""
@@ -40,6 +40,19 @@ def steers(bench: Bench, steering: Steering) -> str:
         return result
     if result.plan.status == "invalid" and result.plan.reason:
         return f"{REMARK}it says that it cannot ({result.plan.reason})"
+    return judged(asked, result.plan, ("exact",))
+
+
+def minds_the_body(bench: Bench) -> str:
+    """The planner turns the body of the robot where it has room, or its path is only one for a disc."""
+    asked = BESIDE_A_WALL
+    result = bench.client.ask(asked, bench.deadline_s)
+    if isinstance(result, str):
+        return result
+    if result.plan.status in ("failed", "invalid") and result.plan.reason:
+        return f"{REMARK}it has no path for the body ({result.plan.reason}); in narrow rooms, missions need one"
+    if of_body := body_faults(asked, result.plan):
+        return f"{REMARK}it plans for a disc alone, so robots touch walls where they turn: {of_body[0]}"
     return judged(asked, result.plan, ("exact",))
 
 

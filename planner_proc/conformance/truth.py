@@ -5,10 +5,12 @@ from math import hypot, pi
 from typing import Final
 
 import numpy as np
+from msgspec.structs import replace
 
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.planning import Plan, TrunkPathQuery
-from legpush.scene.clearance import clearance, xy_of
+from legpush.scene.clearance import Occupied, clearance, xy_of
+from legpush.scene.paths import poses_along
 
 SAME_M: Final = 1e-6
 """Positions and distances that differ by less count as equal."""
@@ -18,6 +20,8 @@ RADIUS_SHARE: Final = 0.05
 """By which share a turning radius may be missed: waypoints are rounded and placed unevenly."""
 FORWARD_SHARE: Final = 0.9
 """Least share of a step that leads along the heading: with less, it leads sideways or backward."""
+BODY_STEP_M: Final = 0.02
+"""How far a point of the body moves between two poses that are looked at; half of it is forgiven."""
 LONGEST_STEP_M: Final = 0.25
 """Greatest distance between two waypoints: more would say too little about the headings in between."""
 
@@ -40,10 +44,29 @@ def faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
             f"{query.clearance_m:g} m were asked for"
         )
     found += _steering_faults(query, plan.waypoints)
+    found += body_faults(query, plan)
     steps_m = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
     if steps_m.max() > LONGEST_STEP_M:
         found.append(f"waypoints are up to {steps_m.max():.2f} m apart, expected at most {LONGEST_STEP_M:g} m")
     return found
+
+
+def body_faults(query: TrunkPathQuery, plan: Plan) -> list[str]:
+    """Where the body of the robot does not keep its clearance, at the waypoints or between them."""
+    body = query.body
+    if body is None or not plan.waypoints:
+        return []
+    occupied, turn_m = Occupied(query.grid), float(np.hypot(*body.corners().T).max())
+    poses = poses_along(plan.waypoints, turn_m, 0.0, BODY_STEP_M)
+    apart_m = [occupied.distance_m(replace(body, pose=pose @ body.pose)) for pose in poses]
+    worst = int(np.argmin(apart_m))
+    if apart_m[worst] >= query.body_clearance_m - BODY_STEP_M / 2:
+        return []
+    x_m, y_m = xy_of(poses[worst].xy())
+    return [
+        f"the body collides: near ({x_m:.2f}, {y_m:.2f}), at a heading of {poses[worst].yaw_rad:.2f} rad, it is "
+        f"{apart_m[worst]:.3f} m from something occupied, {query.body_clearance_m:g} m were asked for"
+    ]
 
 
 def _steering_faults(query: TrunkPathQuery, waypoints: Sequence[Pose2]) -> list[str]:

@@ -1,6 +1,7 @@
 """Planar poses and rotations: radians, metres, x forward, y left, yaw counter-clockwise."""
 
 from math import atan2, cos, hypot, pi, sin
+from typing import Final
 
 import msgspec
 import numpy as np
@@ -52,6 +53,10 @@ class Pose2(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         rotation = np.array([[c, -s], [s, c]])
         turned: Floats = np.asarray(points, dtype=np.float64) @ rotation.T
         return turned + self.xy()
+
+
+ORIGIN: Final = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+"""The pose of a frame in itself."""
 
 
 def wrap_angle(angle_rad: float) -> float:

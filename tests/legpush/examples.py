@@ -39,7 +39,8 @@ from legpush.messages.stepping import (
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published, Reward, RewardTerm, Status, Taken
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
+from legpush.scene.plan_settings import Smoothing
+from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
 
 
 def header(role: Role, name: str = "main", run: str = "test", sequence: int = 7) -> Header:

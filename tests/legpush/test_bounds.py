@@ -24,9 +24,10 @@ from legpush.messages.stepping import Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scenarios.grid import CellSource, MapSource
 from legpush.scenarios.map_server import MapServerFile
+from legpush.scene.plan_settings import Anytime, Smoothing
 from legpush.scene.reference import Arcs, Left, Right, Sine, Straight
 from legpush.scene.robot_body import Joints
-from legpush.scene.scenario import Anytime, MissionSettings, Scenario, Smoothing
+from legpush.scene.scenario import MissionSettings, Scenario
 from tests.legpush import examples
 from tests.legpush.scenarios.small_scenario import plain_scenario, write
 from tests.robots import ROBOT

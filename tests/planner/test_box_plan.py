@@ -12,9 +12,9 @@ from legpush.messages.planning import BoxPathQuery
 from legpush.plans.planner import Interrupted
 from legpush.scene.scenario import Rectangle, Room
 from planner_proc import box_plan
-from planner_proc.box.footprint_field import FootprintField
 from planner_proc.box.pushes import Pushes
 from planner_proc.box.search import Found, search
+from planner_proc.clearance.footprint_field import FootprintField
 from planner_proc.planning import make_plan
 from tests.planner.boxes import OPEN, RADIUS_M, SIDES, check, faces, query, side
 from tests.planner.maps import pose

@@ -21,7 +21,7 @@ from legpush.messages.common import Header
 from legpush.scene.footprints import Footprint
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime, Smoothing
+from legpush.scene.plan_settings import Anytime, Smoothing
 
 
 class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="trunk_path"):
@@ -52,6 +52,11 @@ class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     anytime: Anytime | None
     """With it, the planner answers with the first path that it finds, and then with better ones; nil asks for one
     plan."""
+    body: Footprint | None = None
+    """The floor that the robot covers, in the frame of the trunk. It keeps `body_clearance_m` from every occupied cell,
+    turns on the spot included. With nil, headings do not count."""
+    body_clearance_m: QueryDistance = 0.0
+    """Least distance from the body to any occupied cell."""
 
 
 class PushSide(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -91,6 +96,11 @@ class BoxPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The rectangle of the box that the robot walks around, in the frame of the box."""
     walk_clearance_m: QueryLength
     """Least distance from the trunk centre to any occupied cell and to the box while the robot walks around it."""
+    body: Footprint | None = None
+    """The floor that the robot covers, in the frame of the trunk. At a stand-off, it keeps `body_clearance_m` from
+    every occupied cell. With nil, only its clearance as a disc counts there."""
+    body_clearance_m: QueryDistance = 0.0
+    """Least distance from the body to any occupied cell at a stand-off, and on a walk to another side."""
     side_change_m: QueryDistance
     """Cost of a change of sides, as a length of path of the box."""
     clearance_m: QueryDistance

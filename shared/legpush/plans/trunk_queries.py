@@ -2,11 +2,13 @@
 
 from typing import Final
 
-from legpush.geometry import Pose2
+import numpy as np
+
+from legpush.geometry import ORIGIN, Pose2
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scene.clearance import clearance_at
+from legpush.scene.clearance import Occupied
 from legpush.scene.faces import pushed_box, pushed_pose
-from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.footprints import Footprint, box_footprint, robot_footprint
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, occupancy_grid
 from legpush.scene.scenario import Scenario
@@ -38,16 +40,20 @@ def query_to_pose(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box_
 def _query(scenario: Scenario, seed: int, start: Pose2, goal: Pose2, box: Footprint) -> TrunkPathQuery:
     """Ask as the scenario says.
 
-    A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least its footprint's.
+    A robot that has come closer to an obstacle than planned keeps the clearance it has, but at least half its width.
+    If its body is nearer to something at one of the ends, that distance is the clearance of the body.
     """
-    planning = scenario.planning
-    grid = occupancy_grid(scenario.room, [box])
-    present_m = clearance_at(grid, start) - SLACK_M
+    planning, robot = scenario.planning, scenario.robot
+    occupied = Occupied(occupancy_grid(scenario.room, [box]))
+    present_m = occupied.nearest(start.xy()[np.newaxis]).distance_m - SLACK_M
+    body_m = min(occupied.distance_m(robot_footprint(robot, end)) for end in (start, goal)) - SLACK_M
     return TrunkPathQuery(
-        grid=grid,
+        grid=occupied.grid,
         start=start,
         goal=goal,
-        clearance_m=max(min(clearance_m(scenario), present_m), scenario.robot.stance.foot_circle_m),
+        clearance_m=max(min(clearance_m(scenario), present_m), robot.stance.body_width_m / 2),
+        body=robot_footprint(robot, ORIGIN),
+        body_clearance_m=max(min(planning.body_margin_m, body_m), 0.0),
         planner=planning.planner,
         seed=seed,
         max_iterations=planning.max_iterations,

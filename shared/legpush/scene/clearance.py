@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from legpush.arrays import Flags, Floats
-from legpush.geometry import Pose2
+from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.paths import distances_m
 
@@ -23,6 +23,7 @@ class Occupied:
     """The occupied squares of a grid, prepared for many queries."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
+        self.grid = grid
         self._cells = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns) != 0
         free = np.pad(~self._cells, 1, constant_values=True)
         exposed = self._cells & (free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:])
@@ -56,6 +57,27 @@ class Occupied:
                     best = Nearest(distance_m=distance_m, at_m=xy_of((a + b) / 2))
         return best
 
+    def distance_m(self, footprint: Footprint) -> float:
+        """Return the exact distance of a rectangle to occupied squares, 0 if they overlap; the outside is occupied."""
+        corners = footprint.corners()
+        least_m = float(np.minimum(corners - self._low, self._high - corners).min())
+        if least_m <= 0.0:
+            return 0.0
+        half_m = self._resolution_m / 2
+        reach_m = least_m + half_m
+        low, high = corners.min(axis=0) - reach_m, corners.max(axis=0) + reach_m
+        near = self._centres[((self._centres >= low) & (self._centres <= high)).all(axis=1)]
+        column, row = np.floor((footprint.pose.xy() - self._low) / self._resolution_m).astype(int)
+        if self._cells[row, column]:
+            return 0.0
+        inside = np.abs(footprint.pose.inverse().apply(near)) < np.array([footprint.length_m, footprint.width_m]) / 2
+        if inside.all(axis=1).any():
+            return 0.0
+        if not len(near):
+            return least_m
+        sides = pairwise(np.concatenate([corners, corners[:1]]))
+        return min(least_m, *(float(segment_distances_m(a, b, near, half_m).min()) for a, b in sides))
+
 
 def clearance(grid: OccupancyGrid, points_m: Floats) -> Nearest:
     """Return the exact least distance of a polyline, (n, 2), to occupied squares; the outside is occupied."""
@@ -83,11 +105,6 @@ def _meet(a: Floats, b: Floats, centres: Floats, half_m: float) -> Flags:
     off = np.abs((centres - a) @ normal)
     meets: Flags = boxes & (off <= half_m * np.abs(normal).sum())
     return meets
-
-
-def clearance_at(grid: OccupancyGrid, pose: Pose2) -> float:
-    """Return the exact distance of a position to occupied squares; the outside is occupied."""
-    return clearance(grid, pose.xy()[np.newaxis]).distance_m
 
 
 def xy_of(point: Floats) -> tuple[float, float]:

@@ -28,8 +28,13 @@ def box_footprint(box: Box, pose: Pose2) -> Footprint:
 
 
 def robot_footprint(robot: RobotSpec, trunk: Pose2) -> Footprint:
-    """Return the floor that trunk and stance of the robot cover."""
-    return Footprint(pose=trunk, length_m=robot.stance.body_length_m, width_m=robot.stance.body_width_m)
+    """Return the floor that the robot covers, its knees included."""
+    stance = robot.stance
+    return Footprint(
+        pose=trunk @ Pose2(x_m=(stance.body_front_m - stance.body_rear_m) / 2, y_m=0.0, yaw_rad=0.0),
+        length_m=stance.body_front_m + stance.body_rear_m,
+        width_m=stance.body_width_m,
+    )
 
 
 def foot_rectangle(robot: RobotSpec, trunk: Pose2) -> Footprint:

@@ -74,6 +74,15 @@ def occupancy_grid(room: Room, footprints: Sequence[Footprint] = ()) -> Occupanc
     )
 
 
+def with_footprint(grid: OccupancyGrid, footprint: Footprint) -> OccupancyGrid:
+    """Return the grid with the cells that a footprint touches occupied."""
+    occupied = np.frombuffer(grid.cells, dtype=np.uint8).reshape(grid.n_rows, grid.n_columns).copy()
+    x_m, y_m = grid.origin_m
+    at = replace(footprint, pose=replace(footprint.pose, x_m=footprint.pose.x_m - x_m, y_m=footprint.pose.y_m - y_m))
+    _occupy(occupied, at, grid.resolution_m)
+    return replace(grid, cells=occupied.tobytes())
+
+
 def grid_shape(room: Room) -> tuple[int, int]:
     """Return the numbers of columns and rows of the room's occupancy map."""
     width_m, height_m = room.size_m

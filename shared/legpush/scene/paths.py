@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.geometry import Pose2
+from legpush.geometry import Pose2, wrap_angle
 
 
 def travelled_m(waypoints: Sequence[Pose2], foot_circle_m: float) -> Floats:
@@ -23,6 +23,16 @@ def travelled_m(waypoints: Sequence[Pose2], foot_circle_m: float) -> Floats:
 def path_length_m(waypoints: Sequence[Pose2], foot_circle_m: float) -> float:
     """Return the length of a whole path, turns included; 0 without waypoints."""
     return float(travelled_m(waypoints, foot_circle_m)[-1]) if waypoints else 0.0
+
+
+def poses_along(waypoints: Sequence[Pose2], foot_circle_m: float, from_m: float, step_m: float) -> tuple[Pose2, ...]:
+    """Return the poses of a path from a travelled length on, one each `step_m`, and its end."""
+    at_m = travelled_m(waypoints, foot_circle_m)
+    where = np.append(np.arange(min(from_m, at_m[-1]), at_m[-1], step_m), at_m[-1])
+    yaws = np.unwrap([p.yaw_rad for p in waypoints])
+    columns = ([p.x_m for p in waypoints], [p.y_m for p in waypoints], yaws)
+    poses = np.stack([np.interp(where, at_m, column) for column in columns], axis=1)
+    return tuple(Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad)) for x_m, y_m, yaw_rad in poses.tolist())
 
 
 def arc_lengths_m(polyline_m: Floats) -> Floats:

@@ -30,8 +30,10 @@ class Stance(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Height of the trunk's centre above the floor."""
     com_below_trunk_m: BodyDistance = 0.05
     """How far the centre of mass is below the trunk's centre, because the legs hang down."""
-    body_length_m: BodyLength = 0.76
-    """Length of the floor that trunk and stance cover, about the trunk's ground projection."""
+    body_front_m: BodyLength = 0.38
+    """How far the floor that the robot covers reaches ahead of the trunk's ground projection."""
+    body_rear_m: BodyLength = 0.6
+    """How far it reaches behind: while the robot walks, its knees go farther back than its feet."""
     body_width_m: BodyLength = 0.44
     """Width of that floor."""
 
@@ -48,6 +50,11 @@ class Stance(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     def foot_circle_m(self) -> float:
         """Radius of the circle through the four feet."""
         return hypot(self.foot_rectangle_length_m, self.foot_rectangle_width_m) / 2
+
+    @property
+    def body_circle_m(self) -> float:
+        """Radius of the circle about the trunk's ground projection that covers the robot at any heading."""
+        return hypot(max(self.body_front_m, self.body_rear_m), self.body_width_m / 2)
 
     @property
     def com_height_m(self) -> float:

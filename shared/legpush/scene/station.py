@@ -1,5 +1,6 @@
 """Places of the robot at the box: the station to push from, and the stand-off, where planned paths end."""
 
+from collections.abc import Sequence
 from math import ceil, hypot, radians, sin
 from typing import Final
 
@@ -20,6 +21,8 @@ from legpush.scene.scenario import Box, Randomization, Scenario
 
 LAST_STRETCH_STEP_M: Final = 0.05
 BACK_STEP_M: Final = 0.05
+ROUNDING_M: Final = 1e-9
+"""Distances that differ by less count as equal."""
 CELLS: Final = 1.5
 """An occupied cell may extend this many cells beyond the object in it."""
 
@@ -62,16 +65,17 @@ def last_stretch(scenario: Scenario, box: Box, box_pose: Pose2) -> tuple[Pose2, 
 
 
 def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, ...]:
-    """Return waypoints straight back from the box, up to the first with space to turn around, or as far as possible."""
+    """Return waypoints straight back from the box, up to the first with space to turn around, or as far as possible.
+
+    On the way, the body keeps the clearance of planned paths. If it is nearer to something now, it comes no nearer.
+    """
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     pushing = scenario.robot.pushing
     way = [trunk]
+    required_m = min(scenario.planning.body_margin_m, _space_m(scenario, trunk, solid))
     while len(way) * BACK_STEP_M <= pushing.most_back_m:
         back = trunk @ Pose2(x_m=-BACK_STEP_M * len(way), y_m=0.0, yaw_rad=0.0)
-        body = robot_footprint(scenario.robot, back)
-        if distance_to_border_m(body.corners(), scenario.room) <= 0.0 or any(
-            footprint_distance_m(body, other) <= 0.0 for other in solid
-        ):
+        if _space_m(scenario, back, solid) < max(required_m, 0.0) - ROUNDING_M:
             break
         way.append(back)
         if len(way) * BACK_STEP_M > pushing.least_back_m and can_turn(scenario, back, box_pose):
@@ -79,14 +83,21 @@ def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, 
     return tuple(way)
 
 
+def _space_m(scenario: Scenario, trunk: Pose2, solid: Sequence[Footprint]) -> float:
+    """Return the distance of the robot's body from solid things and the border of the room; negative if it overlaps."""
+    body = robot_footprint(scenario.robot, trunk)
+    to_border_m = distance_to_border_m(body.corners(), scenario.room)
+    return min(to_border_m, *(footprint_distance_m(body, other) for other in solid))
+
+
 def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:
-    """Return whether the feet can turn to any heading at a place, and a path can be planned from there."""
+    """Return whether the robot can turn to any heading at a place, and a path can be planned from there."""
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     space_m = min(
         distance_to_border_m(trunk.xy()[None], scenario.room),
         *(distance_to_point_m(other, trunk.xy()) for other in solid),
     )
-    return space_m >= scenario.robot.stance.foot_circle_m + CELLS * scenario.room.resolution_m
+    return space_m >= scenario.robot.stance.body_circle_m + CELLS * scenario.room.resolution_m
 
 
 def box_reach_m(box: Box, offsets: Randomization) -> float:

@@ -15,11 +15,11 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk, WorldState
-from legpush.scene.clearance import clearance_at
 from legpush.scene.occupancy import clearance_m
 from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
 from legpush.scene.station import stand_off, station
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
+from tests.distances import clearance_at
 from tests.robots import ROBOT
 
 

@@ -15,10 +15,10 @@ from legpush.geometry import Pose2, distance_m
 from legpush.history.steps import StepRecord
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery
 from legpush.messages.stepping import Appearance, Follow, Motion, Outcome, Push, Walk
-from legpush.scene.clearance import clearance_at
 from legpush.scene.reference import Arcs, Straight
 from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Rectangle, Room, Scenario
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
+from tests.distances import clearance_at
 
 WALKING_S = 2.0
 """The robot has walked 0.8 m of its way to the box."""

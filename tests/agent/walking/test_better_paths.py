@@ -16,9 +16,11 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Follow
 from legpush.scene.paths import path_length_m
-from legpush.scene.scenario import Anytime, PlanSettings, Rectangle, Room
+from legpush.scene.plan_settings import Anytime, PlanSettings
+from legpush.scene.scenario import Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.planner import maps
+from tests.planner.bodies import BODY, BODY_M
 from tests.robots import CIRCLE_M
 
 ANYTIME = Anytime(n_improvements=4, improvement_iterations=10)
@@ -149,3 +151,16 @@ def test_only_exact_plans_are_joined(status: str) -> None:
 def test_revisions_are_counted_and_end() -> None:
     better = better_paths()
     assert [better.next_revision() for _ in range(6)] == [1, 2, 3, 4, None, None]
+
+
+def test_a_join_is_not_taken_where_the_body_would_turn_into_a_wall() -> None:
+    here = Pose2(x_m=2.5, y_m=0.5, yaw_rad=0.0)
+    disc = maps.query(maps.room(), (1.0, 1.0), (7.0, 1.0), anytime=ANYTIME)
+    usual = replace(path((1.0, 1.0), (4.0, 5.0), (7.0, 1.0)), length_m=10.0)
+    shorter = path((2.5, 1.5), (2.5, 3.0))
+
+    def joined(query: TrunkPathQuery) -> tuple[Pose2, ...]:
+        return BetterPaths(query, usual, CIRCLE_M).joined(shorter, here, 20.0)
+
+    assert joined(disc)
+    assert not joined(replace(disc, body=BODY, body_clearance_m=BODY_M))

@@ -74,3 +74,11 @@ def test_only_what_is_left_of_a_walk_counts_with_turns_as_long_as_their_arc() ->
     assert is_in_walk(CRATE, SCENARIO, way, turn_m)
     assert is_in_walk(CRATE, SCENARIO, way, turn_m + 0.1)
     assert not is_in_walk(CRATE, SCENARIO, way, turn_m + 0.45)
+
+
+def test_a_walk_is_blocked_where_the_body_would_turn_into_an_obstacle() -> None:
+    y_m = CRATE.y_max_m + CLEARANCE_M + 0.01
+    along = [Pose2(x_m=x_m, y_m=y_m, yaw_rad=0.0) for x_m in (3.0, 4.25)]
+
+    assert not is_in_walk(CRATE, SCENARIO, along)
+    assert is_in_walk(CRATE, SCENARIO, [*along, Pose2(x_m=4.25, y_m=y_m, yaw_rad=1.5)])

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
-from legpush.scene.paths import arc_lengths_m, distances_m, nearest_on_segments, path_length_m, travelled_m
+from legpush.scene.paths import arc_lengths_m, distances_m, nearest_on_segments, path_length_m, poses_along, travelled_m
 from tests.robots import CIRCLE_M
 
 COORDINATES = st.integers(-20_000, 20_000).map(lambda mm: mm / 1000)
@@ -92,3 +92,14 @@ def as_shape(polyline_m: Floats) -> shapely.Geometry:
     if (polyline_m == polyline_m[0]).all():
         return shapely.Point(polyline_m[0])
     return shapely.LineString(polyline_m)
+
+
+def test_poses_along_a_path_are_evenly_spaced_by_the_arc_of_the_feet_and_end_with_it() -> None:
+    way = poses((0.0, 0.0, 3.0), (1.0, 0.0, 3.0), (1.0, 0.0, -3.0))
+
+    found = poses_along(way, CIRCLE_M, 0.5, 0.1)
+
+    np.testing.assert_allclose([pose.x_m for pose in found[:6]], [0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
+    assert (found[-1].x_m, found[-1].yaw_rad) == pytest.approx((1.0, -3.0))
+    assert all(abs(pose.yaw_rad) >= 3.0 - 1e-12 for pose in found)
+    assert poses_along(way, CIRCLE_M, 99.0, 0.1) == found[-1:]

@@ -9,12 +9,18 @@ from hypothesis import strategies as st
 
 from legpush.geometry import Pose2
 from legpush.plans.trunk_queries import query_to_measured_box
-from legpush.scene.clearance import clearance_at
-from legpush.scene.footprints import box_footprint, distance_to_point_m
+from legpush.scene.footprints import (
+    box_footprint,
+    distance_m,
+    distance_to_point_m,
+    obstacle_footprint,
+    robot_footprint,
+)
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.scenario import Randomization, Rectangle, Room
-from legpush.scene.station import at_station, last_stretch, nominal_obstacle, stand_off, station
+from legpush.scene.station import at_station, last_stretch, nominal_obstacle, stand_off, station, way_back
 from tests.agent.fake_world import make_scenario
+from tests.distances import clearance_at
 from tests.robots import CIRCLE_M, ROBOT
 
 poses = st.builds(Pose2, x_m=st.floats(3.0, 9.0), y_m=st.floats(2.0, 4.0), yaw_rad=st.floats(-pi, pi))
@@ -102,13 +108,14 @@ def test_the_distance_to_what_is_occupied_is_that_to_the_square_or_the_border(
     assert distance_m == pytest.approx(expected_m, abs=1e-9)
 
 
-def test_a_robot_closer_than_its_footprint_asks_for_no_less_than_that() -> None:
+def test_a_robot_that_stands_in_a_wall_asks_for_half_its_width() -> None:
     wall = Rectangle(x_min_m=0.0, x_max_m=12.0, y_min_m=0.0, y_max_m=2.8)
     scenario = make_scenario(room=Room(size_m=(12.0, 6.0), obstacles=(wall,)))
 
     query = query_to_measured_box(scenario, 3, scenario.start.pose(), scenario.box.pose.pose(), "rear")
 
-    assert query.clearance_m == CIRCLE_M
+    assert query.clearance_m == scenario.robot.stance.body_width_m / 2
+    assert query.body_clearance_m == 0.0
     assert (query.seed, query.planner) == (3, "rrt_connect")
 
 
@@ -119,3 +126,17 @@ def test_the_gap_and_the_feet_make_the_distance_to_the_box() -> None:
     assert station(ROBOT, scenario.box, box).x_m == pytest.approx(
         -(0.2 + ROBOT.pushing.gap_m + ROBOT.stance.foot_rectangle_length_m / 2), abs=1e-3
     )
+
+
+def test_the_way_back_ends_before_the_body_comes_too_near_to_a_wall() -> None:
+    wall = Rectangle(x_min_m=0.0, x_max_m=4.5, y_min_m=0.0, y_max_m=6.0)
+    scenario = make_scenario(room=Room(size_m=(12.0, 6.0), obstacles=(wall,)))
+    box = Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0)
+    trunk = station(ROBOT, scenario.box, box)
+
+    free, kept = (way_back(each, trunk, box) for each in (make_scenario(), scenario))
+    body = robot_footprint(ROBOT, kept[-1])
+
+    assert kept == free[: len(kept)]
+    assert len(kept) < len(free)
+    assert 0.05 <= distance_m(body, obstacle_footprint(wall)) < 0.05 + 0.05

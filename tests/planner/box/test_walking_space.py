@@ -37,4 +37,6 @@ def test_no_way_leads_off_the_grid_or_to_where_the_trunk_has_no_room() -> None:
 
 
 def test_places_behind_a_stand_off_lie_straight_back_from_it() -> None:
-    np.testing.assert_allclose(places_behind(pose(2.0, 1.0, np.pi / 2), (0.0, 0.3)), [[2.0, 1.0], [2.0, 0.7]])
+    places = places_behind(pose(2.0, 1.0, np.pi / 2), (0.0, 0.3))
+
+    np.testing.assert_allclose(places, [[2.0, 1.0, np.pi / 2], [2.0, 0.7, np.pi / 2]])

@@ -9,12 +9,16 @@ from msgspec.structs import replace
 
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, TrunkPathQuery
-from legpush.scene.clearance import clearance
+from legpush.scene.clearance import Occupied, clearance
+from legpush.scene.footprints import robot_footprint
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.conformance.bench import EASY
+from planner_proc.conformance.cases import BESIDE_A_WALL
 from planner_proc.conformance.truth import differences, faults
 from planner_proc.planning import make_plan
+from tests.planner.bodies import BODY, least_distance_m
 from tests.planner.maps import grid, random_room
+from tests.robots import ROBOT
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -30,6 +34,25 @@ def test_clearance_is_that_of_the_planner_to_the_last_digit(seed: int) -> None:
     nearest = clearance(room, points)
 
     assert nearest.distance_m == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_distance_of_a_rectangle_is_that_of_polygons(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    occupied = Occupied(random_room(random))
+    for x_m, y_m, yaw_rad in random.uniform([-0.3, -0.3, -np.pi], [8.3, 6.3, np.pi], (40, 3)).tolist():
+        pose = np.array([[x_m, y_m, yaw_rad]] * 2)
+        rectangle = robot_footprint(ROBOT, Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad))
+        expected_m = least_distance_m(occupied.grid, BODY, pose)
+        assert occupied.distance_m(rectangle) == pytest.approx(expected_m, abs=1e-9)
+
+
+def test_a_path_for_a_disc_alone_has_a_fault_where_the_body_turns_into_a_wall() -> None:
+    of_body, of_disc = make_plan(BESIDE_A_WALL), make_plan(replace(BESIDE_A_WALL, body=None))
+
+    assert faults(BESIDE_A_WALL, of_body) == []
+    (fault,) = faults(BESIDE_A_WALL, of_disc)
+    assert "the body collides: near (4.00, 0.50)" in fault
 
 
 def test_a_point_alone_and_an_empty_map_have_a_clearance() -> None:

@@ -8,8 +8,8 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.footprints import Footprint, distance_m
 from legpush.scene.occupancy import OccupancyGrid
-from planner_proc.box.footprint_field import FootprintField, Squares, placed
 from planner_proc.clearance.field import ClearanceField
+from planner_proc.clearance.footprint_field import FootprintField, Squares, placed
 from tests.planner import maps
 from tests.planner.maps import pose
 
