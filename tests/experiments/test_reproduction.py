@@ -17,6 +17,7 @@ MADE = Made(version="0", commit="0", command="")
 def training(seed: int, error_m: float = 0.01, **settings: Any) -> dict[str, Any]:
     return {
         "seed": seed,
+        "world": "map",
         "final_success": [error_m < 0.03] * STARTS,
         "final_position_error_m": [error_m] * STARTS,
         "final_angle_error_deg": [1.0, 2.0, 3.0],

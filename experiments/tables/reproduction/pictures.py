@@ -41,7 +41,7 @@ def pictures() -> dict[str, Figure]:
     learns = [studies[TRAININGS[f"learns_{entry}"]].rows for entry in ("fixed", "variable")]
     return {
         "reproduction_curves.png": curves_figure(*learns),
-        "reproduction_release.png": release_figure(studies[TRAININGS["release"]].rows),
+        "reproduction_release.png": release_figure(rungs(ladder, factorial)[0][1]),
         "reproduction_map.png": factorial_figure(factorial),
         "reproduction_ladder.png": ladder_figure(rungs(ladder, factorial)),
     }
@@ -52,15 +52,16 @@ def curves_figure(fixed: Sequence[Row], variable: Sequence[Row]) -> Figure:
     figure = Figure(figsize=(10.0, 3.8), layout="constrained", dpi=110)
     panels = (("fixed entry (Fig. 14)", fixed), ("variable entry (Fig. 15)", variable))
     for axis, (title, rows) in zip(figure.subplots(1, 2), panels, strict=True):
+        world = "simulator" if rows[0]["world"] == "mujoco" else "without physics"
         draw_average(axis, [row["episode_return"] for row in rows])
-        axis.set_title(f"{title}, {len(rows)} trainings")
+        axis.set_title(f"{title}, {world}, {len(rows)} trainings")
         axis.set_ylabel("return")
     figure.suptitle(f"`paper-learns`: moving average over {WINDOW} episodes, mean and Student's t 95 % over trainings")
     return figure
 
 
 def release_figure(rows: Sequence[Row]) -> Figure:
-    """Draw the return of the published code beside what its policies do."""
+    """Draw the return of the published code beside what its policies do, in the world without physics."""
     figure = Figure(figsize=(10.0, 3.8), layout="constrained", dpi=110)
     returns, errors = figure.subplots(1, 2)
     draw_average(returns, [row["episode_return"] for row in rows])
