@@ -30,7 +30,15 @@ from experiments.tables import (
     unseen,
     walking,
 )
-from experiments.tables.paper import mass_trend, push_curves, push_pictures, robot_pictures, stability, turn_rate
+from experiments.tables.paper import (
+    learns,
+    mass_trend,
+    push_curves,
+    push_pictures,
+    robot_pictures,
+    stability,
+    turn_rate,
+)
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -38,6 +46,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "circles": circles.texts,
     "handover": handover.texts,
     "learning": learning.texts,
+    "learns": learns.texts,
     "mass_sweep": mass_sweep.texts,
     "mass_trend": mass_trend.texts,
     "missions": missions.texts,

@@ -201,7 +201,7 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     turning_reserve: Reserve = 1.4
     """Least turning radius of a planned path, as a multiple of the radius at which the box turns when only one foot
     pushes it. A value above 1 leaves room for corrections."""
-    margin_m: Margin = 0.05
+    margin_m: Margin = 0.07
     """Clearance that box and robot keep."""
     run_in_m: Distance = 0.4
     """Length of the straight stretch before the goal."""
