@@ -207,7 +207,7 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Length of the straight stretch before the goal."""
     face_change_m: Distance = 0.5
     """Cost of a walk around the box, as a length of pushing."""
-    max_iterations: ShortIterations = 6000
+    max_iterations: ShortIterations = 12_000
     """Budget of the search for a path."""
     goal_bias: Unit = 0.1
     """Probability that a sample is the goal."""
