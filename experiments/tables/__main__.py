@@ -39,6 +39,8 @@ from experiments.tables.paper import (
     stability,
     turn_rate,
 )
+from experiments.tables.reproduction import pictures as reproduction_pictures
+from experiments.tables.reproduction import tables as reproduction
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -54,6 +56,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "push_effect": push_effect.texts,
     "random_rooms": random_rooms.texts,
     "references": references.texts,
+    "reproduction": reproduction.texts,
     "stability": stability.texts,
     "straight_push": straight_push.texts,
     "turn_rate": turn_rate.texts,
@@ -70,6 +73,7 @@ PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "push_curves": push_pictures.pictures,
     "random_rooms": random_rooms.pictures,
     "references": references.pictures,
+    "reproduction": reproduction_pictures.pictures,
     "stability": robot_pictures.pictures,
     "straight_push": straight_push.pictures,
     "unknown_boxes": unknown_boxes.pictures,

@@ -59,7 +59,8 @@ def draw_average(axis: Axes, values: Sequence[Sequence[float]]) -> None:
         mean, low, high = mean_curve(np.stack([average[:shortest] for average in averages]))
         episode = np.arange(shortest) + WINDOW
         axis.plot(episode, mean, color="tab:blue", linewidth=2)
-        axis.fill_between(episode, low, high, color="tab:blue", alpha=0.2)
+        if len(averages) >= LEAST_SEEDS:
+            axis.fill_between(episode, low, high, color="tab:blue", alpha=0.2)
     axis.set_xlabel("episode")
     axis.grid(alpha=0.25)
 

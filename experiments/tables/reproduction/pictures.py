@@ -56,7 +56,7 @@ def curves_figure(fixed: Sequence[Row], variable: Sequence[Row]) -> Figure:
         draw_average(axis, [row["episode_return"] for row in rows])
         axis.set_title(f"{title}, {world}, {len(rows)} trainings")
         axis.set_ylabel("return")
-    figure.suptitle(f"`paper-learns`: moving average over {WINDOW} episodes, mean and Student's t 95 % over trainings")
+    figure.suptitle(f"paper-learns: moving average over {WINDOW} episodes, mean and Student's t 95 % over trainings")
     return figure
 
 
@@ -65,20 +65,18 @@ def release_figure(rows: Sequence[Row]) -> Figure:
     figure = Figure(figsize=(10.0, 3.8), layout="constrained", dpi=110)
     returns, errors = figure.subplots(1, 2)
     draw_average(returns, [row["episode_return"] for row in rows])
-    returns.set_title("its return rises")
+    returns.set_title("its return")
     returns.set_ylabel("return")
     draw_average(errors, [[100.0 * value for value in row["episode_position_error_m"]] for row in rows])
     last = 100.0 * np.array([np.mean(row["final_position_error_m"]) for row in rows])
     n_episodes = max(len(row["episode_return"]) for row in rows)
     errors.plot(np.full(len(last), 1.04 * n_episodes), last, "D", color="tab:red", label="last policies, other starts")
     errors.axhline(TOLERANCE_CM, color="black", linestyle=":", linewidth=1, label="3 cm")
-    errors.set_title("its box stays away from the goal")
+    errors.set_title("and where the box ends")
     errors.set_ylabel("position error at the end [cm]")
     errors.set_ylim(bottom=0.0)
     errors.legend(fontsize=8)
-    figure.suptitle(
-        f"The published code, {len(rows)} trainings: moving average over {WINDOW} episodes, Student's t 95 %"
-    )
+    figure.suptitle(f"The published code without physics, {len(rows)} trainings: moving average over {WINDOW} episodes")
     return figure
 
 
@@ -107,7 +105,8 @@ def ladder_figure(ladder: Sequence[tuple[str, list[Row]]]) -> Figure:
     axis = figure.subplots()
     for place, (_, rows) in enumerate(ladder):
         _draw_points(axis, place, of_seeds_cm(rows), "tab:blue", None)
-    labels = [change if place == 0 else f"+ {change}" for place, (change, _) in enumerate(ladder)]
+    changes = [change.replace("`", "") for change, _ in ladder]
+    labels = [changes[0], *(f"+ {change}" for change in changes[1:])]
     axis.set_xticks(range(len(ladder)), labels, rotation=35, ha="right")
     axis.set_ylabel("position error [cm]")
     axis.set_title("World without physics: one change after the other, each training and medians")

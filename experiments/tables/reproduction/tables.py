@@ -17,15 +17,10 @@ from experiments.tables.reproduction.summaries import (
 MAP: Final = "reproduction_map"
 LADDER: Final = "reproduction_ladder"
 TRAININGS: Final = {
-    "text": "reproduction_text",
-    "release": "reproduction_release",
-    "observation": "reproduction_observation",
     "learns_fixed": "reproduction_learns_fixed",
     "learns_variable": "reproduction_learns_variable",
-    "tuned_fixed": "reproduction_tuned_fixed",
-    "tuned_variable": "reproduction_tuned_variable",
 }
-"""Study of each variant that was trained in the simulator."""
+"""Study of each variant that has one of its own."""
 RULES: Final = ("reproduction_rules", "reproduction_rules_one")
 """Studies of pushing without learning."""
 
