@@ -25,6 +25,7 @@ from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
+from legpush.realism import settings
 from legpush.runs.reasons import REASONS
 from legpush.scene import footprints, occupancy, reference, robot, robot_body, robot_motion, scenario
 
@@ -98,7 +99,11 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         scenario.Anytime,
         scenario.MissionSettings,
         scenario.PushSettings,
-        scenario.Randomization,
+        settings.Randomization,
+        settings.Realism,
+        settings.Gusts,
+        settings.FloorTiles,
+        settings.PoseSensor,
         robot.RobotSpec,
         robot_body.Trunk,
         robot_body.Legs,

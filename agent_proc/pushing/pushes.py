@@ -52,10 +52,10 @@ class Pushes:
         if not self._actor.at_station(face):
             self._walker.approach(face)
         self.n_cycles += 1
-        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.state, self._actor.scenario)
+        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.true_state, self._actor.scenario)
         self._first = self._first or view
         self._actor.step(push)
-        after = push_view(self._actor.state, self._actor.scenario)
+        after = push_view(self._actor.true_state, self._actor.scenario)
         # What the same push earns in a training of the default task; policies do not see it here.
         self._publish_reward(earned(self._task, PushStep(first=self._first, before=view, after=after, ending=None)))
         if learn:

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.scenario import Scenario
 from sim_proc.headless import mujoco
 from sim_proc.model.world import PHYSICS_STEP_S, build_model
@@ -21,8 +22,8 @@ def altered(alter: Callable[[mujoco.MjModel], None], steps_per_command: int = 1)
     """
     step = mujoco.mj_step
 
-    def build_altered(scenario: Scenario) -> mujoco.MjModel:
-        model = build_model(scenario)
+    def build_altered(scenario: Scenario, reality: Reality = AS_ASSUMED) -> mujoco.MjModel:
+        model = build_model(scenario, reality)
         model.opt.timestep /= steps_per_command
         alter(model)
         return model
