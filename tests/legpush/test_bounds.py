@@ -104,7 +104,8 @@ def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), fi
             yield from leaves(plain, one, steps, field)
         case inspect.UnionType() if plain is not None:
             for variant in kind.types:
-                yield from leaves(plain, variant, steps, field)
+                if isinstance(variant, inspect.VarTupleType) == isinstance(plain, list):
+                    yield from leaves(plain, variant, steps, field)
         case inspect.TupleType():
             for index, item in enumerate(kind.item_types):
                 yield from leaves(plain[index], item, (*steps, index), field)
@@ -150,6 +151,7 @@ FULL_SCENARIO = replace(
     mission=MissionSettings(max_push_cycles=200),
     planning=replace(examples.SCENARIO.planning, anytime=Anytime(), smoothing=Smoothing(max_deviation_m=1.0)),
     robot=TORQUE_LIMITED,
+    realism=examples.REALISM,
     reference=Arcs(radius_m=1.0, segments=(Straight(length_m=1.0), Left(angle_deg=9.0), Right(angle_deg=9.0))),
 )
 SCENARIOS = (FULL_SCENARIO, replace(FULL_SCENARIO, reference=Sine(amplitude_m=0.4, wavelength_m=4.0)))

@@ -7,6 +7,25 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
+from legpush.fields import Seed
+from legpush.realism.bounds import (
+    CommandLatency,
+    ComOffset,
+    Direction,
+    Dropouts,
+    FootFriction,
+    HiddenSlope,
+    JointFriction,
+    Latency,
+    MotorStrength,
+    Noise,
+    NoiseDeg,
+    Payload,
+    Place,
+    Rate,
+    TileHeight,
+    TileSide,
+)
 from legpush.realism.profiles import IDEAL, stated
 from legpush.realism.settings import Gusts, PoseSensor, Realism, interval
 
@@ -21,13 +40,13 @@ N_ITEMS: Final = 25
 
 
 class Sensed(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a planar pose is measured in one episode."""
+    """How a planar pose is measured in one episode, see `PoseSensor`."""
 
-    noise_m: float
-    noise_deg: float
-    rate_hz: float
-    latency_s: float
-    dropouts: float
+    noise_m: Noise
+    noise_deg: NoiseDeg
+    rate_hz: Rate
+    latency_s: Latency
+    dropouts: Dropouts
 
     @property
     def exact(self) -> bool:
@@ -51,22 +70,22 @@ class Gust(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Reality(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The numbers of one episode, see `Realism`."""
 
-    seed: int = 0
+    seed: Seed = 0
     """Of the episode; tiles, gusts and noise follow from it."""
-    motor_strength: float = 1.0
-    joint_friction_n_m: float = 0.0
-    payload_kg: float = 0.0
-    payload_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    com_offset_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    foot_friction: float | None = None
-    """None: that of the robot."""
-    slope_deg: float = 0.0
-    uphill_deg: float = 0.0
-    command_latency_s: float = 0.0
+    motor_strength: MotorStrength = 1.0
+    joint_friction_n_m: JointFriction = 0.0
+    payload_kg: Payload = 0.0
+    payload_m: tuple[Place, Place, Place] = (0.0, 0.0, 0.0)
+    com_offset_m: tuple[ComOffset, ComOffset, ComOffset] = (0.0, 0.0, 0.0)
+    foot_friction: FootFriction | None = None
+    """Nil: that of the robot."""
+    slope_deg: HiddenSlope = 0.0
+    uphill_deg: Direction = 0.0
+    command_latency_s: CommandLatency = 0.0
     gusts: Gusts = IDEAL.gusts
-    """Every field with its number or interval; `every_s` may be None."""
-    tile_height_m: float = 0.0
-    tile_size_m: float = 0.25
+    """Each gust draws its own numbers."""
+    tile_height_m: TileHeight = 0.0
+    tile_size_m: TileSide = 0.25
     box_pose: Sensed = EXACT
     localization: Sensed = EXACT
 
