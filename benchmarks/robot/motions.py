@@ -14,6 +14,7 @@ from legpush.lockstep.local import LocalWorld
 from legpush.messages.measures import Measures, merged, torque_quantiles
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Outcome, Push, Reset, Walk
+from legpush.realism.settings import Realism
 from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scene.robot import RobotSpec
@@ -26,6 +27,8 @@ LENGTHS_M: Final = (4.0, 6.0)
 BENDS_RAD: Final = 0.9
 """Largest heading of a curved walk from its first heading."""
 SPACING_M: Final = 0.05
+AS_IT_IS: Final = Realism()
+"""The world is what the robot takes it to be."""
 PUSH_DEPTHS_M: Final = (0.02, 0.08)
 TORQUE_SHARE: Final = 0.999
 LANDING_PERCENT: Final = 99.0
@@ -46,7 +49,7 @@ class Done:
     """From the end of the path to the trunk, or how far the box went to the side."""
 
 
-def curved_walk(seed: int, robot: RobotSpec | None = None) -> Done:
+def curved_walk(seed: int, robot: RobotSpec | None = None, realism: Realism = AS_IT_IS) -> Done:
     """Walk along a curve of 4 to 6 m on an open floor."""
     random = np.random.default_rng(seed)
     heading = float(random.uniform(-np.pi, np.pi))
@@ -66,6 +69,7 @@ def curved_walk(seed: int, robot: RobotSpec | None = None) -> Done:
         box=Box(pose=corner),
         goal=Goal(pose=corner),
         robot=robot or RobotSpec(),
+        realism=realism,
     )
     world = LocalWorld(Simulator())
     began = world.step(Reset(scenario=scenario, seed=seed))
@@ -76,13 +80,14 @@ def curved_walk(seed: int, robot: RobotSpec | None = None) -> Done:
     return _done(began, outcomes, length_m, hypot(trunk.x_m - path[-1].x_m, trunk.y_m - path[-1].y_m))
 
 
-def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None) -> Done:
+def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None, realism: Realism = AS_IT_IS) -> Done:
     """Push a box of the scenario `push` with both legs in turn; w1, w2 and depth are drawn."""
     random = np.random.default_rng(seed)
     usual = load_scenario("push")
     box = replace(usual.box, mass_kg=mass_kg)
     world = LocalWorld(Simulator())
-    began = world.step(Reset(scenario=replace(usual, box=box, robot=robot or RobotSpec()), seed=seed))
+    scenario = replace(usual, box=box, robot=robot or RobotSpec(), realism=realism)
+    began = world.step(Reset(scenario=scenario, seed=seed))
     outcomes = []
     for index in range(n):
         w1, w2 = random.uniform(size=2).tolist()
