@@ -34,6 +34,7 @@ MEASURED: Final = DOCS / "measured.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
 LEARN: Final = DOCS / "learn.md"
+REALISM: Final = DOCS / "realism.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
@@ -131,6 +132,7 @@ def main() -> None:
         (ARCHITECTURE, architecture_parts()),
         (MEASURED, measured),
         (README, measured),
+        (REALISM, measured),
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
         (LEARN, term_tables.learn_parts()),

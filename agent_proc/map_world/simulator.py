@@ -28,6 +28,7 @@ from legpush.messages.stepping import (
     WorldState,
 )
 from legpush.realism.reality import drawn_reality
+from legpush.scenarios.file import realism_table
 from legpush.scenarios.start import drawn_poses
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.scenario import Scenario
@@ -88,8 +89,8 @@ class MapSimulator:
         self._scenario, self._seed = scenario, reset.seed
         if not drawn_reality(scenario.realism, reset.seed).ideal:
             raise ScenarioError(
-                f"{scenario.name}: expected `realism` with the profile ideal and no other items for a world without "
-                f"physics, got {scenario.realism}"
+                f"{scenario.name}: expected a world that is what the robot takes it to be, without physics, got "
+                f"`realism` with {', '.join(realism_table(scenario.realism))}"
             )
         self._trunk, self._box = drawn_poses(scenario, reset.seed)
         self._stance = self._map.stances.start
