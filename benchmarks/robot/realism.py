@@ -72,10 +72,11 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "n_successes": len(good),
         "success_rate": msgspec.to_builtins(share(len(good), len(rows))),
         "reasons": ", ".join(f"{reason} {n}" for reason, n in reasons.most_common()) or "none",
+        "push_cycles": ", ".join(str(row["n_push_cycles"]) for row in good) or "-",
         "n_falls": sum(row["fell"] for row in rows),
         **{
             name: msgspec.to_builtins(mean([float(row[name]) for row in good]))
-            for name in ("position_error_m", "angle_error_deg", "n_push_cycles", "sim_time_s")
+            for name in ("position_error_m", "angle_error_deg")
         },
     }
 

@@ -49,7 +49,7 @@ def test_the_reasons_of_endings_are_those_of_the_table() -> None:
 
 
 def test_every_template_is_a_part_of_a_page() -> None:
-    pages = generate.MEASURED.read_text() + generate.README.read_text()
+    pages = "".join(page.read_text() for page in (generate.MEASURED, generate.README, generate.REALISM))
 
     assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted(generate.TEMPLATES)
 
