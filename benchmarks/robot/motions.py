@@ -39,6 +39,8 @@ class Done:
     """What came of some motions of one robot."""
 
     fell: bool
+    stopped: bool
+    """Whether it did not fall, but a walk ended before its path."""
     measures: Measures | None
     """Of all motions; None if nothing moved."""
     duration_s: float
@@ -75,7 +77,10 @@ def curved_walk(seed: int, robot: RobotSpec | None = None, realism: Realism = AS
     began = world.step(Reset(scenario=scenario, seed=seed))
     outcomes = [world.step(Follow(waypoints=tuple(path)))]
     while _goes_on(outcomes[-1]):
-        outcomes.append(world.step(Walk()))
+        try:
+            outcomes.append(world.step(Walk()))
+        except MotionError:  # a foot found no floor
+            break
     trunk = planar_pose(outcomes[-1].world.trunk)
     return _done(began, outcomes, length_m, hypot(trunk.x_m - path[-1].x_m, trunk.y_m - path[-1].y_m))
 
@@ -114,6 +119,7 @@ def summary(runs: Sequence[Done]) -> dict[str, Any]:
     return {
         "n": len(runs),
         "n_falls": sum(run.fell for run in runs),
+        "n_stopped": sum(run.stopped for run in runs),
         "speed_m_s": _round(sum(run.way_m for run in runs) / sum(run.duration_s for run in runs)),
         "way_m": _round(np.mean([run.way_m for run in runs])),
         "error_m": _round(np.mean([run.error_m for run in runs])),
@@ -143,6 +149,7 @@ def _done(began: Outcome, outcomes: Sequence[Outcome], way_m: float, error_m: fl
     last = outcomes[-1].world
     return Done(
         fell=last.fallen,
+        stopped=_goes_on(outcomes[-1]),
         measures=merged(outcome.measures for outcome in outcomes if outcome.measures is not None),
         duration_s=(last.tick - began.world.tick) * CONTROL_PERIOD_S,
         way_m=way_m,
