@@ -1,10 +1,12 @@
 """What is perceived decides what the robot does, and what is true decides what came of it."""
 
 from math import radians
+from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
 
+import agent_proc
 from agent_proc.evaluation.episodes import run_episode
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
@@ -61,3 +63,14 @@ def test_an_evaluated_episode_is_judged_by_the_true_pose() -> None:
     assert [row.n_cycles for row in rows] == [rows[0].n_cycles] * 2
     assert [row.success for row in rows] == [True, False]
     assert rows[1].position_error_m == pytest.approx(OFF_M, abs=0.02)
+
+
+def test_only_judges_read_the_true_state() -> None:
+    judges = {"mission/mission.py", "pushing/pushes.py", "walking/actor.py"}
+    folder = Path(agent_proc.__file__).parent
+    reading = {
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*.py")
+        if any(word in path.read_text() for word in ("true_state", "true_box_error"))
+    }
+    assert reading == judges
