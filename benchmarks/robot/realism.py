@@ -33,8 +33,8 @@ POLICY: Final = "variable"
 class Config:
     """Which missions."""
 
-    seeds: int = 5
-    first_seed: int = 2000
+    seeds: int = 20
+    first_seed: int = 3000
     scenario: str = "default"
 
 

@@ -10,6 +10,7 @@ import agent_proc
 from agent_proc.evaluation.episodes import run_episode
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
+from legpush.errors import MotionError
 from legpush.history.steps import PlanRecord
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Motion, Outcome, Perceived, Push
@@ -35,6 +36,21 @@ class Misplaced(FakeWorld):
             ),
         )
         return replace(outcome, world=true)
+
+
+class Refusing(Misplaced):
+    """Refuses some pushes in a row, as if the box were seen in the robot."""
+
+    n_refused = 0
+    seen_exactly = False
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+        if isinstance(motion, Push) and self.n_refused > 0:
+            self.n_refused -= 1
+            raise MotionError("the trunk would be in the box")
+        if self.seen_exactly:
+            return FakeWorld.step(self, motion, with_trace=with_trace)
+        return super().step(motion, with_trace=with_trace)
 
 
 def told(world: FakeWorld) -> list[object]:
@@ -63,6 +79,20 @@ def test_an_evaluated_episode_is_judged_by_the_true_pose() -> None:
     assert [row.n_cycles for row in rows] == [rows[0].n_cycles] * 2
     assert [row.success for row in rows] == [True, False]
     assert rows[1].position_error_m == pytest.approx(OFF_M, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("n_refused", "seen_exactly", "goes_on"), [(2, False, True), (3, False, False), (1, True, False)]
+)
+def test_a_refused_push_is_tried_again_where_another_look_may_help(
+    n_refused: int, seen_exactly: bool, goes_on: bool
+) -> None:
+    world = Refusing()
+    world.n_refused, world.seen_exactly = n_refused, seen_exactly
+    result = run_mission(world, make_scenario(), 7, ScriptedPolicy())
+    assert world.n_refused == 0
+    assert (result.reason != "motion_refused") == goes_on
+    assert (result.n_push_cycles > 5) == goes_on
 
 
 def test_only_judges_read_the_true_state() -> None:
