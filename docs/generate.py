@@ -3,9 +3,9 @@
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
-of endings in `run.md`; and the tasks and their terms in `learn.md`. Everything between the lines
-`<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A test fails when a
-generated part is stale.
+of endings in `run.md`; the tasks and their terms in `learn.md`; and the claims of the paper in `paper.md`. Everything
+between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
+test fails when a generated part is stale.
 """
 
 import json
@@ -17,7 +17,7 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import numbers, realism_records, source_tree, study_list, term_tables
+from docs import claims, numbers, realism_records, source_tree, study_list, term_tables
 from docs.field_texts import field_texts, flat, texts_below, tree_of
 from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
@@ -25,12 +25,13 @@ from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
 from legpush.realism import bounds as limits
 from legpush.runs.reasons import REASONS
-from legpush.scene import footprints, occupancy, reference, robot, robot_body, robot_motion, scenario
+from legpush.scene import footprints, occupancy, plan_settings, reference, robot, robot_body, robot_motion, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
 ARCHITECTURE: Final = DOCS / "architecture.md"
 MEASURED: Final = DOCS / "measured.md"
+PAPER: Final = DOCS / "paper.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
 LEARN: Final = DOCS / "learn.md"
@@ -94,9 +95,9 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         scenario.PoseDeg,
         scenario.Box,
         scenario.Goal,
-        scenario.PlanSettings,
-        scenario.Smoothing,
-        scenario.Anytime,
+        plan_settings.PlanSettings,
+        plan_settings.Smoothing,
+        plan_settings.Anytime,
         scenario.MissionSettings,
         scenario.PushSettings,
         *realism_records.SCENARIO,
@@ -131,6 +132,7 @@ def main() -> None:
         (PROTOCOL, protocol_parts()),
         (ARCHITECTURE, architecture_parts()),
         (MEASURED, measured),
+        (PAPER, measured | claims.parts()),
         (README, measured),
         (REALISM, measured),
         (EXPERIMENTS, experiments_parts()),

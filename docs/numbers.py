@@ -41,8 +41,21 @@ def filled_template(name: str) -> str:
         NumberError: A number is missing.
     """
     text = (TEMPLATES / f"{name}.md").read_text().rstrip()
-    sources = dict.fromkeys(found["source"] for found in _PLACE.finditer(text))
-    return f"{_PLACE.sub(_value, text)}\n\n{made_words(list(sources))}\n"
+    return f"{filled_text(text)}\n\n{made_words(sources_of(text))}\n"
+
+
+def filled_text(text: str) -> str:
+    """Return a text with its numbers.
+
+    Raises:
+        NumberError: A number is missing.
+    """
+    return _PLACE.sub(_value, text)
+
+
+def sources_of(text: str) -> list[str]:
+    """Name the files of results that a text has numbers of, in the order of the text."""
+    return list(dict.fromkeys(found["source"] for found in _PLACE.finditer(text)))
 
 
 def made_words(sources: list[str]) -> str:
@@ -69,13 +82,28 @@ def read(source: str) -> dict[str, Any]:
     raise NumberError(f"Expected {source}.json in the results of experiments or benchmarks, got none")
 
 
-def _value(found: re.Match[str]) -> str:
+def kinds_of(text: str) -> list[str]:
+    """Name the kinds of the intervals that a text shows, in its order.
+
+    Raises:
+        NumberError: A number is missing.
+    """
+    shown = (_found_value(found) for found in _PLACE.finditer(text) if found["unit"] and not found["bare"])
+    return list(dict.fromkeys(each["kind"] for each in shown if isinstance(each, dict) and each.get("low") is not None))
+
+
+def _found_value(found: re.Match[str]) -> Any:
     value: Any = read(found["source"])
     for key in found["path"].split("/"):
         try:
             value = value[int(key)] if isinstance(value, list) else value[key]
         except (KeyError, IndexError, TypeError, ValueError) as error:
             raise NumberError(f"{found[0]}: expected a value, got none at {key!r}") from error
+    return value
+
+
+def _value(found: re.Match[str]) -> str:
+    value = _found_value(found)
     if found["unit"] is None:
         if isinstance(value, dict | list | float):
             raise NumberError(f"{found[0]}: expected a form such as |cm.2 for {value!r}")

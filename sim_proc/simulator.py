@@ -1,5 +1,6 @@
 """The simulator: carries out motions one by one and reports their outcomes. Without a motion nothing moves."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from msgspec.structs import replace
@@ -9,6 +10,7 @@ from legpush.errors import MotionError
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
 from legpush.realism.reality import Reality, drawn_reality
 from legpush.scenarios.start import drawn_poses
+from legpush.scene.conventions import FrontLeg
 from sim_proc.control.gait import PathWalk
 from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
@@ -83,22 +85,34 @@ class SimulatedEpisode:
         Raises:
             MotionError: The present state does not allow the motion.
         """
-        if self.physics.fallen:
-            raise MotionError("The robot has fallen: only `reset` is possible")
+        if isinstance(motion, Push):
+            return self.push(motion, (motion.w1, motion.w2), with_trace=with_trace)
+        self._begin_motion(pushing=None)
         logs: list[TickLog] = []
-        self.physics.contacts.expect(motion.leg if isinstance(motion, Push) else None)
         if isinstance(motion, Follow):
             self._walk = PathWalk(self._steps, motion.waypoints)
-        elif isinstance(motion, Push):
-            push = self._pusher.cycle(motion)
-            logs = push.logs
-            self._walk = None
-            self._push = PushReport(leg=motion.leg, touched=push.peak_force_n > 0.0, peak_force_n=push.peak_force_n)
         elif isinstance(motion, Alter):
             self._alter(motion)
         else:
             logs = self._walk_cycle()
         return self.outcome(logs, with_trace=with_trace)
+
+    def push(self, push: Push, weights: Sequence[float], *, with_trace: bool) -> Outcome:
+        """Push along a curve of any degree: the `weights` place its inner control points, in place of `w1` and `w2`.
+
+        Raises:
+            MotionError: The present state does not allow the motion.
+        """
+        self._begin_motion(pushing=push.leg)
+        done = self._pusher.cycle(push, weights)
+        self._walk = None
+        self._push = PushReport(leg=push.leg, touched=done.peak_force_n > 0.0, peak_force_n=done.peak_force_n)
+        return self.outcome(done.logs, with_trace=with_trace)
+
+    def _begin_motion(self, pushing: FrontLeg | None) -> None:
+        if self.physics.fallen:
+            raise MotionError("The robot has fallen: only `reset` is possible")
+        self.physics.contacts.expect(pushing)
 
     def _walk_cycle(self) -> list[TickLog]:
         if self._walk is None:

@@ -21,12 +21,14 @@ from legpush.errors import StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import as_seen, planar_pose
-from legpush.messages.stepping import Reset
+from legpush.messages.stepping import Push, Reset, WorldState
+from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.scenario import Scenario
+from legpush.scene.station import at_station
 
 EPISODE_CYCLES: Final = 200
 """Most push cycles of an episode if the scenario does not say how many."""
-EvaluationEnding = Literal["done", "fell", "max_cycles"]
+EvaluationEnding = Literal["done", "fell", "astray", "max_cycles"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +40,8 @@ class Row:
     seed: int
     """Seed of the initial offsets."""
     ending: EvaluationEnding
-    """The policy was `done`, the robot `fell`, or the episode reached `max_cycles`."""
+    """The policy was `done`, the robot `fell`, the box slid out of its reach (`astray`), or the episode reached
+    `max_cycles`."""
     success: bool
     """Whether the policy was done, with the box within the goal's tolerances, by its true pose."""
     position_error_m: float
@@ -58,7 +61,7 @@ def run_episode(
     case: str = "",
     stop: threading.Event | None = None,
 ) -> Row:
-    """Reset and push until the policy is done, the robot falls, or the push cycles are used up.
+    """Reset and push until the policy is done, the robot falls, the box is out of its reach, or no cycles are left.
 
     Raises:
         StopRequestedError: `stop` was set; checked before each cycle.
@@ -84,6 +87,9 @@ def run_episode(
             break
         if n_cycles == n_most:
             break
+        if not _can_push(seen, scenario, push):
+            ending = "astray"
+            break
         outcome = world.step(push, with_trace=True)
         estimate.learn(planar_pose(seen.box), push, planar_pose(as_seen(outcome.world).box))
         n_cycles += 1
@@ -100,6 +106,12 @@ def run_episode(
         max_abs_pitch_deg=degrees(pitch_rad),
         min_support_margin_m=margin_m,
     )
+
+
+def _can_push(world: WorldState, scenario: Scenario, push: Push) -> bool:
+    """Whether the robot is at its station behind the face to push; a push from elsewhere is refused."""
+    box, box_w = pushed_box(scenario.box, push.face), pushed_pose(planar_pose(world.box), push.face)
+    return at_station(scenario.robot, planar_pose(world.trunk), box, box_w)
 
 
 def evaluate(

@@ -123,8 +123,8 @@ class BoxRoute:
         estimates = {face: self._pushes.estimates[face] for face in faces}
         query = query_for_box(self._actor.scenario, self._planner.seed, box, estimates, self._actor.standing_at())
         plan = self._planner.ask(query, "the path of the box")
-        if plan.status == "invalid" and self._pushes.n_cycles and query.clearance_m > 0.0:
-            # Pushes have brought the box closer to something than planned.
+        if plan.status in ("invalid", "failed") and self._pushes.n_cycles and query.clearance_m > 0.0:
+            # Pushes have brought the box closer to something than planned, or to where no way is wide enough.
             plan = self._planner.ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
         if plan.status != "exact":
             raise self._planner.no_path("the path of the box", query, plan)

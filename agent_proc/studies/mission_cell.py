@@ -26,7 +26,7 @@ from agent_proc.studies.cell_parts import (
 )
 from agent_proc.studies.mission_numbers import NUMBERS, TRACKS, numbers, tracks
 from agent_proc.studies.phase_numbers import PHASE_COLUMNS, phase_numbers
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, MotionError
 from legpush.fields import Seed
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
@@ -155,8 +155,8 @@ def run(cell: ResolvedMission) -> Mapping[str, Any]:
     world = LocalWorld(new_simulator(), planner(), on_record=records.append)
     began_s = perf_counter()
     result = run_mission(world, scenario, cell.seed, policy_with(cell.policy, cell.policy_sha256), push_map)
-    if result.error is not None:
-        raise result.error
+    if result.error is not None and not isinstance(result.error, MotionError):
+        raise result.error  # a motion that was refused is the robot's failure, and has a row
     record = read_record(records)
     report = make_report(record, result, perf_counter() - began_s, installed_versions())
     return {

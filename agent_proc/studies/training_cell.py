@@ -10,11 +10,12 @@ from typing import Annotated, Any, Final, Literal
 
 import msgspec
 from msgspec import Meta, Struct
+from msgspec.structs import replace
 
 from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.policies.folder import Card, read_card
+from agent_proc.policies.folder import Card, read_policy
 from agent_proc.profiles.profile import AnyProfile, AtLeastTwo, Widths, load_profile, read_profile
 from agent_proc.studies.cell_parts import (
     new_simulator,
@@ -23,6 +24,7 @@ from agent_proc.studies.cell_parts import (
     scenario_of,
     sha256_of_policy,
 )
+from agent_proc.studies.final_evaluation import FINAL_COLUMNS, final_columns
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Interval
 from agent_proc.task.file import load_task
@@ -53,6 +55,7 @@ COLUMNS: Final = (
     Column(name="episode_success", unit="", about="by each episode: whether the box ended within the tolerances"),
     Column(name="episode_position_error_m", unit="m", about="by each episode, at its end"),
     Column(name="episode_angle_error_deg", unit="deg", about="by each episode, at its end"),
+    *FINAL_COLUMNS,
     Column(name="policy_zip", unit="", about="folder of the best policy, as a zip file in base64", may_differ=True),
 )
 
@@ -66,6 +69,14 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """A training profile, or the path of a profile file."""
     task: str | None = None
     """Replaces the profile's task: a built-in one, or the path of a task file."""
+    observation: str | None = None
+    """Task whose observation replaces that of the task, with whether it is mirrored."""
+    reward: str | None = None
+    """Task whose reward replaces that of the task."""
+    ending: str | None = None
+    """Task whose rules end the episodes, in place of those of the task."""
+    starts: str | None = None
+    """Task whose domain, with the offsets of its starts, replaces that of the task."""
     entry: Literal["fixed", "variable"] | None = None
     """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
     actions: Literal["continuous", "discrete"] | None = None
@@ -80,6 +91,10 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Replaces the profile's steps between two updates; PPO only."""
     batch_size: AtLeastTwo | None = None
     """Replaces the profile's size of a batch."""
+    final_episodes: Annotated[int, Meta(ge=0, le=10_000)] = 0
+    """Starts of a further evaluation of the last policy, which neither a training nor its other evaluations see."""
+    final_ending: str | None = None
+    """Task whose rules end the episodes of that evaluation, in place of those that the policy was trained with."""
     n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
     """Simulators to learn with, all in the process of the cell; the result depends on their number."""
     mass_kg: Interval | None = None
@@ -104,6 +119,9 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     seed: Seed
     profile: dict[str, Any]
     task: TaskConfig
+    final_episodes: int
+    final_task: TaskConfig
+    """The task of the further evaluation: the same but for its rules."""
     n_simulators: int
     world: str
     init: str | None
@@ -120,23 +138,42 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     """
     require_simulator(cell.world)
     profile = _profile(cell)
-    replaced = {"entry": cell.entry, "action_form": cell.actions}
-    drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
-    task = load_task(
-        cell.task or profile.task,
-        scenario_of(cell.scenario, cell.changes),
-        **{name: value for name, value in replaced.items() if value is not None},
-        domain={name: value for name, value in drawn.items() if value is not None},
-    )
+    scenario = scenario_of(cell.scenario, cell.changes)
+    task = _task(cell, profile.task, scenario)
+    ending = None if cell.final_ending is None else load_task(cell.final_ending, scenario).ending
     return ResolvedTraining(
         seed=cell.seed,
         profile=msgspec.to_builtins(profile),
         task=task,
+        final_episodes=cell.final_episodes,
+        final_task=task if ending is None else replace(task, ending=ending),
         n_simulators=cell.n_simulators,
         world=cell.world,
         init=cell.init,
         init_sha256="" if cell.init is None else sha256_of_policy(cell.init, allowed),
     )
+
+
+def _task(cell: TrainingCell, name: str, scenario: Scenario) -> TaskConfig:
+    """The task with the parts and values of the cell.
+
+    Raises:
+        ConfigError: A task cannot be used, or its parts do not fit one another.
+    """
+    replaced: dict[str, Any] = {"entry": cell.entry, "action_form": cell.actions}
+    if cell.observation is not None:
+        other = load_task(cell.observation, scenario)
+        replaced |= {"observation": other.observation, "mirrored": other.mirrored}
+    if cell.reward is not None:
+        replaced["reward"] = load_task(cell.reward, scenario).reward
+    if cell.ending is not None:
+        replaced["ending"] = load_task(cell.ending, scenario).ending
+    task = load_task(
+        cell.task or name, scenario, **{part: value for part, value in replaced.items() if value is not None}
+    )
+    domain = task.domain if cell.starts is None else load_task(cell.starts, scenario).domain
+    drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
+    return replace(task, domain=replace(domain, **{part: value for part, value in drawn.items() if value is not None}))
 
 
 def _profile(cell: TrainingCell) -> AnyProfile:
@@ -178,10 +215,9 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
             result = Training(plan, folder, env, worlds, stop=stop).run()
         finally:
             env.close()
-        packed = pack(folder / BEST) if result.best is not None else ""
-        card = read_card(folder / LAST) if result.best is not None else None
-    if result.best is None or card is None:
-        raise ConfigError(f"Expected a training with an evaluation, got none in {result.step} steps")
+        if result.best is None:
+            raise ConfigError(f"Expected a training with an evaluation, got none in {result.step} steps")
+        packed, last = pack(folder / BEST), read_policy(folder / LAST)
     best = result.best
     return {
         "steps_done": result.step,
@@ -191,7 +227,8 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         "angle_error_deg": best.angle_error_deg,
         "falls": best.falls,
         "cycles": best.cycles,
-        **of_last(card),
+        **of_last(last.card),
+        **final_columns(last, cell.final_task, worlds, cell.final_episodes),
         "policy_zip": packed,
     }
 

@@ -88,7 +88,8 @@ class RoutePlanner:
         appeared = f"; appeared: {in_words(state.appeared)}" if state.appeared else ""
         walk = (
             f"lower `planning.margin_m` ({scenario.planning.margin_m:g} m), with which a walk needs passages of "
-            f"{2 * clearance_m(scenario):.2f} m"
+            f"{2 * clearance_m(scenario):.2f} m, or `planning.body_margin_m` ({scenario.planning.body_margin_m:g} m), "
+            "which the body keeps where it turns"
         )
         if isinstance(query, TrunkPathQuery):
             remedy = f"{walk}, or raise `planning.max_iterations` ({scenario.planning.max_iterations})"

@@ -17,7 +17,7 @@ from benchmarks.planners.measures import measured, points_of
 from legpush.fields import Seed
 from legpush.messages.planning import Plan
 from legpush.scene.names import PlannerName, Steering
-from legpush.scene.scenario import Anytime
+from legpush.scene.plan_settings import Anytime
 from legpush.study.cells import CellKind, Column, as_it_is
 from planner_proc.planning import make_plans
 

@@ -21,7 +21,7 @@ from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.names import PlannerName
-from legpush.scene.scenario import Anytime, Smoothing
+from legpush.scene.plan_settings import Anytime, Smoothing
 from legpush.study.cells import CellKind, Column, as_it_is
 from planner_proc.planning import make_plans
 from planner_proc.smoothing import polylines

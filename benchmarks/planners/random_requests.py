@@ -10,8 +10,7 @@ from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.clearance import clearance
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime, Smoothing
-from legpush.scene.steering import NOT_STEERED
+from legpush.scene.plan_settings import NOT_STEERED, Anytime, Smoothing
 from planner_proc.conformance import cases
 
 PLANNERS: Final[tuple[PlannerName, ...]] = (

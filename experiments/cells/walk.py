@@ -3,7 +3,7 @@
 Speed is the length of the path over the time from rest to rest; the cruising speed is that of the middle half.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import cos, degrees, pi, sin
 from typing import Any, Final, Literal
 
@@ -20,6 +20,8 @@ from legpush.study.cells import CellKind, Column, as_it_is
 from sim_proc.simulator import Simulator
 
 STEP_M: Final = 0.05
+LIFTED_M: Final = 0.03
+"""A foot whose centre is higher than this swings."""
 PathName = Literal["straight", "circle_2_m", "circle_0.8_m", "s_curve", "turn_on_the_spot"]
 
 COLUMNS: Final = (
@@ -32,6 +34,8 @@ COLUMNS: Final = (
     Column(name="end_yaw_error_deg", unit="deg", about="heading error at the end"),
     Column(name="max_abs_tilt_deg", unit="deg", about="largest roll or pitch of the trunk"),
     Column(name="min_support_margin_m", unit="m", about="least distance of the CoM from the border of its support"),
+    Column(name="com_to_centroid_m", unit="m", about="mean distance of the CoM, seen from above, from Eq. 8"),
+    Column(name="middle_to_centroid_m", unit="m", about="the same of the middle of all four feet"),
     Column(name="state_crc", unit="", about="CRC-32 of the simulator's last state"),
 )
 
@@ -67,6 +71,7 @@ def walk(cell: Walked) -> Mapping[str, Any]:
     middle = [(s, p.travelled_m) for s, p in progress if 0.25 * length_m <= p.travelled_m <= 0.75 * length_m]
     (t0, s0), (t1, s1) = middle[0], middle[-1]
     last = outcome.world.trunk
+    com_m, middle_m = centroid_distances_m(traces)
     end_yaw_rad = float(rpy_from_quaternion(last.orientation_wxyz)[2])
     return {
         "length_m": length_m,
@@ -78,8 +83,24 @@ def walk(cell: Walked) -> Mapping[str, Any]:
         "end_yaw_error_deg": abs(degrees(wrap_angle(end_yaw_rad - path[-1].yaw_rad))),
         "max_abs_tilt_deg": degrees(np.abs(np.concatenate([trace.roll_pitch_rad for trace in traces])).max()),
         "min_support_margin_m": min(min(trace.support_margin_m) for trace in traces),
+        "com_to_centroid_m": com_m,
+        "middle_to_centroid_m": middle_m,
         "state_crc": f"{outcome.state_crc:08x}",
     }
+
+
+def centroid_distances_m(traces: Sequence[Trace]) -> tuple[float, float]:
+    """Return how far the CoM, and the middle of the four feet, are on average from the centroid of the three feet that
+    stand while the fourth swings (Eq. 8)."""
+    tips, com = (np.concatenate([getattr(trace, name) for trace in traces]) for name in ("tips_m", "com_m"))
+    swings = tips[:, :, 2] > LIFTED_M
+    one = swings.sum(axis=1) == 1
+    feet = tips[one, :, :2]
+    centroid = (feet.sum(axis=1) - feet[swings[one]]) / 3
+    com_m, middle_m = (
+        float(np.linalg.norm(point - centroid, axis=1).mean()) for point in (com[one, :2], feet.mean(axis=1))
+    )
+    return com_m, middle_m
 
 
 def path_of(name: PathName) -> list[Pose2]:

@@ -30,6 +30,15 @@ from experiments.tables import (
     unseen,
     walking,
 )
+from experiments.tables.paper import (
+    learns,
+    mass_trend,
+    push_curves,
+    push_pictures,
+    robot_pictures,
+    stability,
+    turn_rate,
+)
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -37,12 +46,17 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "circles": circles.texts,
     "handover": handover.texts,
     "learning": learning.texts,
+    "learns": learns.texts,
     "mass_sweep": mass_sweep.texts,
+    "mass_trend": mass_trend.texts,
     "missions": missions.texts,
+    "push_curves": push_curves.texts,
     "push_effect": push_effect.texts,
     "random_rooms": random_rooms.texts,
     "references": references.texts,
+    "stability": stability.texts,
     "straight_push": straight_push.texts,
+    "turn_rate": turn_rate.texts,
     "unknown_boxes": unknown_boxes.texts,
     "unseen": unseen.texts,
     "walking": walking.texts,
@@ -53,8 +67,10 @@ PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "handover": handover.pictures,
     "learning": learning_pictures.pictures,
     "mass_sweep": mass_sweep.pictures,
+    "push_curves": push_pictures.pictures,
     "random_rooms": random_rooms.pictures,
     "references": references.pictures,
+    "stability": robot_pictures.pictures,
     "straight_push": straight_push.pictures,
     "unknown_boxes": unknown_boxes.pictures,
     "unseen": unseen.pictures,

@@ -1,6 +1,6 @@
 """Pictures of the trainings: learning curves, and errors by size of the network, algorithm and randomization."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -42,27 +42,26 @@ def _curves(by_variant: Variants) -> Figure:
     for row, profile in zip(figure.subplots(2, 2), ("paper", "tuned"), strict=True):
         for axis, entry in zip(row, ("fixed", "variable"), strict=True):
             seeds = by_variant.get(f"{profile}-{entry}", {})
-            _draw_panel(axis, seeds)
+            draw_average(axis, [each["episode_return"] for each in seeds.values()])
             axis.set_title(f"profile {profile}, {entry} entry, {len(seeds)} seeds")
-            axis.set_xlabel("episode")
             axis.set_ylabel("return")
-            axis.grid(alpha=0.25)
     figure.suptitle(f"Moving average over {WINDOW} episodes: each seed, mean with Student's t 95 %")
     return figure
 
 
-def _draw_panel(axis: Axes, seeds: Mapping[int, Row]) -> None:
-    returns = [row["episode_return"] for row in seeds.values()]
-    averages = [moving_average(values) for values in returns if len(values) >= WINDOW]
+def draw_average(axis: Axes, values: Sequence[Sequence[float]]) -> None:
+    """Draw the moving average of each training and, as far as all of them go, the mean with its interval."""
+    averages = [moving_average(each) for each in values if len(each) >= WINDOW]
     for average in averages:
-        axis.plot(np.arange(len(average)) + WINDOW, average, color="tab:blue", alpha=0.25, linewidth=1)
-    if len(averages) < len(("a", "b")):
-        return
-    shortest = min(map(len, averages))
-    mean, low, high = mean_curve(np.stack([average[:shortest] for average in averages]))
-    episode = np.arange(shortest) + WINDOW
-    axis.plot(episode, mean, color="tab:blue", linewidth=2)
-    axis.fill_between(episode, low, high, color="tab:blue", alpha=0.2)
+        axis.plot(np.arange(len(average)) + WINDOW, average, color="tab:blue", alpha=0.3, linewidth=1)
+    if len(averages) > 1:
+        shortest = min(map(len, averages))
+        mean, low, high = mean_curve(np.stack([average[:shortest] for average in averages]))
+        episode = np.arange(shortest) + WINDOW
+        axis.plot(episode, mean, color="tab:blue", linewidth=2)
+        axis.fill_between(episode, low, high, color="tab:blue", alpha=0.2)
+    axis.set_xlabel("episode")
+    axis.grid(alpha=0.25)
 
 
 def _comparison(by_variant: Variants) -> Figure:

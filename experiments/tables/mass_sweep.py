@@ -60,9 +60,8 @@ def texts() -> dict[str, str]:
 def _errors(row: Row) -> Row:
     """Return the errors of a row as estimates."""
     names = {"position_error_m": "position", "angle_error_deg": "angle"}
-    found: Row = {
-        short: {"value": row[key], "low": row[f"{key}_low"], "high": row[f"{key}_high"]} for key, short in names.items()
-    }
+    ends = {"value": "", "low": "_low", "high": "_high", "kind": "_interval"}
+    found: Row = {short: {name: row[f"{key}{end}"] for name, end in ends.items()} for key, short in names.items()}
     return found | {"n": row["n"], "successes": row["successes"]}
 
 

@@ -16,6 +16,8 @@ COLUMNS: Final = (
     "end_yaw_error_deg",
     "max_abs_tilt_deg",
     "min_support_margin_m",
+    "com_to_centroid_m",
+    "middle_to_centroid_m",
 )
 
 

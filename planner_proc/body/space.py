@@ -9,7 +9,7 @@ from legpush.arrays import Flags, Floats
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
 from planner_proc.body.motion import filled
-from planner_proc.clearance.field import ClearanceField
+from planner_proc.clearance.field import ROUNDING_M, ClearanceField
 from planner_proc.clearance.footprint_field import FootprintField, Squares
 
 _DISC_M: Final = 0.12
@@ -28,7 +28,7 @@ class BodySpace:
         """
         self._field = field
         self._disc_m = disc_m
-        self._body_m = body_m
+        self._body_m = max(body_m, ROUNDING_M)  # a body that overlaps something has the distance 0
         self._footprints = FootprintField((body,), field, Squares(grid))
         self.reach_m = self._footprints.reach_m
         """Distance from the trunk's centre to the farthest point of the body."""
@@ -54,7 +54,7 @@ class BodySpace:
 
     def body_is_free(self, poses: Floats) -> Flags:
         """In which poses, (n, 3), the body keeps its clearance, exactly, (n,)."""
-        return self._footprints.free(poses, self._body_m)
+        return self._footprints.free(poses, self._body_m + ROUNDING_M)
 
     def faults(self, poses: Floats) -> Flags:
         """Between which consecutive poses, (n, 3), disc or body do not keep their clearances, (n - 1,)."""

@@ -59,9 +59,7 @@ class Side:
         self.turn_rad = side.frame.yaw_rad
         self._dubins = Dubins(side.min_turning_radius_m)
         self.footprints = FootprintField(side.footprints, field, squares)
-        # Between two samples, no point of the footprints is farther than this from its place at the nearer one.
-        between_m = 0.5 * SAMPLE_M * (1.0 + self.footprints.reach_m / side.min_turning_radius_m)
-        self.required_m = query.clearance_m + between_m
+        self.required_m = _required_m(query.clearance_m, self.footprints.reach_m, side.min_turning_radius_m)
 
     def length_m(self, a: Pose2, b: Pose2) -> float:
         """Length of the push from one pose of the box to another."""
@@ -232,6 +230,18 @@ class Pushes:
             if self.free(way, side_before):
                 return way
         return None
+
+
+def _required_m(clearance_m: float, reach_m: float, radius_m: float) -> float:
+    """Clearance at samples that are `SAMPLE_M` apart with which footprints keep `clearance_m` between them, too.
+
+    Seen from a footprint, a point of an obstacle moves along an arc of at most length 2 h between two samples. If a
+    straight line of that length comes as near as c to a convex shape, one of its ends is no farther from it than the
+    root of c² + h². The arc is off its chord by less than the last term.
+    """
+    half_m = 0.5 * SAMPLE_M * (1.0 + reach_m / radius_m)
+    off_m = (radius_m + reach_m) * (SAMPLE_M / radius_m) ** 2 / 8
+    return hypot(clearance_m, half_m) + off_m
 
 
 def _are_near(a: Stage, b: Stage) -> bool:

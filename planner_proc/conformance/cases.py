@@ -10,7 +10,7 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import BoxPathQuery, PlanStatus, PushSide, TrunkPathQuery
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Smoothing
+from legpush.scene.plan_settings import Smoothing
 
 CLEARANCE_M: Final = 0.44
 RESOLUTION_M: Final = 0.05

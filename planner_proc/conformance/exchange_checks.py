@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from legpush.bus.bus import Bus
 from legpush.messages.planning import PlanResult
-from legpush.scene.scenario import Anytime
+from legpush.scene.plan_settings import Anytime
 from planner_proc.conformance.bench import EASY, REMARK, START_S, Bench
 from planner_proc.conformance.cases import huge, query, room
 from planner_proc.conformance.client import RUN, Client

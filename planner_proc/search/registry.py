@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from legpush.messages.planning import TrunkPathQuery
 from legpush.plans.planner import Interrupted
-from legpush.scene.steering import steering_fault
+from legpush.scene.plan_settings import steering_fault
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.ompl_search import ompl_routes
 from planner_proc.search.roadmap import MOST_SAMPLES, roadmap_routes

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from legpush.arrays import Flags, Floats
 from legpush.scene.paths import arc_lengths_m
-from legpush.scene.scenario import Smoothing
+from legpush.scene.plan_settings import Smoothing
 from planner_proc.smoothing import polylines
 from planner_proc.smoothing.band import ElasticBand
 from planner_proc.smoothing.fillets import fillet

@@ -4,6 +4,7 @@ A front foot moves along a Bezier curve into the box and back. Then every foot s
 corner of the foot rectangle of a robot that stands ready for the next push.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot, radians, sqrt
 from typing import Final
@@ -70,8 +71,10 @@ class Pusher:
         self._robot = steps.posture.plant.robot
         self._box = box
 
-    def cycle(self, push: Push) -> PushLog:
+    def cycle(self, push: Push, weights: Sequence[float]) -> PushLog:
         """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
+
+        The `weights` place the inner control points of the foot's curve: two for the cubic curve of a push.
 
         Raises:
             MotionError: The face cannot be pushed, the robot does not stand at it, its trunk is in the box, or the leg
@@ -92,7 +95,7 @@ class Pusher:
             self._push_step(push.leg, here, posture.yaw_rad),
             *self._return_steps(push.leg, behind_box(box, pose @ expected, robot.station_m))[:2],
         ]
-        swing = self._bezier_swing(push, goal)
+        swing = self._bezier_swing(push, weights, goal)
         planned = self._steps.require_reach("the curve of a push", ahead, swing)
         logs = [self._steps.take_step(ahead, swing, lands=False, planned=planned)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
@@ -172,11 +175,11 @@ class Pusher:
             )
         return [*steps, rest(self._robot.gait, to.xy(), to.yaw_rad)]
 
-    def _bezier_swing(self, push: Push, goal_m: Floats) -> Swing:
+    def _bezier_swing(self, push: Push, weights: Sequence[float], goal_m: Floats) -> Swing:
         floor_m, push_ticks = self._robot.legs.foot_radius_m, self._robot.pushing.push_ticks
 
         def curve(start_m: Floats) -> Floats:
-            points = control_points(start_m, goal_m, push.w1, push.w2, push.locus, floor_m)
+            points = control_points(start_m, goal_m, weights, push.locus, floor_m)
             return bezier(points, gentle_stop(push_ticks))
 
         return curve

@@ -1,7 +1,8 @@
-"""Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 13, 14)."""
+"""Curves of a foot in the air: the step and its landing and the Bezier push (Eqs. 14, 15)."""
 
+from collections.abc import Sequence
 from functools import lru_cache
-from math import pi
+from math import comb, pi
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from legpush.scene.robot_motion import Gait
 Locus = Literal["swing", "published"]
 
 LOCUS_RANGE_RAD: Final[dict[Locus, tuple[float, float]]] = {"swing": (-pi / 2, pi / 2), "published": (0.0, pi)}
-"""theta_min and theta_max of Eq. 14: the half circle on the swing side of the chord, and the one in the paper."""
+"""theta_min and theta_max of Eq. 15: the half circle on the swing side of the chord, and the one in the paper."""
 
 APEX_SHARE: Final = 0.45
 """When a foot is highest: share of the flight before the landing."""
@@ -116,31 +117,35 @@ def _landing_shares(n_ticks: int, flight: int) -> _LandingShares:
     )
 
 
-def control_points(p0_m: ArrayLike, p3_m: ArrayLike, w1: float, w2: float, locus: Locus, floor_m: float) -> Floats:
-    """The four control points, (4, 3), of a push from `p0_m` to `p3_m` (Eq. 14).
+def control_points(
+    start_m: ArrayLike, end_m: ArrayLike, weights: Sequence[float], locus: Locus, floor_m: float
+) -> Floats:
+    """The control points, (n + 1, 3), of a push of degree n from `start_m` to `end_m`, (3,) each (Eq. 15).
 
-    The inner two lie on the circle about the middle of the chord, in the vertical plane through it:
-    `P_i = M + r (sin(theta_i) u + cos(theta_i) n)`, `theta_i = theta_min + w_i (theta_max - theta_min)`, `n` upward.
-    A point below `floor_m` is raised to it.
+    The n - 1 inner ones, one for each of the `weights`, lie on the circle about the middle M of the chord, in the
+    vertical plane through it: `P_i = M + r (sin(theta_i) u + cos(theta_i) n)`,
+    `theta_i = theta_min + w_i (theta_max - theta_min)`, `u` along the chord and `n` upward. A point below `floor_m` is
+    raised to it.
     """
-    p0, p3 = np.asarray(p0_m, dtype=np.float64), np.asarray(p3_m, dtype=np.float64)
-    chord = p3 - p0
+    start, end = np.asarray(start_m, dtype=np.float64), np.asarray(end_m, dtype=np.float64)
+    chord = end - start
     length = float(np.linalg.norm(chord))
     u = chord / length
     upward = np.array([0.0, 0.0, 1.0]) - u[2] * u
     n = upward / np.linalg.norm(upward)
     theta_min, theta_max = LOCUS_RANGE_RAD[locus]
-    points = np.stack([p0, p0, p3, p3])
-    for index, w in ((1, w1), (2, w2)):
+    points = np.stack([start, *[start] * len(weights), end])
+    for index, w in enumerate(weights, start=1):
         theta = theta_min + w * (theta_max - theta_min)
-        points[index] = (p0 + p3) / 2 + length / 2 * (np.sin(theta) * u + np.cos(theta) * n)
+        points[index] = (start + end) / 2 + length / 2 * (np.sin(theta) * u + np.cos(theta) * n)
         points[index, 2] = max(points[index, 2], floor_m)
     return points
 
 
 def bezier(points_m: ArrayLike, t: ArrayLike) -> Floats:
-    """The cubic Bezier curve (Eq. 13) of four control points (4, d) at parameters (n,), (n, d)."""
-    t = np.asarray(t, dtype=np.float64)
-    basis = np.stack([(1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t**2, t**3], axis=-1)
-    curve: Floats = basis @ np.asarray(points_m, dtype=np.float64)
+    """The Bezier curve of degree n (Eq. 14) of control points (n + 1, d) at parameters (m,), (m, d)."""
+    points, t = np.asarray(points_m, dtype=np.float64), np.asarray(t, dtype=np.float64)
+    degree = len(points) - 1
+    basis = np.stack([comb(degree, i) * (1 - t) ** (degree - i) * t**i for i in range(degree + 1)], axis=-1)
+    curve: Floats = basis @ points
     return curve

@@ -1,4 +1,4 @@
-"""Analytic kinematics of the legs (Eqs. 3-6) for arrays of any leading shape.
+"""Analytic kinematics of the legs (Eqs. 3 to 7) for arrays of any leading shape.
 
 The hip frame is parallel to the trunk frame, with its origin on the hip-x axis. Joint angles are hip-x (abduction,
 about x), hip-y (about y, positive swings the leg backward) and knee (flexion: 0 is the straight leg, and the knee

@@ -85,7 +85,7 @@ def box_trace(timeline: Timeline, row: int) -> Floats:
 
 
 def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
-    """The curve of the foot in a push (Eqs. 13, 14); None if the step is no push or has no trace."""
+    """The curve of the foot in a push (Eqs. 14, 15); None if the step is no push or has no trace."""
     push, robot = step.motion, timeline.scenario.robot
     shift_ticks = robot.pushing.shift_ticks
     if not isinstance(push, Push) or step.n_rows <= shift_ticks or not step.first_row:
@@ -95,7 +95,7 @@ def push_curve(timeline: Timeline, step: TimelineStep) -> Curve | None:
     pose = Pose2(x_m=float(box[0]), y_m=float(box[1]), yaw_rad=yaw)
     start = timeline.tips_m[step.first_row + shift_ticks - 1, LEGS.index(push.leg)]
     goal = contact_point(robot, timeline.scenario.box, pose, push.face, push.leg, push.depth_m)
-    control = control_points(start, goal, push.w1, push.w2, push.locus, robot.legs.foot_radius_m)
+    control = control_points(start, goal, (push.w1, push.w2), push.locus, robot.legs.foot_radius_m)
     return Curve(bezier(control, np.linspace(0.0, 1.0, CURVE_POINTS)), control)
 
 

@@ -9,7 +9,7 @@ from docs import generate, numbers
 
 NUMBERS = {"made": {"walks": {"version": "0.1.0", "commit": "abcdef0"}}, "n": 3, "names": ["a", "b"]}
 NUMBERS |= {
-    "error_m": {"value": 0.0123, "low": 0.01, "high": 0.015},
+    "error_m": {"value": 0.0123, "low": 0.01, "high": 0.015, "kind": "Student's t 95 %"},
     "worst_m": 0.02,
     "alone": {"value": 2.0},
     "below_zero": -1e-5,
@@ -49,9 +49,10 @@ def test_the_reasons_of_endings_are_those_of_the_table() -> None:
 
 
 def test_every_template_is_a_part_of_a_page() -> None:
-    pages = "".join(page.read_text() for page in (generate.MEASURED, generate.README, generate.REALISM))
+    written = (generate.MEASURED, generate.README, generate.PAPER, generate.REALISM)
+    pages = "".join(page.read_text() for page in written)
 
-    assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted(generate.TEMPLATES)
+    assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted([*generate.TEMPLATES, "claims"])
 
 
 def test_no_table_of_the_measurements_is_written_by_hand() -> None:
@@ -89,6 +90,13 @@ def test_a_place_shows_its_number(walks: Path, place: str, text: str) -> None:
 def test_a_place_without_a_number_is_an_error(walks: Path, place: str, message: str) -> None:
     with pytest.raises(numbers.NumberError, match=message):
         shown(walks, place)
+
+
+def test_the_kinds_of_intervals_are_those_that_a_text_shows(walks: Path) -> None:
+    shown = "{walks:n}, {walks:error_m|cm.2}, {walks:error_m|cm.1}, {walks:worst_m|cm.0}, {walks:alone|x.1}"
+
+    assert numbers.kinds_of(shown) == ["Student's t 95 %"]
+    assert numbers.kinds_of("{walks:error_m|cm.2!} and {walks:worst_m|cm.0}") == []
 
 
 def test_a_source_that_does_not_exist_is_an_error() -> None:

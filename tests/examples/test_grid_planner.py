@@ -15,7 +15,8 @@ from legpush.geometry import Pose2
 from legpush.messages import codec
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.occupancy import occupancy_grid
-from legpush.scene.scenario import Rectangle, Room, Smoothing
+from legpush.scene.plan_settings import Smoothing
+from legpush.scene.scenario import Rectangle, Room
 from planner_proc.clearance.field import ClearanceField
 from tests.planner.boxes import OPEN, SIDES, check, query
 from tests.planner.maps import pose

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from experiments.cells.circle import closing_m, fit_circle, fit_sine
+from experiments.cells.close_up import CLOSE_UP
 from experiments.cells.own_estimate import OWN_ESTIMATE
+from experiments.cells.push_curve import PUSH_CURVE
 from experiments.cells.straight_push import STRAIGHT_PUSH
 from experiments.cells.walk import WALK, path_of
 from legpush.study.cells import CellKind, columns_of
@@ -77,3 +79,43 @@ def test_a_straight_push_has_the_box_and_the_trunk_at_the_same_times() -> None:
     assert found["box_x_m"][-1] - found["box_x_m"][0] == pytest.approx(1.0, abs=0.1)
     assert found["error_m"][0] > 0.8 > 0.03 > found["error_m"][-1]
     assert len(found["error_m"]) == len(found["error_deg"]) > 10
+
+
+def test_a_cubic_push_of_the_swing_side_comes_from_above_and_moves_the_box() -> None:
+    found = result(PUSH_CURVE, weights=(0.5, 0.5), locus="swing", leg="FL", depth_m=0.05, seed=1)
+
+    assert set(found) == {column.name for column in PUSH_CURVE.columns}
+    assert (found["degree"], found["refused"], found["fell"]) == (3, "", False)
+    assert found["forward_m"] == pytest.approx(0.037, abs=0.003)
+    assert found["contact_height_m"] == pytest.approx(0.2, abs=0.02)
+    assert len(found["foot_x_m"]) == len(found["foot_z_m"]) > 40
+
+
+def test_the_far_half_of_the_published_locus_leads_a_foot_along_the_floor() -> None:
+    swing, published = (
+        result(PUSH_CURVE, weights=(1.0, 1.0), locus=locus, leg="FL", depth_m=0.05, box_height_m=0.15, seed=1)
+        for locus in ("swing", "published")
+    )
+
+    assert published["n_raised"] == 2
+    assert published["lowest_asked_m"] < -0.02
+    assert published["low_way_m"] > 0.05 > swing["low_way_m"]
+
+
+def test_the_leg_of_a_close_up_has_the_lengths_of_its_links_and_ends_at_the_face() -> None:
+    found = result(CLOSE_UP, mass_kg=0.1, w1=0.5, w2=0.5, leg="FL", depth_m=0.05, seed=1)
+
+    place = {name: np.array([found[f"{name}_x_m"], found[f"{name}_z_m"]]) for name in ("hip", "knee", "foot", "box")}
+    upper_m, lower_m = (
+        np.linalg.norm(place[one] - place[other], axis=0) for one, other in (("hip", "knee"), ("knee", "foot"))
+    )
+    assert upper_m.max() == pytest.approx(0.3205, abs=0.002)
+    assert lower_m.max() == pytest.approx(0.37, abs=0.002)
+    assert place["foot"][0, -1] == pytest.approx(0.05 - 0.02, abs=0.005)
+    assert place["box"][0, -1] > place["box"][0, 0] + 0.03
+    assert len({len(found[f"{name}_x_m"]) for name in place} | {len(found["force_n"])}) == 1
+    pressed = {name: np.array(found[f"press_{name}_m"]).reshape(-1, 3) for name in ("foot", "knee", "com")}
+    here = found["press_tick"]
+    assert pressed["knee"][0, [0, 2]] == pytest.approx(place["knee"][:, here], abs=1e-3)
+    assert np.array(found["press_forces_n"]).reshape(-1, 3)[:, 2].sum() == pytest.approx(31.84 * 9.81, rel=0.05)
+    assert pressed["com"].shape == (1, 3)

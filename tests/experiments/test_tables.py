@@ -19,7 +19,7 @@ Texts = Callable[[], dict[str, str]]
 Pictures = Callable[[], dict[str, Figure]]
 ALL = [(RESULTS, name, texts) for name, texts in TEXTS.items()]
 ALL += [(BENCHMARKS, name, texts) for name, texts in BENCHMARK_TEXTS.items()]
-FASTEST = ("straight_push", "handover", "references")
+FASTEST = ("straight_push", "handover", "references", "stability", "push_curves")
 """Pictures that are drawn here."""
 
 

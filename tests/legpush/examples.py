@@ -44,7 +44,8 @@ from legpush.realism.reality import drawn_reality
 from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario, Smoothing
+from legpush.scene.plan_settings import Smoothing
+from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
 
 
 def header(role: Role, name: str = "main", run: str = "test", sequence: int = 7) -> Header:

@@ -24,9 +24,10 @@ from legpush.messages.stepping import Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scenarios.grid import CellSource, MapSource
 from legpush.scenarios.map_server import MapServerFile
+from legpush.scene.plan_settings import Anytime, Smoothing
 from legpush.scene.reference import Arcs, Left, Right, Sine, Straight
 from legpush.scene.robot_body import Joints
-from legpush.scene.scenario import Anytime, MissionSettings, Scenario, Smoothing
+from legpush.scene.scenario import MissionSettings, Scenario
 from tests.legpush import examples
 from tests.legpush.scenarios.small_scenario import plain_scenario, write
 from tests.robots import ROBOT
@@ -103,9 +104,8 @@ def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), fi
             (one,) = [one for one in tagged if one.tag_field is None or plain[one.tag_field] == one.tag]
             yield from leaves(plain, one, steps, field)
         case inspect.UnionType() if plain is not None:
-            for variant in kind.types:
-                if isinstance(variant, inspect.VarTupleType) == isinstance(plain, list):
-                    yield from leaves(plain, variant, steps, field)
+            for one in (one for one in kind.types if isinstance(one, inspect.VarTupleType) == isinstance(plain, list)):
+                yield from leaves(plain, one, steps, field)
         case inspect.TupleType():
             for index, item in enumerate(kind.item_types):
                 yield from leaves(plain[index], item, (*steps, index), field)

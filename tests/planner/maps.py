@@ -10,7 +10,7 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Smoothing
+from legpush.scene.plan_settings import Smoothing
 
 CLEARANCE_M = 0.44
 NOT_SMOOTHED = Smoothing(method="none", shorten=False)

@@ -13,7 +13,8 @@ from legpush.messages.codec import encode
 from legpush.messages.planning import PlanQuery
 from legpush.plans.planner import PlanningInterruptedError
 from legpush.scene.names import PlannerName
-from legpush.scene.scenario import Anytime, Rectangle
+from legpush.scene.plan_settings import Anytime
+from legpush.scene.scenario import Rectangle
 from planner_proc.planning import make_plan, make_plans
 from tests.planner import boxes, maps
 

@@ -12,7 +12,7 @@ from legpush.geometry import wrap_angle
 from legpush.messages.codec import decode, encode
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.names import PlannerName
-from legpush.scene.scenario import Anytime, Smoothing
+from legpush.scene.plan_settings import Anytime, Smoothing
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.trunk_plan import make_trunk_plans
 from tests.planner import maps

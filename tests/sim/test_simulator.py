@@ -13,7 +13,7 @@ from legpush.messages import codec
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
 from legpush.scene.conventions import FRONT_LEGS, JOINT_QPOS, FrontLeg
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from sim_proc.simulator import Simulator
+from sim_proc.simulator import SimulatedEpisode, Simulator
 from tests.robots import ROBOT
 from tests.sim.commands import held
 
@@ -45,6 +45,20 @@ def walk(simulator: Simulator, waypoints: Sequence[Pose2]) -> list[Outcome]:
         outcomes += perform(simulator, [Walk()])
         assert len(outcomes) < 100
     return outcomes
+
+
+def test_a_push_along_two_control_points_is_that_of_the_message_and_another_degree_is_not(at_the_box: Scenario) -> None:
+    push = Push(w1=0.3, w2=0.6, leg="FL", depth_m=0.05)
+    episodes = [SimulatedEpisode(Reset(scenario=at_the_box, seed=0)) for _ in range(3)]
+
+    usual, cubic, quadratic = (
+        episodes[0].perform(push, with_trace=False),
+        episodes[1].push(push, (0.3, 0.6), with_trace=False),
+        episodes[2].push(push, (0.5,), with_trace=False),
+    )
+
+    assert usual.state_crc == cubic.state_crc != quadratic.state_crc
+    assert box_pose(quadratic).x_m == pytest.approx(box_pose(cubic).x_m, abs=0.01)
 
 
 def test_a_path_with_curve_and_turn_is_walked_upright_and_ends_where_it_ends(at_the_box: Scenario) -> None:

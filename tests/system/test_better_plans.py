@@ -14,7 +14,7 @@ from legpush.history.steps import PlanRecord, read_episode
 from legpush.lockstep.episode import Episode
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.plans.planner import Interrupted, PlanningInterruptedError
-from legpush.scene.scenario import Anytime
+from legpush.scene.plan_settings import Anytime
 from tests.legpush.examples import QUERY
 from tests.legpush.fakes import agent, eventually, fake_plan, opened, planner, sim
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -78,6 +79,15 @@ def test_a_mission_that_runs_is_recorded(start: Start, tmp_path: Path) -> None:
     assert recording.about["run"] == "r1"
 
 
+def simulators_1(pid: int) -> list[psutil.Process]:
+    """The simulators with the name `sim1` that a process has started, zombies left out."""
+    found = []
+    for each in psutil.Process(pid).children():
+        with suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
+            found += [each] if "sim1" in each.cmdline() else []
+    return found
+
+
 def test_simulators_of_an_evaluation_are_recorded_from_the_middle_on_and_when_they_are_replaced(
     start: Start, tmp_path: Path
 ) -> None:
@@ -89,8 +99,9 @@ def test_simulators_of_an_evaluation_are_recorded_from_the_middle_on_and_when_th
     assert n_said(read_recording([first]), "sim") > 0
     recorder = start("record", late.name)
     assert eventually(lambda: late.exists() and late.stat().st_size > 200_000, 30.0)
-    (victim,) = (each for each in psutil.Process(evaluation.pid).children() if "sim1" in each.cmdline())
+    (victim,) = simulators_1(evaluation.pid)
     victim.kill()
+    assert eventually(lambda: any(each != victim for each in simulators_1(evaluation.pid)), 60.0)
     size = late.stat().st_size
     assert eventually(lambda: late.stat().st_size > size + 1_000_000, 60.0)
     code, said = end(evaluation)

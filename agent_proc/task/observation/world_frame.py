@@ -1,4 +1,4 @@
-"""What the paper observes (Eq. 18), in the world frame, and the foot forces that its code observes instead of feet.
+"""What the paper observes (Eq. 19), in the world frame, and the foot forces that its code observes instead of feet.
 
 Tracked corners of the box are 1, front left, and 2, front right, at its upper edge: the side that leads.
 """

@@ -1,4 +1,4 @@
-"""What the paper pays (Eqs. 15 to 17), and the bonuses of its code: how far tracked corners are from their goals."""
+"""What the paper pays (Eqs. 16 to 18), and the bonuses of its code: how far tracked corners are from their goals."""
 
 from math import sqrt
 from typing import Annotated, Literal
@@ -15,7 +15,7 @@ Corners = Annotated[tuple[Literal[1, 2], ...], Meta(min_length=1, max_length=2)]
 
 
 class CornerDistance(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Distances of both tracked corners from their goals on the floor, m, added (Eq. 16 without its weight)."""
+    """Distances of both tracked corners from their goals on the floor, m, added (Eq. 17 without its weight)."""
 
     def value(self, step: PushStep) -> float:
         """`sqrt(e1) + sqrt(e2)`, with `e_i` the squared planar error of corner i."""
@@ -24,7 +24,7 @@ class CornerDistance(RewardTerm, frozen=True, kw_only=True, forbid_unknown_field
 
 
 class AngleError(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Angle between the box and its goal, rad, without sign (Eq. 17 without its weight)."""
+    """Angle between the box and its goal, rad, without sign (Eq. 18 without its weight)."""
 
     def value(self, step: PushStep) -> float:
         """`sqrt(e_angle)`, with `e_angle` the squared, wrapped error of the yaw."""

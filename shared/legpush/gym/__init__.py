@@ -12,6 +12,7 @@ PUSH_ID: Final = "legpush/Push-v1"
 IDS: Final = {
     PUSH_ID: "tuned",
     "legpush/PushPaperText-v1": "paper-text",
+    "legpush/PushPaperObservation-v1": "paper-observation",
     "legpush/PushRelease-v1": "release",
     "legpush/PushPaperLearns-v1": "paper-learns",
 }

@@ -20,8 +20,8 @@ from legpush.processes.start_program import Program, program_command
 from legpush.runs.folder import SCENARIO_FILE, journals
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import dump_scenario, write_scenario
+from legpush.scene.plan_settings import steering_fault
 from legpush.scene.scenario import Scenario
-from legpush.scene.steering import steering_fault
 
 CHECK: Final[Program] = "agent_proc.programs.check_mission"
 """Makes what a mission needs, as the agent does, and ends."""

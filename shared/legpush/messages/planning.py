@@ -21,7 +21,7 @@ from legpush.messages.common import Header
 from legpush.scene.footprints import Footprint
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime, Smoothing
+from legpush.scene.plan_settings import Anytime, Smoothing
 
 
 class TrunkPathQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="trunk_path"):

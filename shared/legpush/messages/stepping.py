@@ -36,7 +36,7 @@ class Push(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_fi
     """One push cycle: a front foot moves along a Bezier curve into the box and back; then all feet step to markers."""
 
     w1: Unit
-    """Place of the first inner control point on its locus (Eq. 14)."""
+    """Place of the first inner control point on its locus (Eq. 15)."""
     w2: Unit
     """Place of the second inner control point on its locus."""
     leg: FrontLeg

@@ -74,9 +74,11 @@ class TrainOptions(SimulatorOptions):
     """
 
     profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
-    """Training profile: tuned, paper-text, release, paper-learns, sac, td3, or the path of a profile file."""
+    """Training profile: tuned, paper-text, paper-observation, paper-learns, release, sac, td3, or the path of a profile
+    file."""
     task: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
-    """Replaces the profile's task: tuned, paper-text, release, paper-learns, or the path of a task file."""
+    """Replaces the profile's task: tuned, paper-text, paper-observation, paper-learns, release, or the path of a task
+    file."""
     entry: Literal["fixed", "variable"] | None = None
     """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
     actions: Literal["continuous", "discrete"] | None = None

@@ -58,14 +58,15 @@ REASONS: Final[dict[Reason, Note]] = {
         meaning="The planner found no path of the robot or of the box.",
         keys=(
             "planning.margin_m",
+            "planning.body_margin_m",
             "planning.max_iterations",
             "pushing.margin_m",
             "pushing.max_iterations",
             "pushing.turning_reserve",
             "reference",
         ),
-        remedy="lower `planning.margin_m`, `pushing.margin_m` or `pushing.turning_reserve`, raise "
-        "`planning.max_iterations` or `pushing.max_iterations`, or widen the curves of `reference`",
+        remedy="lower `planning.margin_m`, `planning.body_margin_m`, `pushing.margin_m` or `pushing.turning_reserve`, "
+        "raise `planning.max_iterations` or `pushing.max_iterations`, or widen the curves of `reference`",
     ),
     "stuck": Note(
         meaning="The robot or the box moved too little, several cycles in a row.",

@@ -28,9 +28,9 @@ from legpush.scene.footprints import (
 )
 from legpush.scene.names import Face
 from legpush.scene.occupancy import clearance_m, grid_shape
+from legpush.scene.plan_settings import PlanSettings, radius_fault
 from legpush.scene.reference import Reference, first_straight_m, reference_curve
-from legpush.scene.scenario import PlanSettings, Rectangle, Room, Scenario
-from legpush.scene.steering import radius_fault
+from legpush.scene.scenario import Rectangle, Room, Scenario
 
 REFERENCE_END_M: Final = 0.01
 REFERENCE_END_DEG: Final = 0.5

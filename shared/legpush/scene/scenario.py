@@ -19,11 +19,8 @@ from legpush.bounds import (
     CalibrationPushes,
     Coordinate,
     Degrees,
-    Deviation,
     Distance,
     Friction,
-    Improvements,
-    Iterations,
     Length,
     Margin,
     PushCycles,
@@ -33,13 +30,13 @@ from legpush.bounds import (
     Slope,
     TimeS,
     Unit,
-    Waypoints,
 )
 from legpush.fields import Name
 from legpush.geometry import Point3, Pose2
 from legpush.realism.settings import Randomization, Realism
-from legpush.scene.names import BoxShape, Face, PlannerName, Steering
+from legpush.scene.names import BoxShape, Face
 from legpush.scene.overlap import deepest_overlap
+from legpush.scene.plan_settings import PlanSettings
 from legpush.scene.reference import Reference
 from legpush.scene.robot import RobotSpec
 from legpush.scene.solid import even_com_m, steps_to_surface
@@ -181,58 +178,6 @@ class Goal(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     angle_tolerance_deg: AngleTolerance = 3.0
 
 
-class Smoothing(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the path of the search is smoothed. The smoothed path always keeps the clearance."""
-
-    method: Literal["none", "spline", "band"] = "band"
-    """`none`: keep the path of the search, with turns on the spot. `spline`: the paper's cubic spline through the
-    corners of the path, pulled back to the path where it would collide. `band`: a spline along an elastic band, which
-    keeps away from obstacles."""
-    shorten: bool = True
-    """Whether to cut off detours first, where a straight line is free."""
-    comfort_m: Margin = 0.25
-    """Distance that a `band` keeps beyond the required clearance if there is room; it widens turns around corners."""
-    max_deviation_m: Deviation | None = None
-    """Largest distance from the path of the search, before it was shortened; without it, any distance is allowed."""
-    max_waypoints: Waypoints = 20_000
-    """Most waypoints of a smooth path; on a long path they lie farther apart than 0.05 m."""
-
-
-class Anytime(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Asks for better paths after the first one, each after a fixed number of iterations so that runs repeat."""
-
-    n_improvements: Improvements = 10
-    """How many better paths to look for."""
-    improvement_iterations: ShortIterations = 500
-    """Iterations of the search for each of them."""
-
-
-class PlanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of the queries for paths of the trunk."""
-
-    planner: PlannerName = "rrt_connect"
-    steering: Steering = "straight"
-    """How the path connects poses. `straight`: straight lines and turns on the spot. `dubins`: arcs and lines, forward
-    only. `reeds_shepp`: arcs and lines, backward too."""
-    min_turning_radius_m: Distance = 0.0
-    """Least turning radius; 0 allows any. With `straight`, it holds for the smoothed path between start and goal."""
-    max_iterations: Iterations = 20_000
-    """Budget of the search."""
-    goal_bias: Unit = 0.05
-    """Probability that a sample is the goal."""
-    step_m: Length = 0.5
-    """Longest edge of the tree."""
-    goal_region_m: Length = 0.25
-    """Radius of the goal region of Algorithm 1."""
-    margin_m: Margin = 0.1
-    """Clearance to keep beyond the circle through the robot's feet."""
-    body_margin_m: Margin = 0.05
-    """Clearance that the floor which the robot covers keeps, turns on the spot included."""
-    smoothing: Smoothing = Smoothing()
-    anytime: Anytime | None = None
-    """With it, the robot starts to walk on the first path, and may switch to a better one between gait cycles."""
-
-
 class MissionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of the mission (Fig. 5)."""
 
@@ -256,7 +201,7 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     turning_reserve: Reserve = 1.4
     """Least turning radius of a planned path, as a multiple of the radius at which the box turns when only one foot
     pushes it. A value above 1 leaves room for corrections."""
-    margin_m: Margin = 0.05
+    margin_m: Margin = 0.07
     """Clearance that box and robot keep."""
     run_in_m: Distance = 0.4
     """Length of the straight stretch before the goal."""

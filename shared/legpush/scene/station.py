@@ -73,10 +73,10 @@ def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, 
     solid = [*map(obstacle_footprint, scenario.room.obstacles), box_footprint(scenario.box, box_pose)]
     pushing = scenario.robot.pushing
     way = [trunk]
-    required_m = min(scenario.planning.body_margin_m, _space_m(scenario, trunk, solid))
+    required_m = min(scenario.planning.body_margin_m, body_space_m(scenario, trunk, solid))
     while len(way) * BACK_STEP_M <= pushing.most_back_m:
         back = trunk @ Pose2(x_m=-BACK_STEP_M * len(way), y_m=0.0, yaw_rad=0.0)
-        if _space_m(scenario, back, solid) < max(required_m, 0.0) - ROUNDING_M:
+        if body_space_m(scenario, back, solid) < max(required_m, 0.0) - ROUNDING_M:
             break
         way.append(back)
         if len(way) * BACK_STEP_M > pushing.least_back_m and can_turn(scenario, back, box_pose):
@@ -84,11 +84,11 @@ def way_back(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> tuple[Pose2, 
     return tuple(way)
 
 
-def _space_m(scenario: Scenario, trunk: Pose2, solid: Sequence[Footprint]) -> float:
+def body_space_m(scenario: Scenario, trunk: Pose2, solid: Sequence[Footprint]) -> float:
     """Return the distance of the robot's body from solid things and the border of the room; negative if it overlaps."""
     body = robot_footprint(scenario.robot, trunk)
     to_border_m = distance_to_border_m(body.corners(), scenario.room)
-    return min(to_border_m, *(footprint_distance_m(body, other) for other in solid))
+    return min([to_border_m, *(footprint_distance_m(body, other) for other in solid)])
 
 
 def can_turn(scenario: Scenario, trunk: Pose2, box_pose: Pose2) -> bool:

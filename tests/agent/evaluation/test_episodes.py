@@ -5,8 +5,10 @@ import pytest
 from agent_proc.evaluation.episodes import Row, evaluate, run_episode, summarize
 from agent_proc.evaluation.sweep import make_sweep
 from agent_proc.frames.push_view import PushView
+from agent_proc.map_world.simulator import MapSimulator
 from agent_proc.policies.registry import make_policy
 from agent_proc.policies.scripted import ScriptedPolicy
+from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Push
 from legpush.scenarios.file import override
 from tests.agent.evaluation.rows import row
@@ -45,6 +47,14 @@ def test_an_episode_ends_after_the_cycles_of_the_scenario() -> None:
     result = run_episode(FakeWorld(), scenario, 0, Always())
 
     assert (result.ending, result.n_cycles) == ("max_cycles", 4)
+
+
+def test_a_box_out_of_reach_ends_an_episode_in_place_of_a_push_that_would_be_refused() -> None:
+    scenario = override(scenario_at_station(), {"start.x_m": scenario_at_station().start.x_m - 0.3})
+
+    result = run_episode(LocalWorld(MapSimulator()), scenario, 0, Always())
+
+    assert (result.ending, result.success, result.n_cycles) == ("astray", False, 0)
 
 
 def test_an_episode_that_is_cut_off_is_no_success_wherever_the_box_is() -> None:

@@ -58,7 +58,11 @@ def test_a_task_is_taken_as_it_is() -> None:
         ({"mass_kg": [1.0, 0.1]}, ConfigError, r"0 < low <= high for mass_kg of the domain, got \(1.0, 0.1\)"),
         ({"max_steps": 0}, ConfigError, "at `max_steps`: expected a whole number from 1 to 10000, got 0"),
         ({"scenario": "pusch"}, ScenarioError, "pusch"),
-        ({"task": "tund"}, ConfigError, r"name of a task \(paper-learns, paper-text, release, tuned\).*got 'tund'"),
+        (
+            {"task": "tund"},
+            ConfigError,
+            r"name of a task \(paper-learns, .*, tuned\).*got 'tund'",
+        ),
         ({"reward": {"fal": {}}}, ConfigError, "at `reward.fal`: expected one of the terms corner_distance, .*'fal'"),
         ({"world": None, "simulator": "moon"}, PluginError, r"a simulator \(.*mujoco.*\), got 'moon'"),
         ({"render_mode": "human"}, TypeError, "unexpected keyword argument 'render_mode'.*'human'"),

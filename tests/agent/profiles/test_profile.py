@@ -11,7 +11,7 @@ from legpush.errors import ConfigError
 
 
 def test_the_built_in_profiles_are_there() -> None:
-    assert profile_names() == ("paper-learns", "paper-text", "release", "sac", "td3", "tuned")
+    assert profile_names() == ("paper-learns", "paper-observation", "paper-text", "release", "sac", "td3", "tuned")
 
 
 @pytest.mark.parametrize("name", profile_names())
@@ -45,6 +45,16 @@ def test_the_other_profiles_of_the_paper_differ_in_what_they_say(name: str, acti
     assert (other.task, other.network.activation, other.settings.n_steps) == (name, activation, n_steps)
     assert replace(other.settings, n_steps=2048) == text.settings
     assert (other.network.hidden, other.normalize_observation) == (text.network.hidden, text.normalize_observation)
+
+
+def test_the_observation_of_the_paper_kept_has_the_published_network_but_normalizes_and_updates_more_often() -> None:
+    text, kept = load_profile("paper-text"), load_profile("paper-observation")
+    assert isinstance(text, PpoProfile)
+    assert isinstance(kept, PpoProfile)
+
+    assert (kept.task, kept.network, kept.steps) == ("paper-observation", text.network, text.steps)
+    assert kept.settings == replace(text.settings, n_steps=256, batch_size=64)
+    assert (kept.normalize_observation, kept.normalize_reward) == (True, False)
 
 
 def test_the_task_of_a_profile_is_named_from_its_own_folder(tmp_path: Path) -> None:

@@ -177,7 +177,7 @@ def test_stages_are_free_until_something_appears_in_them() -> None:
 
 
 def test_what_the_box_has_passed_is_in_the_way_of_a_later_stage_only() -> None:
-    passed, _ = pushed_once(replace(CRATE, x_min_m=4.0, x_max_m=4.2))
+    passed, _ = pushed_once(replace(CRATE, x_min_m=3.8, x_max_m=4.0))
     stage = Stage("rear", line("rear", 2.0)[0], AXLE_M)
     before = Stage("rear", tuple(replace(pose, x_m=pose.x_m - 1.5) for pose in line("rear", 1.0)[0]), AXLE_M)
 

@@ -10,6 +10,7 @@ from agent_proc.pushing.queries import TOLERANCE_SHARE, calibration_query, query
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import BoxPathQuery
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.footprints import robot_footprint
 from legpush.scene.names import Face
 from legpush.scene.scenario import PushSettings, Scenario
 from legpush.scene.station import stand_off, station
@@ -68,7 +69,7 @@ def test_a_side_has_its_places_relative_to_an_axle_behind_the_centre(face: Face)
     assert (of_box.length_m, of_box.width_m) == box.size_m[:2]
     for place, expected in (
         (of_box.pose, pushed),
-        (of_robot.pose, station(ROBOT, box, pushed)),
+        (of_robot.pose, robot_footprint(ROBOT, station(ROBOT, box, pushed)).pose),
         (side.stand_off, stand_off(SCENARIO, box, pushed)),
     ):
         there = axle @ place

@@ -26,6 +26,12 @@ def test_a_cell_is_the_mission_in_one_process_with_equal_bits() -> None:
     assert columns["n_unsolvable"] is None
 
 
+def test_a_mission_that_ends_with_a_motion_that_is_refused_has_a_row() -> None:
+    cell = MissionCell(scenario="push", policy="scripted", changes={"robot.pushing.reach_margin_deg": 30.0})
+    columns = columns_of(MISSION, resolve(cell, ()))
+    assert (columns["success"], columns["reason"]) == (False, "motion_refused")
+
+
 def test_a_random_room_is_drawn_from_the_seed_as_the_command_draws_it_and_changed_after_that() -> None:
     resolved = resolve(MissionCell(seed=3, random_room=SMALL, changes={"mission.handover_distance_m": 2.0}), ())
     scenario, n_unsolvable = drawn(resolved)

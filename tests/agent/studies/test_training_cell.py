@@ -5,10 +5,12 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from msgspec.structs import replace
 from safetensors.numpy import load
 
 from agent_proc.policies.folder import policy_path, read_card, read_policy
 from agent_proc.studies.training_cell import TRAINING, TrainingCell, of_last, pack, resolve
+from agent_proc.task.file import load_task
 from legpush.errors import ConfigError, PolicyError
 from legpush.study.cells import columns_of
 
@@ -79,6 +81,34 @@ def test_settings_of_the_profile_and_its_task_may_be_replaced() -> None:
     assert (usual.profile["normalize_observation"], other.profile["normalize_observation"]) == (False, True)
     assert [list(each.task.ending) for each in (usual, other)] == [["tolerance"], ["tolerance", "past_goal"]]
     assert usual.task.entry == "fixed"
+
+
+def test_a_task_may_be_put_together_of_parts_of_others() -> None:
+    text, learns, release = (load_task(name) for name in ("paper-text", "paper-learns", "release"))
+    cell = TrainingCell(
+        profile="paper-text",
+        observation="paper-learns",
+        reward="release",
+        ending="release",
+        starts="paper-learns",
+        mass_kg=(0.1, 0.2),
+        final_ending="paper-learns",
+    )
+    resolved = resolve(cell, ())
+
+    task = resolved.task
+    assert (task.observation, task.mirrored) == (learns.observation, learns.mirrored)
+    assert (task.reward, task.ending) == (release.reward, release.ending)
+    assert task.domain == replace(learns.domain, mass_kg=(0.1, 0.2))
+    assert (task.entry, task.action_form, task.scenario) == (text.entry, text.action_form, text.scenario)
+    assert resolved.final_task == replace(task, ending=learns.ending)
+
+
+def test_parts_that_do_not_fit_one_another_are_refused() -> None:
+    with pytest.raises(ConfigError, match="Expected entry `fixed` with action_form `discrete`"):
+        resolve(TrainingCell(profile="release", entry="variable"), ())
+    with pytest.raises(ConfigError, match="Expected the name of a task"):
+        resolve(TrainingCell(reward="best"), ())
 
 
 def test_a_setting_that_the_algorithm_has_not_is_refused() -> None:

@@ -23,7 +23,7 @@ def write(folder: Path, text: str) -> str:
 
 
 def test_the_built_in_tasks_are_there() -> None:
-    assert task_names() == ("paper-learns", "paper-text", "release", "tuned")
+    assert task_names() == ("paper-learns", "paper-observation", "paper-text", "release", "tuned")
 
 
 def test_the_least_change_that_learns_differs_from_the_paper_in_what_is_said_and_nothing_else() -> None:
@@ -34,6 +34,14 @@ def test_the_least_change_that_learns_differs_from_the_paper_in_what_is_said_and
     assert list(learns.ending) == [*text.ending, "past_goal"]
     assert {task.entry for task in (text, learns)} == {"fixed"}
     assert (learns.domain.box_xy_m, text.domain.box_xy_m) == (None, 0.0)
+
+
+def test_the_observation_of_the_paper_kept_differs_from_the_paper_in_its_end_and_its_starts_alone() -> None:
+    text, kept = load_task("paper-text"), load_task("paper-observation")
+
+    assert list(kept.ending) == [*text.ending, "past_goal"]
+    assert (kept.domain.box_xy_m, text.domain.box_xy_m) == (None, 0.0)
+    assert replace(kept, description=text.description, ending=text.ending, domain=text.domain) == text
 
 
 def test_the_release_has_the_actions_end_and_pay_of_the_published_code() -> None:

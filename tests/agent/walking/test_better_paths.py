@@ -16,7 +16,8 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Follow
 from legpush.scene.paths import path_length_m
-from legpush.scene.scenario import Anytime, PlanSettings, Rectangle, Room
+from legpush.scene.plan_settings import Anytime, PlanSettings
+from legpush.scene.scenario import Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, straight_plan
 from tests.planner import maps
 from tests.planner.bodies import BODY, BODY_M

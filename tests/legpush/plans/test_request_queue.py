@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from legpush.messages.planning import Plan, PlanCancel, PlanQuery, PlanRequest
 from legpush.plans.planner import Interrupted, PlanningInterruptedError
 from legpush.plans.request_queue import MAX_CLIENTS, Answer, RequestQueue
-from legpush.scene.scenario import Anytime
+from legpush.scene.plan_settings import Anytime
 from tests.legpush.examples import QUERY, header
 from tests.legpush.fakes import fake_plan
 

@@ -55,13 +55,13 @@ def test_the_planner_is_asked_as_the_scenario_says() -> None:
     assert query.clearance_m == clearance_m(scenario)
 
 
-def test_a_robot_near_an_obstacle_keeps_what_it_has_but_no_less_than_its_footprint() -> None:
-    wanted_m = clearance_m(SCENARIO)
+def test_a_robot_near_an_obstacle_keeps_what_it_has_but_no_less_than_half_its_width() -> None:
+    wanted_m, least_m = clearance_m(SCENARIO), SCENARIO.robot.stance.body_width_m / 2
     asked = []
     for y_m in np.linspace(CIRCLE_M / 2, START.y_m, 20):
         start = Pose2(x_m=START.x_m, y_m=float(y_m), yaw_rad=0.0)
         query = query_to_pose(SCENARIO, 0, start, BOX, BOX)
         present_m = clearance_at(query.grid, start)
-        assert query.clearance_m == min(wanted_m, max(present_m - SLACK_M, CIRCLE_M))
+        assert query.clearance_m == min(wanted_m, max(present_m - SLACK_M, least_m))
         asked.append(query.clearance_m)
-    assert asked[0] == CIRCLE_M < asked[-1] == wanted_m
+    assert asked[0] == least_m < asked[-1] == wanted_m

@@ -11,8 +11,9 @@ from msgspec.structs import replace
 from legpush.bounds import LEAST_BOX_MASS_KG, MAX_BOX_MASS_KG
 from legpush.errors import ScenarioError
 from legpush.scenarios.file import copy_scenario, dump_scenario, load_scenario, scenario_names
+from legpush.scene.plan_settings import PlanSettings
 from legpush.scene.robot_motion import FallLimits
-from legpush.scene.scenario import Box, Goal, PlanSettings, PoseDeg, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from tests.legpush.scenarios.small_scenario import plain_scenario, put, write
 from tests.robots import ROBOT, scaled_robot
 

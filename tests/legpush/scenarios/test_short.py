@@ -10,7 +10,8 @@ from msgspec.structs import replace
 
 from legpush.scenarios.file import load_scenario, scenario_names
 from legpush.scenarios.short import NOTE, short_scenario
-from legpush.scene.scenario import Anytime, MissionSettings, Rectangle, Scenario, Smoothing
+from legpush.scene.plan_settings import Anytime, Smoothing
+from legpush.scene.scenario import MissionSettings, Rectangle, Scenario
 
 PUSH = load_scenario("push")
 LATER = Rectangle(x_min_m=0.0, x_max_m=0.2, y_min_m=0.0, y_max_m=0.2, appears_at_s=3.0)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from legpush.geometry import Pose2
 from legpush.scene.footprints import Footprint, distance_m
 from legpush.scene.occupancy import OccupancyGrid, clearance_m, grid_shape, occupancy_grid, room_by_now
-from legpush.scene.scenario import PlanSettings, Rectangle, Room
+from legpush.scene.plan_settings import PlanSettings
+from legpush.scene.scenario import Rectangle, Room
 from tests.legpush.examples import SCENARIO
 from tests.legpush.scene.floor_shapes import FOOTPRINT, samples_in
 from tests.robots import CIRCLE_M, scaled_robot

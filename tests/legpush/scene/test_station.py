@@ -116,7 +116,9 @@ def test_a_robot_that_stands_in_a_wall_asks_for_half_its_width() -> None:
     query = query_to_measured_box(scenario, 3, scenario.start.pose(), scenario.box.pose.pose(), "rear")
 
     assert query.clearance_m == scenario.robot.stance.body_width_m / 2
-    assert query.body_clearance_m == 0.0
+    assert query.body is not None
+    assert query.body.width_m < scenario.robot.stance.body_width_m
+    assert 0.0 <= query.body_clearance_m < scenario.planning.body_margin_m
     assert (query.seed, query.planner) == (3, "rrt_connect")
 
 

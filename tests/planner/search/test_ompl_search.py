@@ -8,7 +8,7 @@ import pytest
 
 from legpush.messages.planning import TrunkPathQuery
 from legpush.scene.names import PlannerName
-from legpush.scene.scenario import Anytime
+from legpush.scene.plan_settings import Anytime
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.ompl_search import ompl_routes
 from planner_proc.search.route import Route

@@ -8,7 +8,7 @@ import pytest
 from legpush.messages.planning import TrunkPathQuery
 from legpush.plans.planner import PlanningInterruptedError
 from legpush.scene.names import PlannerName, Steering
-from legpush.scene.scenario import Anytime, Smoothing
+from legpush.scene.plan_settings import Anytime, Smoothing
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.registry import routes, search_fault
 from planner_proc.search.route import Route

@@ -4,7 +4,7 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Anytime
+from legpush.scene.plan_settings import Anytime
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.search.roadmap import roadmap_routes
 from planner_proc.search.route import Route

@@ -10,8 +10,7 @@ import pytest
 from legpush.geometry import wrap_angle
 from legpush.messages.planning import Plan, TrunkPathQuery
 from legpush.scene.names import PlannerName, Steering
-from legpush.scene.scenario import Anytime
-from legpush.scene.steering import NOT_STEERED
+from legpush.scene.plan_settings import NOT_STEERED, Anytime
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.planning import make_plan
 from planner_proc.search.steering import Curved

@@ -8,7 +8,7 @@ import pytest
 from legpush.arrays import Floats
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.paths import distances_m
-from legpush.scene.scenario import Smoothing
+from legpush.scene.plan_settings import Smoothing
 from planner_proc.clearance.field import ClearanceField
 from planner_proc.smoothing import polylines
 from planner_proc.smoothing.spline import smooth

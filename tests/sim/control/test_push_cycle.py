@@ -47,7 +47,7 @@ def test_a_plant_without_physics_pushes_the_box_by_the_depth_and_follows_it(
     plant = KinematicPlant(at_the_box.start.pose(), at_the_box.box)
     steps = Steps(Posture(plant))
 
-    push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05))
+    push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05), (0.5, 0.5))
 
     assert plant.box_pose().x_m - at_the_box.box.pose.x_m == pytest.approx(0.05, abs=1e-3)
     assert push.peak_force_n == 1.0
@@ -62,7 +62,7 @@ def test_a_push_stops_early_when_the_robot_falls(at_the_box: Scenario) -> None:
     plant = KinematicPlant(at_the_box.start.pose(), at_the_box.box, falls_at_tick=90)
     steps = Steps(Posture(plant))
 
-    push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05))
+    push = Pusher(steps, at_the_box.box).cycle(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05), (0.5, 0.5))
 
     assert sum(len(log.ctrl) for log in push.logs) == 90
     assert len(push.logs) == 3

@@ -54,7 +54,7 @@ def test_a_swing_is_smooth() -> None:
     assert np.abs(np.diff(curve, 2, axis=0)).max() < 1e-5
 
 
-def test_the_bezier_curve_of_equation_13_begins_at_p0_and_ends_at_p3_along_its_polygon() -> None:
+def test_the_bezier_curve_of_equation_14_begins_at_p0_and_ends_at_p3_along_its_polygon() -> None:
     points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.2], [0.1, 0.0, 0.3], [0.3, 0.1, 0.2]])
     curve = bezier(points, np.linspace(0, 1, 2001))
     np.testing.assert_allclose(curve[[0, -1]], points[[0, 3]])
@@ -62,10 +62,37 @@ def test_the_bezier_curve_of_equation_13_begins_at_p0_and_ends_at_p3_along_its_p
     np.testing.assert_allclose(bezier(points, [0.5])[0], points.T @ [0.125, 0.375, 0.375, 0.125])
 
 
+@pytest.mark.parametrize("weights", [(), (0.5,), (0.3, 0.6), (0.2, 0.4, 0.6), (0.2, 0.4, 0.6, 0.8)])
+def test_a_curve_of_any_degree_leads_from_p0_to_the_last_point_within_its_control_points(
+    weights: tuple[float, ...],
+) -> None:
+    p0, end = np.array([0.0, 0.1, 0.02]), np.array([0.25, 0.15, 0.2])
+    points = control_points(p0, end, weights, "swing", 0.02)
+    curve = bezier(points, np.linspace(0, 1, 101))
+    assert len(points) == len(weights) + 2
+    np.testing.assert_allclose(curve[[0, -1]], [p0, end], atol=1e-15)
+    assert (curve >= points.min(axis=0) - 1e-12).all()
+    assert (curve <= points.max(axis=0) + 1e-12).all()
+
+
+def test_a_curve_without_inner_control_points_is_the_chord() -> None:
+    p0, end = np.array([0.0, 0.1, 0.02]), np.array([0.25, 0.15, 0.2])
+    t = np.linspace(0, 1, 11)
+    curve = bezier(control_points(p0, end, (), "swing", 0.02), t)
+    np.testing.assert_allclose(curve, p0 + t[:, None] * (end - p0), atol=1e-15)
+
+
+def test_the_cubic_curve_has_the_bits_of_its_four_written_out_terms() -> None:
+    points = np.random.default_rng(0).normal(size=(4, 3))
+    t = np.linspace(0, 1, 997)
+    terms = np.stack([(1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t**2, t**3], axis=-1)
+    assert (bezier(points, t) == terms @ points).all()
+
+
 @given(unit, unit, st.sampled_from(["swing", "published"]))
 def test_inner_control_points_lie_on_the_circle_or_on_the_floor(w1: float, w2: float, locus: str) -> None:
     p0, p3 = np.array([0.0, 0.1, 0.02]), np.array([0.25, 0.15, 0.2])
-    points = control_points(p0, p3, w1, w2, locus, 0.02)  # type: ignore[arg-type]
+    points = control_points(p0, p3, (w1, w2), locus, 0.02)  # type: ignore[arg-type]
     radius = np.linalg.norm(p3 - p0) / 2
     for point in points[1:3]:
         on_circle = np.isclose(np.linalg.norm(point - (p0 + p3) / 2), radius)
@@ -75,7 +102,7 @@ def test_inner_control_points_lie_on_the_circle_or_on_the_floor(w1: float, w2: f
 
 def test_the_swing_side_locus_runs_from_p0_over_the_top_to_p3() -> None:
     p0, p3 = np.array([0.0, 0.0, 0.2]), np.array([0.2, 0.0, 0.2])
-    first, top, last = (control_points(p0, p3, w, w, "swing", 0.0)[1] for w in (0.0, 0.5, 1.0))
+    first, top, last = (control_points(p0, p3, (w, w), "swing", 0.0)[1] for w in (0.0, 0.5, 1.0))
     np.testing.assert_allclose(first, p0, atol=1e-12)
     np.testing.assert_allclose(top, [0.1, 0.0, 0.3], atol=1e-12)
     np.testing.assert_allclose(last, p3, atol=1e-12)
@@ -83,7 +110,7 @@ def test_the_swing_side_locus_runs_from_p0_over_the_top_to_p3() -> None:
 
 def test_the_published_locus_starts_at_the_top_passes_p3_and_ends_below_the_chord() -> None:
     p0, p3 = np.array([0.0, 0.0, 0.2]), np.array([0.2, 0.0, 0.2])
-    first, middle, last = (control_points(p0, p3, w, w, "published", 0.0)[1] for w in (0.0, 0.5, 1.0))
+    first, middle, last = (control_points(p0, p3, (w, w), "published", 0.0)[1] for w in (0.0, 0.5, 1.0))
     np.testing.assert_allclose(first, [0.1, 0.0, 0.3], atol=1e-12)
     np.testing.assert_allclose(middle, p3, atol=1e-12)
     np.testing.assert_allclose(last, [0.1, 0.0, 0.1], atol=1e-12)

@@ -1,4 +1,4 @@
-"""The observation of Eq. 18, and what the published code reads: each term reads what its name says."""
+"""The observation of Eq. 19, and what the published code reads: each term reads what its name says."""
 
 import numpy as np
 import pytest

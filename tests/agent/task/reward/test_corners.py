@@ -1,4 +1,4 @@
-"""The reward of Eqs. 15 to 17 and the bonuses of the published code, against numbers worked out by hand."""
+"""The reward of Eqs. 16 to 18 and the bonuses of the published code, against numbers worked out by hand."""
 
 from math import hypot, pi, radians, sin
 

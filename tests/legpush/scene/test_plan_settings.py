@@ -7,8 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.scene.names import PlannerName, Steering
-from legpush.scene.scenario import PlanSettings, Smoothing
-from legpush.scene.steering import NOT_STEERED, radius_fault, steering_fault
+from legpush.scene.plan_settings import NOT_STEERED, PlanSettings, Smoothing, radius_fault, steering_fault
 
 
 @pytest.mark.parametrize(("planner", "steering"), product(get_args(PlannerName), get_args(Steering)))

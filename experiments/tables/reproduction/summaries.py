@@ -1,0 +1,103 @@
+"""Summaries of trainings, over their seeds, and of episodes without learning, over their starts.
+
+The last policy of a training counts, on starts that nothing was chosen on.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from agent_proc.statistics.estimate import Estimate
+from agent_proc.statistics.intervals import mean, mean_of_groups, share
+from experiments.rows import Row
+from experiments.tables.learning import SHARE, WINDOW, moving_average
+from experiments.tables.parts import plain
+
+DIGITS: Final = {"success": 4, "position_error_m": 5, "angle_error_deg": 3, "n_cycles": 1}
+"""Measures of an episode, and the digits that are kept of their means."""
+
+
+def training_estimates(rows: Sequence[Row]) -> dict[str, Estimate]:
+    """Return the mean over training seeds of each measure of the last policies."""
+    return {name: mean_of_groups([[float(value) for value in row[f"final_{name}"]] for row in rows]) for name in DIGITS}
+
+
+def training_columns(rows: Sequence[Row]) -> Row:
+    """Return the columns of trainings that differ by their seed alone."""
+    columns: Row = {"n_seeds": len(rows), "n_starts": len(rows[0]["final_success"])}
+    for name, estimate in training_estimates(rows).items():
+        columns |= estimate.columns(name, DIGITS[name])
+    return columns
+
+
+def training_numbers(rows: Sequence[Row]) -> dict[str, Any]:
+    """Return the numbers of trainings that differ by their seed alone, for pages."""
+    errors_m = np.array([row["final_position_error_m"] for row in rows])
+    of_seeds_m = errors_m.mean(axis=1)
+    shares = [float(np.mean(row["final_success"])) for row in rows]
+    return {
+        "n_seeds": len(rows),
+        "n_starts": errors_m.shape[1],
+        **{name: plain(estimate, DIGITS[name]) for name, estimate in training_estimates(rows).items()},
+        "least_position_error_m": round(float(of_seeds_m.min()), 5),
+        "largest_position_error_m": round(float(of_seeds_m.max()), 5),
+        "least_success": round(min(shares), 4),
+        "largest_success": round(max(shares), 4),
+        "nominal_position_error_m": plain(mean([row["nominal_position_error_m"] for row in rows]), 5),
+        "nominal_angle_error_deg": plain(mean([row["nominal_angle_error_deg"] for row in rows]), 3),
+        "own_end_position_error_m": plain(mean([row["last_position_error_m"] for row in rows]), 5),
+        "own_end_success": plain(mean([row["last_success_rate"] for row in rows]), 4),
+        "n_own_end": rows[0]["n_evaluated"],
+        "n_episodes": [len(row["episode_return"]) for row in rows],
+        **_returns(rows),
+    }
+
+
+def _returns(rows: Sequence[Row]) -> dict[str, Any]:
+    """Return where the average return begins and ends, and after how many episodes it is near its end."""
+    averages = [moving_average(row["episode_return"]) for row in rows if len(row["episode_return"]) >= WINDOW]
+    return {
+        "first_average_return": [round(float(average[0]), 1) for average in averages],
+        "final_average_return": [round(float(average[-1]), 1) for average in averages],
+        "episodes_to_90_percent": [episodes_to_final(row["episode_return"]) for row in rows],
+    }
+
+
+def episodes_to_final(returns: Sequence[float]) -> int | None:
+    """Return the episodes after which the moving average first is within 10 % of its final value; None without one.
+
+    With a positive final value this is when it has 90 % of it. Returns of the paper are negative.
+    """
+    if len(returns) < WINDOW:
+        return None
+    average = moving_average(returns)
+    final = float(average[-1])
+    return int(np.argmax(average >= final - (1.0 - SHARE) * abs(final))) + WINDOW
+
+
+def rule_estimates(rows: Sequence[Row]) -> dict[str, Estimate]:
+    """Return the mean over starts of each measure."""
+    found: dict[str, Estimate] = {"success": share(sum(row["success"] for row in rows), len(rows))}
+    return found | {name: mean([float(row[name]) for row in rows]) for name in DIGITS if name != "success"}
+
+
+def rule_columns(rows: Sequence[Row]) -> Row:
+    """Return the columns of episodes that differ by their start alone."""
+    columns: Row = {"n_seeds": "", "n_starts": len(rows)}
+    for name, estimate in rule_estimates(rows).items():
+        columns |= estimate.columns(name, DIGITS[name])
+    return columns
+
+
+def rule_numbers(rows: Sequence[Row]) -> dict[str, Any]:
+    """Return the numbers of episodes that differ by their start alone, for pages."""
+    return {"n": len(rows), **{name: plain(each, DIGITS[name]) for name, each in rule_estimates(rows).items()}}
+
+
+def grouped(rows: Sequence[Row], key: Callable[[Row], tuple[Any, ...]]) -> dict[tuple[Any, ...], list[Row]]:
+    """Return the rows by their key, in the order in which keys appear."""
+    found: dict[tuple[Any, ...], list[Row]] = {}
+    for row in rows:
+        found.setdefault(key(row), []).append(row)
+    return found
