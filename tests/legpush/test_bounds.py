@@ -94,7 +94,7 @@ def parts(kind: inspect.Type, field: str, seen: set[type]) -> Iterator[Found]:
 def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), field: str = "") -> Iterator[Leaf]:
     """The numbers of an example."""
     match kind:
-        case inspect.IntType() | inspect.FloatType():
+        case inspect.IntType() | inspect.FloatType() if not isinstance(plain, list):
             yield Leaf(steps, field, kind)
         case inspect.StructType():
             for each in kind.fields:
@@ -104,12 +104,12 @@ def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), fi
             (one,) = [one for one in tagged if one.tag_field is None or plain[one.tag_field] == one.tag]
             yield from leaves(plain, one, steps, field)
         case inspect.UnionType() if plain is not None:
-            for one in (one for one in kind.types if isinstance(one, inspect.VarTupleType) == isinstance(plain, list)):
-                yield from leaves(plain, one, steps, field)
+            for variant in kind.types:
+                yield from leaves(plain, variant, steps, field)
         case inspect.TupleType():
             for index, item in enumerate(kind.item_types):
                 yield from leaves(plain[index], item, (*steps, index), field)
-        case inspect.VarTupleType():
+        case inspect.VarTupleType() if isinstance(plain, list):
             for index, value in enumerate(plain):
                 yield from leaves(value, kind.item_type, (*steps, index), field)
         case inspect.Metadata():
