@@ -6,7 +6,8 @@ A mission that ends in an error counts as one without success. The numbers go to
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import degrees
+from math import degrees, nan
+from statistics import median
 from time import perf_counter
 from typing import Any, Final, get_args
 
@@ -72,7 +73,8 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "n_successes": len(good),
         "success_rate": msgspec.to_builtins(share(len(good), len(rows))),
         "reasons": ", ".join(f"{reason} {n}" for reason, n in reasons.most_common()) or "none",
-        "push_cycles": ", ".join(str(row["n_push_cycles"]) for row in good) or "-",
+        "median_push_cycles": median(row["n_push_cycles"] for row in good) if good else nan,
+        "most_push_cycles": max((row["n_push_cycles"] for row in good), default=0),
         "n_falls": sum(row["fell"] for row in rows),
         **{
             name: msgspec.to_builtins(mean([float(row[name]) for row in good]))
