@@ -8,8 +8,10 @@ from msgspec.structs import replace
 
 import agent_proc
 from agent_proc.evaluation.episodes import run_episode
+from agent_proc.learning.env import PushEnv
 from agent_proc.mission.mission import run_mission
 from agent_proc.policies.scripted import ScriptedPolicy
+from agent_proc.task.file import DEFAULT_TASK, load_task
 from legpush.errors import MotionError
 from legpush.history.steps import PlanRecord
 from legpush.messages.poses import planar_pose
@@ -104,3 +106,16 @@ def test_only_judges_read_the_true_state() -> None:
         if any(word in path.read_text() for word in ("true_state", "true_box_error"))
     }
     assert reading == judges
+
+
+def test_a_learner_sees_what_is_perceived_and_earns_by_what_is_true() -> None:
+    task = load_task(DEFAULT_TASK)
+    seen, errors_m = [], []
+    for world in (FakeWorld(), Misplaced()):
+        env = PushEnv(task, world)
+        observation, info = env.reset(seed=0, options={"scenario": scenario_at_station()})
+        seen.append(observation)
+        errors_m.append(info["position_error_m"])
+        env.close()
+    assert seen[0] == pytest.approx(seen[1], abs=1e-5)
+    assert errors_m[1] > errors_m[0] + 0.1 * OFF_M
