@@ -8,23 +8,22 @@ between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is rep
 test fails when a generated part is stale.
 """
 
-import ast
-import inspect as python_inspect
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from textwrap import dedent
 from typing import Final
 
 import msgspec
 from msgspec import inspect
 
-from docs import claims, numbers, source_tree, study_list, term_tables
+from docs import claims, numbers, realism_records, source_tree, study_list, term_tables
+from docs.field_texts import field_texts, flat, texts_below, tree_of
 from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
+from legpush.realism import bounds as limits
 from legpush.runs.reasons import REASONS
 from legpush.scene import footprints, occupancy, plan_settings, reference, robot, robot_body, robot_motion, scenario
 
@@ -36,6 +35,7 @@ PAPER: Final = DOCS / "paper.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
 LEARN: Final = DOCS / "learn.md"
+REALISM: Final = DOCS / "realism.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
@@ -67,6 +67,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         stepping.PathProgress,
         stepping.PushReport,
         stepping.Appearance,
+        *realism_records.OUTCOME,
         stepping.Trace,
         measures.Measures,
         measures.UnexpectedContact,
@@ -99,7 +100,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         plan_settings.Anytime,
         scenario.MissionSettings,
         scenario.PushSettings,
-        scenario.Randomization,
+        *realism_records.SCENARIO,
         robot.RobotSpec,
         robot_body.Trunk,
         robot_body.Legs,
@@ -133,6 +134,7 @@ def main() -> None:
         (MEASURED, measured),
         (PAPER, measured | claims.parts()),
         (README, measured),
+        (REALISM, measured),
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
         (LEARN, term_tables.learn_parts()),
@@ -187,11 +189,11 @@ def _snake(name: str) -> str:
 
 def _table(record: type[msgspec.Struct]) -> str:
     """Heading, description and fields of a record."""
-    lines = [f"#### {record.__name__}", "", _flat(record.__doc__ or ""), ""]
+    lines = [f"#### {record.__name__}", "", flat(record.__doc__ or ""), ""]
     info = inspect.type_info(record)
     if not isinstance(info, inspect.StructType):
         raise TypeError(f"Expected a record, got {record}")
-    meanings = dict(_field_docs(record))
+    meanings = dict(field_texts(record))
     rows = [
         (field.encode_name, _words(field.type), _default(field), meanings.get(field.name, "")) for field in info.fields
     ]
@@ -207,38 +209,12 @@ def _table(record: type[msgspec.Struct]) -> str:
 def _bounds_table() -> str:
     """The bounds of numbers with their reasons; a least and a largest value with one reason share a row."""
     lines = ["| bound | value | reason |", "| --- | --- | --- |"]
-    for names, reason in _docs(ast.parse(python_inspect.getsource(bounds)).body):
-        values = [getattr(bounds, name) for name in names]
+    sources = [(each, docs) for each in (bounds, limits) for docs in texts_below(tree_of(each).body)]
+    for source, (names, reason) in sources:
+        values = [getattr(source, name) for name in names]
         texts = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
         lines.append(f"| {', '.join(f'`{name}`' for name in names)} | {' to '.join(texts)} | {reason} |")
     return "\n".join([*lines, ""])
-
-
-def _field_docs(record: type[msgspec.Struct]) -> Iterator[tuple[str, str]]:
-    """The text below each field of the class and of the records that it is derived from."""
-    for base in reversed(record.__mro__):
-        if base.__module__.startswith("legpush."):
-            (definition,) = ast.parse(dedent(python_inspect.getsource(base))).body
-            if not isinstance(definition, ast.ClassDef):
-                raise TypeError(f"Expected a class, got {base}")
-            yield from ((names[-1], text) for names, text in _docs(definition.body))
-
-
-def _docs(body: Sequence[ast.stmt]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Each text below annotated assignments, with the names that are assigned without a text in between."""
-    names: tuple[str, ...] = ()
-    for node in body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names = (*names, node.target.id)
-            continue
-        text = node.value.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) else None
-        if names and isinstance(text, str):
-            yield names, _flat(text)
-        names = ()
-
-
-def _flat(text: str) -> str:
-    return " ".join(text.split()).replace("|", "\\|")
 
 
 def _default(field: inspect.Field) -> str:

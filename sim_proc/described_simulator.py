@@ -5,6 +5,7 @@ from typing import Final
 from legpush.bus.bus import Bus
 from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.numerics.current import NUMERICS_FILE, current
+from legpush.realism.reality import AS_ASSUMED, Reality, drawn_reality
 from legpush.scene.scenario import Scenario
 from sim_proc.model.world import model_xml
 from sim_proc.simulator import Simulator
@@ -20,7 +21,7 @@ class DescribedSimulator:
         """Attach models to the recording of this bus."""
         self._bus = bus
         self._simulator = Simulator()
-        self._described: list[Scenario] = []
+        self._described: list[tuple[Scenario, Reality]] = []
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
         """Carry out one motion, and attach the model of a new scenario.
@@ -30,16 +31,18 @@ class DescribedSimulator:
         """
         outcome = self._simulator.perform(motion, with_trace=with_trace)
         if isinstance(motion, Reset) and self._bus.taps.own.buffer.active:
-            self._describe(motion.scenario)
+            self._describe(motion)
         return outcome
 
-    def _describe(self, scenario: Scenario) -> None:
-        """Attach the model of a scenario, once for each scenario, and the numerics with the first."""
-        if scenario in self._described or len(self._described) >= MAX_MODELS:
+    def _describe(self, reset: Reset) -> None:
+        """Attach the model of an episode, once for each that differs, and the numerics with the first."""
+        scenario, reality = reset.scenario, drawn_reality(reset.scenario.realism, reset.seed)
+        described = scenario, AS_ASSUMED if reality.as_assumed else reality
+        if described in self._described or len(self._described) >= MAX_MODELS:
             return
         number = len(self._described)
         if number == 0:
             self._bus.attach(NUMERICS_FILE, "application/json", current().as_json())
-        self._described.append(scenario)
+        self._described.append(described)
         name = f"model-{number}.xml" if number else "model.xml"
-        self._bus.attach(name, "application/xml", model_xml(scenario).encode())
+        self._bus.attach(name, "application/xml", model_xml(*described).encode())

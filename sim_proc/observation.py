@@ -43,6 +43,7 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
         path=path,
         push=push,
         appeared=physics.appeared,
+        perceived=physics.perception.perceived(qpos, physics.tick),
     )
 
 

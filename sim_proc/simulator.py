@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from legpush.errors import MotionError
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, PushReport, Reset, Walk
+from legpush.realism.reality import Reality, drawn_reality
 from legpush.scenarios.start import drawn_poses
 from legpush.scene.conventions import FrontLeg
 from sim_proc.control.gait import PathWalk
@@ -63,11 +64,12 @@ class SimulatedEpisode:
             MotionError: Robot, box and walls are in one another.
         """
         trunk, box = drawn_poses(reset.scenario, reset.seed)
+        self._reality: Reality | None = drawn_reality(reset.scenario.realism, reset.seed)
         self._scenario = reset.scenario
-        self.physics = Physics(reset.scenario, trunk, box)
+        self.physics = Physics(reset.scenario, trunk, box, self._reality)
         require_apart(self.physics.model, self.physics.data, reset.scenario.robot.legs.foot_radius_m)
         self.physics.tick = -SETTLE_TICKS
-        self._meter = Meter(reset.scenario.robot, self.physics.downhill)
+        self._meter = Meter(self.physics.actual_robot, self.physics.actual_downhill)
         self._meter.measure([Posture(self.physics).stand(SETTLE_TICKS)], n_footsteps=0)
         self.physics.begin()
         self._steps = Steps(Posture(self.physics))
@@ -148,4 +150,10 @@ class SimulatedEpisode:
             state_crc=physics.state_crc(),
             trace=trace(logs, physics.tick, measured) if with_trace else None,
             measures=None if measured is None else measured.measures,
+            reality=self._told_once(),
         )
+
+    def _told_once(self) -> Reality | None:
+        """What the seed drew, in the outcome of the reset, if it differs from what is assumed and known."""
+        reality, self._reality = self._reality, None
+        return None if reality is None or reality.ideal else reality

@@ -20,7 +20,7 @@ from agent_proc.statistics.intervals import mean, share
 from legpush.errors import StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
-from legpush.messages.poses import planar_pose
+from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Push, Reset, WorldState
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.scenario import Scenario
@@ -43,7 +43,7 @@ class Row:
     """The policy was `done`, the robot `fell`, the box slid out of its reach (`astray`), or the episode reached
     `max_cycles`."""
     success: bool
-    """Whether the policy was done, with the box within the goal's tolerances."""
+    """Whether the policy was done, with the box within the goal's tolerances, by its true pose."""
     position_error_m: float
     angle_error_deg: float
     n_cycles: int
@@ -80,18 +80,18 @@ def run_episode(
         if outcome.world.fallen:
             ending = "fell"
             break
-        push = policy.decide(push_view(outcome.world, scenario, estimate.lost_depth_m))
+        seen = as_seen(outcome.world)
+        push = policy.decide(push_view(seen, scenario, estimate.lost_depth_m))
         if push is None:
             ending = "done"
             break
         if n_cycles == n_most:
             break
-        if not _can_push(outcome.world, scenario, push):
+        if not _can_push(seen, scenario, push):
             ending = "astray"
             break
-        before = planar_pose(outcome.world.box)
         outcome = world.step(push, with_trace=True)
-        estimate.learn(before, push, planar_pose(outcome.world.box))
+        estimate.learn(planar_pose(seen.box), push, planar_pose(as_seen(outcome.world).box))
         n_cycles += 1
     error = box_error(outcome.world, scenario)
     return Row(

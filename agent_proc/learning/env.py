@@ -21,6 +21,7 @@ from agent_proc.task.term import PushStep
 from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
+from legpush.messages.poses import as_seen
 from legpush.messages.stepping import Outcome, Push, Reset
 
 
@@ -76,7 +77,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         scenario = options.get("scenario", scenario)
         scenario_seed = options.get("scenario_seed", drawn_seed)
         episode = self._episode = self._begin(Reset(scenario=scenario, seed=scenario_seed))
-        return observe(self.task, episode.view), {"scenario_seed": scenario_seed, **_errors(episode.view)}
+        return observe(self.task, episode.seen), {"scenario_seed": scenario_seed, **_errors(episode.view)}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Carry out one push cycle.
@@ -86,7 +87,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """
         episode = self._going_on()
         before = episode.view
-        push = to_push(action, self.task, before)
+        push = to_push(action, self.task, episode.seen)
         episode.advance(push, self._world.step(push))
         ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
         episode.over = ending is not None
@@ -97,7 +98,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         if ending is not None:
             info["ending"] = ending
         truncated = ending == "max_steps"
-        observation = observe(self.task, episode.view)
+        observation = observe(self.task, episode.seen)
         return observation, sum(terms.values()), episode.over and not truncated, truncated, info
 
     def close(self) -> None:
@@ -115,7 +116,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """
         if self._episode is None:
             raise ConfigError("Expected a reset first: there is no episode")
-        return self._episode.view
+        return self._episode.seen
 
     def snapshot(self) -> EnvSnapshot:
         """The state from which `restore` continues.
@@ -147,7 +148,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
                 f"{episode.state_crc:08x}: the simulator computes something else"
             )
-        return observe(self.task, episode.view)
+        return observe(self.task, episode.seen)
 
     def _claim(self) -> None:
         if isinstance(self._world, LocalWorld):
@@ -157,7 +158,8 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._claim()
         outcome = self._world.step(reset)
         view = push_view(outcome.world, reset.scenario)
-        return _Episode(reset=reset, first=view, view=view, state_crc=outcome.state_crc)
+        seen = push_view(as_seen(outcome.world), reset.scenario)
+        return _Episode(reset=reset, first=view, view=view, seen=seen, state_crc=outcome.state_crc)
 
     def _going_on(self) -> "_Episode":
         if self._episode is None or self._episode.over:
@@ -173,7 +175,9 @@ class _Episode:
     first: PushView
     """The view after the reset."""
     view: PushView
-    """The present view."""
+    """The present view of everything as it is, by which rewards and endings are judged."""
+    seen: PushView
+    """The present view as it is perceived: what the policy sees."""
     state_crc: int
     pushes: list[Push] = field(default_factory=list)
     over: bool = False
@@ -182,6 +186,7 @@ class _Episode:
         """Add a push and its outcome."""
         self.pushes.append(push)
         self.view, self.state_crc = push_view(outcome.world, self.reset.scenario), outcome.state_crc
+        self.seen = push_view(as_seen(outcome.world), self.reset.scenario)
 
 
 def _errors(view: PushView) -> dict[str, Any]:

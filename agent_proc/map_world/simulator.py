@@ -27,6 +27,8 @@ from legpush.messages.stepping import (
     TrunkState,
     WorldState,
 )
+from legpush.realism.reality import drawn_reality
+from legpush.scenarios.file import realism_table
 from legpush.scenarios.start import drawn_poses
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.scenario import Scenario
@@ -85,6 +87,11 @@ class MapSimulator:
             self._require_described(scenario)
             self._checked = scenario
         self._scenario, self._seed = scenario, reset.seed
+        if not drawn_reality(scenario.realism, reset.seed).ideal:
+            raise ScenarioError(
+                f"{scenario.name}: expected a world that is what the robot takes it to be, without physics, got "
+                f"`realism` with {', '.join(realism_table(scenario.realism))}"
+            )
         self._trunk, self._box = drawn_poses(scenario, reset.seed)
         self._stance = self._map.stances.start
         self._n_pushes = 0

@@ -53,6 +53,7 @@ def run_mission(
             _walk_to_handover(actor, walker, route)
         handover_distance_m = actor.box_distance_m()
         pushing.run()
+        _judge(actor)
     except MissionEndedError as end:
         success, reason, detail, remedy = False, end.reason, str(end), end.remedy
     except tuple(REASON_OF) as fault:
@@ -63,7 +64,7 @@ def run_mission(
         reason = next(reason for kind, reason in REASON_OF.items() if isinstance(fault, kind))
         remedy = REASONS[reason].remedy
     else:
-        success, reason, detail, remedy = True, "success", f"box error {actor.box_error()}", ""
+        success, reason, detail, remedy = True, "success", f"box error {actor.true_box_error()}", ""
     return MissionResult(
         success=success,
         reason=reason,
@@ -75,6 +76,20 @@ def run_mission(
         n_replans=planner.n_replans,
         error=error,
     )
+
+
+def _judge(actor: Actor) -> None:
+    """Check that a box that is perceived at its goal is there.
+
+    Raises:
+        MissionEndedError: It is not.
+    """
+    if not (error := actor.true_box_error()).within(actor.scenario.goal):
+        raise MissionEndedError(
+            "tolerance_missed",
+            f"box error {error}, perceived as {actor.box_error()}",
+            "lower the noise in `realism.box_pose`",
+        )
 
 
 def _walk_to_handover(actor: Actor, walker: Walker, route: BoxRoute) -> None:

@@ -18,11 +18,12 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Outcome, Push, Reset
+from legpush.realism.settings import Randomization
 from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.names import Face
 from legpush.scene.robot import RobotSpec
-from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from legpush.scene.station import station
 
 Part = TypeVar("Part", bound=Hashable)

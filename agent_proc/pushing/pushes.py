@@ -1,6 +1,7 @@
 """One push: approach if need be, push, count it, publish its reward, and learn from it."""
 
 from collections.abc import Callable, Mapping
+from typing import Final
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.estimate import PushEstimate
@@ -11,9 +12,13 @@ from agent_proc.task.file import DEFAULT_TASK, load_task
 from agent_proc.task.term import PushStep
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.walker import Walker
+from legpush.errors import MotionError
 from legpush.messages.stepping import Push
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.names import Face
+
+LOOKS: Final = 3
+"""How often a push is tried, each time from where the robot comes to stand when it looks at the box again."""
 
 PublishReward = Callable[[Mapping[str, float]], None]
 """Gets what a push earned, term by term."""
@@ -52,11 +57,29 @@ class Pushes:
         if not self._actor.at_station(face):
             self._walker.approach(face)
         self.n_cycles += 1
-        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.state, self._actor.scenario)
+        before, view = pushed_pose(self._actor.box(), face), push_view(self._actor.true_state, self._actor.scenario)
         self._first = self._first or view
-        self._actor.step(push)
-        after = push_view(self._actor.state, self._actor.scenario)
+        self._step(push)
+        after = push_view(self._actor.true_state, self._actor.scenario)
         # What the same push earns in a training of the default task; policies do not see it here.
         self._publish_reward(earned(self._task, PushStep(first=self._first, before=view, after=after, ending=None)))
         if learn:
             self.estimates[face].learn(before, push, pushed_pose(self._actor.box(), face))
+
+    def _step(self, push: Push) -> None:
+        """Push; step to the station, and look again, if the push is refused because of where the box is seen.
+
+        A box that is perceived exactly would be seen in the same place again.
+
+        Raises:
+            MissionEndedError: What a motion raises.
+            MotionError: The push is refused.
+        """
+        for n_left in reversed(range(LOOKS)):
+            try:
+                return self._actor.step(push)
+            except MotionError:
+                if self._actor.true_state.perceived is None or not n_left:
+                    raise
+            self._walker.step_to_station(push.face)
+        return None

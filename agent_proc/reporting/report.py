@@ -6,9 +6,10 @@ from typing import Final
 import numpy as np
 
 from agent_proc.endings import MissionResult
+from agent_proc.frames.poses import box_error
 from agent_proc.reporting.mission_record import MissionRecord, MissionStep
 from agent_proc.reporting.phases import phase_report, unexpected_notes
-from legpush.messages.poses import planar_pose
+from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Push, Walk
 from legpush.runs.report import Appeared, Report
 from legpush.scene.conventions import CONTROL_PERIOD_S
@@ -24,6 +25,7 @@ def make_report(
     """Make the report on a mission."""
     last = record.steps[-1]
     error = record.box_error(last)
+    seen = None if last.world.perceived is None else box_error(as_seen(last.world), record.scenario)
     ticks = record.ticks()
     tilt_deg = np.degrees(np.abs(ticks.roll_pitch_rad))
     sim_time_s = last.world.tick * CONTROL_PERIOD_S
@@ -56,6 +58,8 @@ def make_report(
         seed=record.seed,
         versions=versions,
         notes=unexpected_notes(record.steps),
+        perceived_box_position_error_m=None if seen is None else seen.position_m,
+        perceived_box_angle_error_deg=None if seen is None else degrees(seen.angle_rad),
     )
 
 

@@ -10,7 +10,7 @@ from agent_proc.policies.folder import PolicyFolder
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.task.config import TaskConfig
 from legpush.lockstep.world import SteppingWorld
-from legpush.scene.scenario import Randomization
+from legpush.realism.settings import Randomization
 from legpush.study.cells import Column
 
 FIRST_FINAL_SEED: Final = 2_000_000

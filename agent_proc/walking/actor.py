@@ -10,7 +10,7 @@ from agent_proc.walking.obstacles import known_scenario
 from legpush.geometry import Pose2, distance_m
 from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import SteppingWorld
-from legpush.messages.poses import planar_pose
+from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Motion, WorldState
 from legpush.runs.reasons import Reason
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
@@ -37,7 +37,9 @@ class Actor:
     """A robot with its box, moved by one motion at a time."""
 
     state: WorldState
-    """Of the world after the last motion."""
+    """The world after the last motion as it is perceived: all that decisions depend on."""
+    true_state: WorldState
+    """The same as it is. It says what came out, and whether the robot fell."""
 
     def __init__(
         self, world: SteppingWorld, scenario: Scenario, revise: Revise = as_it_is, tell: Tell = nobody
@@ -56,19 +58,20 @@ class Actor:
         Raises:
             MissionEndedError: The robot fell, or the box is tipping over.
         """
-        self.state = self._world.step(motion, with_trace=True).world
+        self.true_state = self._world.step(motion, with_trace=True).world
+        self.state = as_seen(self.true_state)
         self.scenario = known_scenario(self._revise(self._whole), self.state)
-        if self.state.fallen:
+        if self.true_state.fallen:
             raise MissionEndedError(
                 "fell", f"the robot fell during {type(motion).__name__.lower()}, tick {self.state.tick}"
             )
-        if (tilt_rad := box_tilt_rad(self.state)) > MAX_BOX_TILT_RAD:
+        if (tilt_rad := box_tilt_rad(self.true_state)) > MAX_BOX_TILT_RAD:
             raise MissionEndedError(
                 "box_tipped", f"the box leans by {degrees(tilt_rad):.0f}° at tick {self.state.tick}"
             )
 
     def require_goal(self, reason: Reason, detail: str) -> None:
-        """Do nothing if the box is at its goal.
+        """Do nothing if the box is perceived at its goal.
 
         Raises:
             MissionEndedError: It is not.
@@ -89,11 +92,11 @@ class Actor:
         return tuple(face for face in self.scenario.pushing.faces if face in PUSHABLE[self.scenario.box.shape])
 
     def trunk(self) -> Pose2:
-        """Where the robot is."""
+        """Where the robot takes itself to be."""
         return planar_pose(self.state.trunk)
 
     def box(self) -> Pose2:
-        """Where the box is."""
+        """Where the box is perceived."""
         return planar_pose(self.state.box)
 
     def box_distance_m(self) -> float:
@@ -101,8 +104,12 @@ class Actor:
         return distance_m(self.trunk(), self.box())
 
     def box_error(self) -> BoxError:
-        """How far the box is from its goal."""
+        """How far the box is from its goal, as it is perceived."""
         return box_error(self.state, self.scenario)
+
+    def true_box_error(self) -> BoxError:
+        """How far the box is from its goal: what success is judged by."""
+        return box_error(self.true_state, self.scenario)
 
     def at_station(self, face: Face) -> bool:
         """Whether a face of the box can be pushed from where the robot stands."""

@@ -15,7 +15,7 @@ from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.names import Face
 from legpush.scene.paths import path_length_m
-from legpush.scene.station import can_turn, last_stretch, way_back
+from legpush.scene.station import can_turn, last_stretch, station, way_back
 
 STILL_CYCLES: Final = 5
 """The robot is stuck if this many cycles in a row change too little."""
@@ -130,6 +130,16 @@ class Walker:
                 raise self._planner.no_path("the way behind the box", query, plan)
             if self.walk_behind(face, plan):
                 return
+
+    def step_to_station(self, face: Face) -> None:
+        """Step straight to the station behind a face of the box as it is seen now, from a place that is near it.
+
+        Raises:
+            MissionEndedError: What a motion raises.
+        """
+        scenario = self._actor.scenario
+        place = station(scenario.robot, pushed_box(scenario.box, face), pushed_pose(self._actor.box(), face))
+        self.walk("approaching", (self._actor.trunk(), place))
 
     def change_face(self, face: Face) -> bool:
         """Walk around the box to the station behind another face; returns whether the robot came there."""

@@ -6,9 +6,10 @@ from contextlib import contextmanager
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.scenario import Scenario
 from sim_proc.headless import mujoco
-from sim_proc.model.world import PHYSICS_STEP_S, build_model
+from sim_proc.model.world import build_model
 from sim_proc.physics import physics
 from sim_proc.physics.ticks import Ticks
 
@@ -21,8 +22,8 @@ def altered(alter: Callable[[mujoco.MjModel], None], steps_per_command: int = 1)
     """
     step = mujoco.mj_step
 
-    def build_altered(scenario: Scenario) -> mujoco.MjModel:
-        model = build_model(scenario)
+    def build_altered(scenario: Scenario, reality: Reality = AS_ASSUMED) -> mujoco.MjModel:
+        model = build_model(scenario, reality)
         model.opt.timestep /= steps_per_command
         alter(model)
         return model
@@ -36,21 +37,6 @@ def altered(alter: Callable[[mujoco.MjModel], None], steps_per_command: int = 1)
             yield
     finally:
         vars(physics)["build_model"] = build_model
-
-
-@contextmanager
-def delayed(n_steps: int) -> Iterator[None]:
-    """Let the servos have each command some physics steps late."""
-    step, commands = mujoco.mj_step, dict[int, Floats]()
-
-    def step_late(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        now = round(data.time / PHYSICS_STEP_S)
-        commands[now] = data.ctrl.copy()
-        data.ctrl[:] = commands.get(now - n_steps, data.ctrl)
-        step(model, data)
-
-    with stepped_by(step_late):
-        yield
 
 
 @contextmanager

@@ -26,7 +26,7 @@ from legpush.scene.scenario import Rectangle, Scenario
 from sim_proc.headless import mujoco
 from sim_proc.model.collisions import WALL, WALL_FRICTION
 from sim_proc.model.world import build_model, build_spec
-from sim_proc.physics.physics import STATE
+from sim_proc.physics.state_crc import STATE
 from sim_proc.simulator import Simulator
 
 N_WALLS: Final = (0, 100, 1000)

@@ -14,6 +14,7 @@ from legpush.lockstep.local import LocalWorld
 from legpush.messages.measures import Measures, merged, torque_quantiles
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Outcome, Push, Reset, Walk
+from legpush.realism.settings import Realism
 from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S, FRONT_LEGS
 from legpush.scene.robot import RobotSpec
@@ -26,6 +27,8 @@ LENGTHS_M: Final = (4.0, 6.0)
 BENDS_RAD: Final = 0.9
 """Largest heading of a curved walk from its first heading."""
 SPACING_M: Final = 0.05
+AS_IT_IS: Final = Realism()
+"""The world is what the robot takes it to be."""
 PUSH_DEPTHS_M: Final = (0.02, 0.08)
 TORQUE_SHARE: Final = 0.999
 LANDING_PERCENT: Final = 99.0
@@ -36,6 +39,8 @@ class Done:
     """What came of some motions of one robot."""
 
     fell: bool
+    stopped: bool
+    """Whether it did not fall, but a walk ended before its path."""
     measures: Measures | None
     """Of all motions; None if nothing moved."""
     duration_s: float
@@ -46,7 +51,7 @@ class Done:
     """From the end of the path to the trunk, or how far the box went to the side."""
 
 
-def curved_walk(seed: int, robot: RobotSpec | None = None) -> Done:
+def curved_walk(seed: int, robot: RobotSpec | None = None, realism: Realism = AS_IT_IS) -> Done:
     """Walk along a curve of 4 to 6 m on an open floor."""
     random = np.random.default_rng(seed)
     heading = float(random.uniform(-np.pi, np.pi))
@@ -66,23 +71,28 @@ def curved_walk(seed: int, robot: RobotSpec | None = None) -> Done:
         box=Box(pose=corner),
         goal=Goal(pose=corner),
         robot=robot or RobotSpec(),
+        realism=realism,
     )
     world = LocalWorld(Simulator())
     began = world.step(Reset(scenario=scenario, seed=seed))
     outcomes = [world.step(Follow(waypoints=tuple(path)))]
     while _goes_on(outcomes[-1]):
-        outcomes.append(world.step(Walk()))
+        try:
+            outcomes.append(world.step(Walk()))
+        except MotionError:  # a foot found no floor
+            break
     trunk = planar_pose(outcomes[-1].world.trunk)
     return _done(began, outcomes, length_m, hypot(trunk.x_m - path[-1].x_m, trunk.y_m - path[-1].y_m))
 
 
-def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None) -> Done:
+def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None, realism: Realism = AS_IT_IS) -> Done:
     """Push a box of the scenario `push` with both legs in turn; w1, w2 and depth are drawn."""
     random = np.random.default_rng(seed)
     usual = load_scenario("push")
     box = replace(usual.box, mass_kg=mass_kg)
     world = LocalWorld(Simulator())
-    began = world.step(Reset(scenario=replace(usual, box=box, robot=robot or RobotSpec()), seed=seed))
+    scenario = replace(usual, box=box, robot=robot or RobotSpec(), realism=realism)
+    began = world.step(Reset(scenario=scenario, seed=seed))
     outcomes = []
     for index in range(n):
         w1, w2 = random.uniform(size=2).tolist()
@@ -109,6 +119,7 @@ def summary(runs: Sequence[Done]) -> dict[str, Any]:
     return {
         "n": len(runs),
         "n_falls": sum(run.fell for run in runs),
+        "n_stopped": sum(run.stopped for run in runs),
         "speed_m_s": _round(sum(run.way_m for run in runs) / sum(run.duration_s for run in runs)),
         "way_m": _round(np.mean([run.way_m for run in runs])),
         "error_m": _round(np.mean([run.error_m for run in runs])),
@@ -138,6 +149,7 @@ def _done(began: Outcome, outcomes: Sequence[Outcome], way_m: float, error_m: fl
     last = outcomes[-1].world
     return Done(
         fell=last.fallen,
+        stopped=_goes_on(outcomes[-1]),
         measures=merged(outcome.measures for outcome in outcomes if outcome.measures is not None),
         duration_s=(last.tick - began.world.tick) * CONTROL_PERIOD_S,
         way_m=way_m,

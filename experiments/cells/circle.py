@@ -18,9 +18,10 @@ from legpush.bounds import MAX_DEPTH_M
 from legpush.fields import Seed
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Push, Reset
+from legpush.realism.settings import Randomization
 from legpush.scene.conventions import CONTROL_PERIOD_S, FrontLeg
 from legpush.scene.robot import RobotSpec
-from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from legpush.study.cells import CellKind, Column, as_it_is
 from sim_proc.simulator import Simulator
 

@@ -19,8 +19,8 @@ from legpush.fields import Seed
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Push
 from legpush.options.learning import DEFAULT_WORLD
+from legpush.realism.settings import Randomization
 from legpush.scene.conventions import FRONT_LEGS, FrontLeg
-from legpush.scene.scenario import Randomization
 from legpush.study.cells import CellKind, Column
 
 Rule = Literal["left", "right", "alternate", "random", "steering"]

@@ -12,6 +12,7 @@ from agent_proc.frames.push_view import push_view
 from agent_proc.studies.cell_parts import policy_with, sha256_of_policy
 from legpush.fields import Seed
 from legpush.geometry import rpy_from_quaternion
+from legpush.messages.poses import as_seen
 from legpush.messages.stepping import Reset
 from legpush.policy_names import DEFAULT_POLICY
 from legpush.scenarios.file import load_scenario
@@ -73,7 +74,7 @@ def straight_push(cell: ResolvedPush) -> Mapping[str, Any]:
     simulator, policy = Simulator(), policy_with(cell.policy, cell.policy_sha256)
     outcome = simulator.perform(Reset(scenario=cell.scenario, seed=cell.seed), with_trace=False)
     poses, tilts, errors = [], [], [box_error(outcome.world, cell.scenario)]
-    while (push := policy.decide(push_view(outcome.world, cell.scenario))) is not None:
+    while (push := policy.decide(push_view(as_seen(outcome.world), cell.scenario))) is not None:
         outcome = simulator.perform(push, with_trace=True)
         if outcome.trace is None or outcome.world.fallen:
             raise RuntimeError(f"seed {cell.seed}: the robot fell")

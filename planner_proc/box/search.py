@@ -28,8 +28,9 @@ LEAST_RUN_IN_M: Final = 0.1
 RUN_IN_SHARES: Final = (1.0, 0.75, 0.5, 0.25)
 """Lengths of the straight pushes with which the tree to the goal may begin, as shares of the run-in."""
 FIRST_TREES: Final = 300
-"""Restart the trees if they have not met after this many iterations, and double it each time: a search either succeeds
-early or is stuck with poor first pushes.
+MOST_TREES: Final = 600
+"""Restart the trees if they have not met after this many iterations, then after as many more as went before, at most
+`MOST_TREES`: a search either succeeds early or is stuck with poor first pushes.
 """
 MORE: Final = 2
 LEAST_MORE: Final = 80
@@ -87,7 +88,7 @@ def _grow(query: BoxPathQuery, pushes: Pushes, interrupted: Interrupted) -> tupl
         if interrupted():
             raise PlanningInterruptedError
         if not ways and n_iterations > patience:
-            patience *= 2
+            patience += min(patience, MOST_TREES)
             trees = _TwoTrees(query, pushes, random)
         way = trees.iterate(n_iterations)
         if way:

@@ -8,7 +8,7 @@ from legpush.fields import Seed, require
 from legpush.geometry import Pose2
 from legpush.lockstep.world import World
 from legpush.messages.planning import BoxPathQuery, Plan, PlanQuery, TrunkPathQuery
-from legpush.messages.poses import planar_pose
+from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk, WorldState
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_pose
 from legpush.scene.conventions import FrontLeg
@@ -37,13 +37,13 @@ class StepwiseWorld:
 
     @property
     def trunk(self) -> Pose2:
-        """Pose of the trunk, projected to the floor."""
-        return planar_pose(self.state.trunk)
+        """Pose of the trunk as the robot is located, projected to the floor. The true one is in `state`."""
+        return planar_pose(as_seen(self.state).trunk)
 
     @property
     def box(self) -> Pose2:
-        """Pose of the box, projected to the floor."""
-        return planar_pose(self.state.box)
+        """Pose of the box as it is perceived, projected to the floor. The true one is in `state`."""
+        return planar_pose(as_seen(self.state).box)
 
     def reset(self, seed: int | None = None) -> Outcome:
         """Begin an episode; `seed` draws the offsets of robot and box. If it is None, the last seed is used.

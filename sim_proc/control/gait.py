@@ -29,13 +29,31 @@ class PathWalk:
             MotionError: The path begins too far from the robot.
         """
         plant = steps.posture.plant
-        require_within_reach("a path that begins", plant.robot.gait, plant.trunk_pose(), waypoints[0])
         self._steps = steps
         self._robot = plant.robot
-        self._path = PosePath(plant.robot, waypoints)
+        self._waypoints = tuple(waypoints)
+        """In the frame of the world."""
+        self._place_of_world = plant.place_of_world()
+        self._path = PosePath(plant.robot, self._measured(self._waypoints))
+        begin = self._measured(self._waypoints[:1])[0]
+        require_within_reach("a path that begins", plant.robot.gait, plant.trunk_pose(), begin)
         self._travelled = np.zeros(4)
         self._hole_at: Step | None = None
         """The step whose foot found no floor."""
+
+    def _measured(self, waypoints: tuple[Pose2, ...]) -> tuple[Pose2, ...]:
+        """Waypoints in the frame of the measurements, as the robot is located now."""
+        place = self._place_of_world
+        return waypoints if place is None else tuple(place @ waypoint for waypoint in waypoints)
+
+    def _locate(self) -> None:
+        """Move the path to where it is by the last localization. Its length is only rounded otherwise."""
+        place = self._steps.posture.plant.place_of_world()
+        if place != self._place_of_world:
+            at_end = self._travelled >= self._path.length_m
+            self._place_of_world = place
+            self._path = PosePath(self._robot, self._measured(self._waypoints))
+            self._travelled[at_end] = self._path.length_m
 
     def progress(self) -> PathProgress:
         """Travelled length of the feet. A turn on the spot counts by the arc that the feet describe."""
@@ -57,6 +75,7 @@ class PathWalk:
                 f"Expected floor at most {gait.search_depth_m:g} m below the place of the foot {self._hole_at.leg} at "
                 f"({x:.2f}, {y:.2f}), found none: expected another `follow` before `walk`"
             )
+        self._locate()
         feet = posture.feet_m[:, :2]
         this = next_cycle(self._path, self._travelled, feet)
         following = next_cycle(self._path, this.travelled_m, this.feet_m)

@@ -130,7 +130,13 @@ class Plant(Protocol):
         """Pose of the trunk, projected to the floor."""
 
     def box_pose(self) -> Pose2:
-        """Pose of the box, projected to the floor."""
+        """Pose of the box as it is perceived, projected to the floor."""
+
+    def place_of_world(self) -> Pose2 | None:
+        """Where the frame of the world, in which paths are, is taken to be in the frame of all measurements.
+
+        None if they are the same.
+        """
 
     def joints_rad(self) -> Floats:
         """Joint angles, (12,)."""

@@ -105,7 +105,7 @@ class _Writer:
         self._source, self._episode, self._timeline = source, episode, episode.timeline
         self._context = context
         self._channels: dict[str, Any] = {}
-        self._parts = parts_of(episode.timeline.scenario)
+        self._parts = parts_of(episode.timeline.scenario, episode.timeline.reality)
         self.n_messages = 0
 
     def rows(self) -> Iterator[int]:

@@ -26,11 +26,12 @@ Group = tuple[int, ...]
 """A square of the floor by its row and column, or a wall alone."""
 
 
-def add_scenery(spec: mujoco.MjSpec, scenario: Scenario) -> None:
-    """Add floor, light, walls and goal markers to a model."""
+def add_scenery(spec: mujoco.MjSpec, scenario: Scenario, *, ground: str | None = None) -> None:
+    """Add floor, light, walls and goal markers to a model. The floor is a body of its own with the name `ground`."""
     _add_looks(spec)
     floor_x, floor_y = scenario.room.size_m
-    spec.worldbody.add_geom(
+    body = spec.worldbody if ground is None else spec.worldbody.add_body(name=ground, **UNMOVED)
+    body.add_geom(
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[floor_x / 2, floor_y / 2, 0.1],

@@ -7,6 +7,7 @@ from typing import Final, Literal
 import numpy as np
 
 from legpush.arrays import Floats
+from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.scenario import Scenario
 from sim_proc.headless import mujoco
 from sim_proc.model.world import build_model
@@ -59,9 +60,9 @@ class Part:
     shapes: tuple[Shape, ...]
 
 
-def parts_of(scenario: Scenario) -> list[Part]:
+def parts_of(scenario: Scenario, reality: Reality = AS_ASSUMED) -> list[Part]:
     """All bodies of a scenario's world: the world itself first, and each after its parent."""
-    return parts_of_model(build_model(scenario))
+    return parts_of_model(build_model(scenario, reality))
 
 
 def parts_of_model(model: mujoco.MjModel) -> list[Part]:

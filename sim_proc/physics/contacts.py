@@ -102,7 +102,9 @@ def _expected(model: mujoco.MjModel, box: list[int]) -> Flags:
     """Which geoms may touch while no leg pushes, (ngeom, ngeom)."""
     nothing: Flags = np.zeros((model.ngeom, model.ngeom), dtype=bool)
     feet = [model.geom(f"{leg}_foot").id for leg in LEGS]
-    return _with(nothing, [model.geom("floor").id], [*feet, *box])
+    floor = model.geom("floor").bodyid[0]
+    surfaces = [model.geom("floor").id] if floor == 0 else np.flatnonzero(model.geom_bodyid == floor).tolist()
+    return _with(nothing, surfaces, [*feet, *box])
 
 
 def _with(allowed: Flags, some: list[int], others: list[int]) -> Flags:

@@ -1,65 +1,72 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
-import zlib
 from collections.abc import Iterable, Sequence
 from math import cos, radians, sin
 from typing import Final
 
-import msgspec
 import numpy as np
 
 from legpush.arrays import Floats
 from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
+from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
-from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
+from sim_proc.model.actual import actual_robot
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
+from sim_proc.perception import Perception, planar
 from sim_proc.physics.appearing import Waiting
+from sim_proc.physics.assumed_body import AssumedBody, downhill_of
 from sim_proc.physics.contacts import ContactWatch
+from sim_proc.physics.delay import CommandDelay
+from sim_proc.physics.gusts import GustSchedule
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
 from sim_proc.physics.sensors import Sensors
+from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
 
 PARKED_M: Final = 1000.0
 """Depth at which obstacles wait until they appear, out of reach of contacts, rays and cameras."""
-STATE: Final = mujoco.mjtState.mjSTATE_INTEGRATION
-"""All that the next step depends on."""
 
 
 class Physics:
     """The robot beside the box in MuJoCo, a `Plant`. Only `run` advances it."""
 
-    def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2) -> None:
-        """Stand the robot at `trunk` and the box at `box`, at rest."""
+    def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2, reality: Reality = AS_ASSUMED) -> None:
+        """Stand the robot at `trunk` and the box at `box`, at rest, in a world as `reality` has it."""
         self.robot = robot = scenario.robot
-        """The numbers of the robot."""
-        self._robot_crc = _crc_of(robot)
-        self.model = build_model(scenario)
+        """The numbers of the robot, as control knows them."""
+        self._reality = reality
+        self.actual_robot = actual_robot(robot, reality)
+        """The numbers of the robot as they are."""
+        self._numbers_crc = crc_of_numbers(robot, reality)
+        self.model = build_model(scenario, reality)
         self.data = mujoco.MjData(self.model)
         model, data = self.model, self.data
-        self._ticks, self._warnings = Ticks(model, data), data.warning.number
+        self._ticks, self._warnings = Ticks(model, data, forces=reality.has_gusts), data.warning.number
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
-        gravity = model.opt.gravity
-        self.downhill: Floats = gravity[:2] / -gravity[2]
+        self._assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
+        self.downhill: Floats = self._assumed.downhill
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
-        self.mass_kg = float(model.body_subtreemass[self._trunk_body])
+        self.actual_downhill: Floats = downhill_of(model)
+        """The same of the floor as it is."""
+        self.mass_kg = self._assumed.mass_kg
         self._sensors = sensors = Sensors(model)
         self._joint_sensors = sensors.joint_positions, sensors.joint_velocities, sensors.joint_torques
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
-        self._limits = ActuatorLimits(robot)
-        self._dynamics = InverseDynamics(model, robot)
+        self._limits = ActuatorLimits(self.actual_robot)
+        self._dynamics = InverseDynamics(self._assumed.model, robot)
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
         self._upright = cos(radians(robot.fall.tilt_deg))
@@ -68,6 +75,8 @@ class Physics:
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
         self._places = trunk, box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
+        self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
+        self._gusts = GustSchedule(reality, self._trunk_body)
         self._waiting = Waiting(scenario.room, scenario.box, robot)
         for index in self._waiting.indices:
             data.mocap_pos[self._wall(index), 2] = -PARKED_M
@@ -76,6 +85,7 @@ class Physics:
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
+        self.perception = Perception(reality, data.qpos)
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
@@ -97,6 +107,8 @@ class Physics:
         before = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, before, STATE)
         waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
+        delay = self._delay.copy()
+        self._gusts.begin_run(tick)
         controls = planned.copy()
         qpos, sensors = self._simulate(controls, landing)
         rows = sensors.reshape(-1, sensors.shape[-1])
@@ -106,10 +118,11 @@ class Physics:
             # then is the motion simulated step by step.
             mujoco.mj_setState(self.model, self.data, before, STATE)
             self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
-            self.contacts = contacts
+            self.contacts, self._delay = contacts, delay
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         self._check(qpos)
+        self.perception.take(self.tick - len(qpos) + 1, qpos)
         steps = self._sensors.steps(sensors)
         return TickLog(
             qpos=qpos,
@@ -142,15 +155,17 @@ class Physics:
         qpos, sensors = np.empty((n, self.model.nq)), np.empty((n, COMMANDS_PER_TICK, self.model.nsensordata))
         k = 0
         while k < n:
+            self._gusts.blow(self.data, self.tick)
             if stepwise or (landing is not None and landing.may_stop(k)):
                 ticks = slice(k, k + 1)
                 planned = controls[k] if landing is None else landing.controls(k, controls[k], sensors[k])
-                self._run_steps(planned, sensors[k], limited=limited)
+                self._run_steps(self._delay.one_by_one(planned), sensors[k], limited=limited)
                 qpos[k] = self.data.qpos
             else:
                 last = n if landing is None else landing.next_look(k, n)
-                ticks = slice(k, min(last, k + max(self._waiting.next_tick - self.tick, 1)))
-                qpos[ticks] = self._ticks.run(self.model, controls[ticks], sensors[ticks])
+                change = min(self._waiting.next_tick, self._gusts.next_change(self.tick))
+                ticks = slice(k, min(last, k + max(change - self.tick, 1)))
+                qpos[ticks] = self._ticks.run(self.model, self._delay.of_ticks(controls[ticks]), sensors[ticks])
             k = ticks.stop
             self.tick += k - ticks.start
             if self._waiting.next_tick <= self.tick:
@@ -195,14 +210,15 @@ class Physics:
         data.qvel[:], data.time = 0.0, 0.0
         mujoco.mj_forward(self.model, data)
         self.tick = 0
+        self.perception = Perception(self._reality, data.qpos)
 
     def alter(self, scenario: Scenario) -> None:
         """Go on with a scenario that differs from the present one only in mass or friction of the box."""
-        self.model = build_model(scenario)
+        self.model = build_model(scenario, self._reality)
 
     def _let_appear(self, tick: int) -> None:
         """Put obstacles in their places that can appear at the end of a tick."""
-        for index in self._waiting.take_due(tick, self.trunk_pose(), self.box_pose()):
+        for index in self._waiting.take_due(tick, self.trunk_pose(), planar(self.data.qpos[BOX_QPOS])):
             self.data.mocap_pos[self._wall(index)] = self.model.body(wall_name(index)).pos
             self.appeared += (Appearance(obstacle=index, tick=tick),)
 
@@ -253,34 +269,29 @@ class Physics:
         return velocity
 
     def com_m(self) -> Floats:
-        """Centre of mass of the robot, (3,)."""
+        """Centre of mass of the robot as control takes it to be, (3,)."""
+        if not self._reality.as_assumed:
+            return self._assumed.com_m(self.data.qpos)
         com: Floats = self.data.subtree_com[self._trunk_body].copy()
         return com
 
     def box_pose(self) -> Pose2:
-        """Pose of the box, projected to the floor."""
-        return _planar(self.data.qpos[BOX_QPOS])
+        """Pose of the box as it is perceived, projected to the floor."""
+        return planar(self.perception.box(self.data.qpos))
+
+    def place_of_world(self) -> Pose2 | None:
+        """Where the frame of the world is taken to be, in the one of all measurements; None if they are the same."""
+        return self.perception.place_of_world()
 
     def trunk_pose(self) -> Pose2:
         """Pose of the trunk, projected to the floor."""
-        return _planar(self.data.qpos[TRUNK_QPOS])
+        return planar(self.data.qpos[TRUNK_QPOS])
 
     def state_crc(self) -> int:
-        """CRC-32 of the robot's numbers and MuJoCo's integration state."""
-        state = np.empty(mujoco.mj_stateSize(self.model, STATE))
-        mujoco.mj_getState(self.model, self.data, state, STATE)
-        return zlib.crc32(state.tobytes(), self._robot_crc)
-
-
-def _crc_of(robot: RobotSpec) -> int:
-    """CRC-32 of the robot as it is sent: in MessagePack, with every number of the type that it is read as."""
-    return zlib.crc32(msgspec.msgpack.encode(msgspec.convert(msgspec.to_builtins(robot), RobotSpec)))
+        """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, and all that is on its way."""
+        under_way = self._delay.as_bytes() + self.perception.as_bytes()
+        return crc_of_state(self.model, self.data, under_way, self._numbers_crc)
 
 
 def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
     return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)
-
-
-def _planar(free_joint_qpos: Floats) -> Pose2:
-    x, y, _, qw, qx, qy, qz = (float(value) for value in free_joint_qpos)
-    return Pose2(x_m=x, y_m=y, yaw_rad=float(np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))))

@@ -15,17 +15,20 @@ INPUTS: Final = (
 )
 """What acts on the world from outside: controls, and the places of obstacles that appear later. A rollout sets what it
 is not given to its default."""
+FORCES: Final = mujoco.mjtState.mjSTATE_XFRC_APPLIED.value
+"""Forces on bodies, such as gusts."""
 
 
 class Ticks:
     """Runs ticks by MuJoCo's rollout: the same steps as those of `mj_step`, bit for bit, without Python in between."""
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        """Run the ticks of `data`."""
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, *, forces: bool = False) -> None:
+        """Run the ticks of `data`. Forces on bodies act only with `forces`."""
         self.data = data
+        self._inputs = INPUTS | FORCES if forces else INPUTS
         self._rollout = mujoco.rollout.Rollout(nthread=0)
         self._state = np.empty((1, mujoco.mj_stateSize(model, FULL_PHYSICS)))
-        self._present = np.empty(mujoco.mj_stateSize(model, INPUTS))
+        self._present = np.empty(mujoco.mj_stateSize(model, self._inputs))
 
     def run(self, model: mujoco.MjModel, controls: Floats, sensors: Floats) -> Floats:
         """Run n ticks with controls (n, steps, nu), and fill in the sensors of their steps, (n, steps, nsensordata).
@@ -34,7 +37,7 @@ class Ticks:
         """
         data, (n, n_steps, nu) = self.data, controls.shape
         mujoco.mj_getState(model, data, self._state[0], FULL_PHYSICS)
-        mujoco.mj_getState(model, data, self._present, INPUTS)
+        mujoco.mj_getState(model, data, self._present, self._inputs)
         inputs = np.empty((1, n * n_steps, len(self._present)))
         inputs[0, :, :nu], inputs[0, :, nu:] = controls.reshape(-1, nu), self._present[nu:]
         states = np.empty((1, n * n_steps, self._state.shape[1]))
@@ -43,7 +46,7 @@ class Ticks:
             [data],
             self._state,
             inputs,
-            control_spec=INPUTS,
+            control_spec=self._inputs,
             skip_checks=True,
             nstep=n * n_steps,
             initial_warmstart=data.qacc_warmstart[None],

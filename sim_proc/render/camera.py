@@ -42,7 +42,7 @@ class Camera:
         self._film = film
         self._view: View = view
         self._aspect = size.width / size.height
-        self._model = build_model(film.scenario)
+        self._model = build_model(film.scenario, film.reality)
         visual = self._model.vis.global_
         if view in FROM_ABOVE:  # the floor would reflect a light beside the camera and look white
             self._model.vis.headlight.diffuse[:] = 0.05

@@ -12,6 +12,7 @@ from legpush.geometry import rpy_from_quaternion
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.history.timeline import BOX, TRUNK, Timeline
 from legpush.messages.stepping import Follow, Reset
+from legpush.realism.reality import Reality
 from legpush.scene.conventions import CONTROL_PERIOD_S, LOADED_N
 from legpush.scene.scenario import Scenario
 
@@ -33,6 +34,8 @@ class Film:
     """An episode, ready to be filmed, with one row for every tick."""
 
     scenario: Scenario
+    reality: Reality
+    """What the robot was not told, such as tiles."""
     first_tick: int
     """Tick of row 0."""
     qpos: Floats
@@ -94,6 +97,7 @@ def film_of(timeline: Timeline, where: str) -> Film:
     forces = np.linalg.norm(timeline.contact_forces_n[rows], axis=2)
     return Film(
         scenario=timeline.scenario,
+        reality=timeline.reality,
         first_tick=int(ticks[0]),
         qpos=qpos,
         trunk_m=_smooth_place(trunk),

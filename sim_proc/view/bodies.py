@@ -11,6 +11,7 @@ import trimesh
 
 from legpush.arrays import Floats
 from legpush.messages.stepping import Appearance
+from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.scenario import Scenario
 from sim_proc.headless import mujoco
 from sim_proc.model.scenery import wall_name
@@ -37,9 +38,9 @@ class Body:
 class Bodies:
     """The bodies of one scenario."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, reality: Reality = AS_ASSUMED) -> None:
         """Compile the model and build its meshes."""
-        self._model = build_model(scenario)
+        self._model = build_model(scenario, reality)
         self._data = mujoco.MjData(self._model)
         later = (index for index, wall in enumerate(scenario.room.obstacles) if wall.appears_at_s > 0.0)
         self._appearing = {wall_name(index): index for index in later}

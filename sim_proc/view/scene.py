@@ -82,7 +82,7 @@ class Scene:
             self._handles.clear()
             self._poses.clear()
             self._drawn.clear()
-            self._bodies = Bodies(timeline.scenario)
+            self._bodies = Bodies(timeline.scenario, timeline.reality)
             self._centre_m = None
             width, depth = timeline.scenario.room.size_m
             floor = scene.add_grid(

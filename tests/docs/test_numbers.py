@@ -49,7 +49,8 @@ def test_the_reasons_of_endings_are_those_of_the_table() -> None:
 
 
 def test_every_template_is_a_part_of_a_page() -> None:
-    pages = "".join(page.read_text() for page in (generate.MEASURED, generate.README, generate.PAPER))
+    written = (generate.MEASURED, generate.README, generate.PAPER, generate.REALISM)
+    pages = "".join(page.read_text() for page in written)
 
     assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted([*generate.TEMPLATES, "claims"])
 

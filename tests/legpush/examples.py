@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+from msgspec.structs import replace
+
 from legpush.bus.channels import Message
 from legpush.geometry import Pose2
 from legpush.messages.common import PROTOCOL_VERSION, Header, Role
@@ -27,6 +29,7 @@ from legpush.messages.stepping import (
     Observation,
     Outcome,
     PathProgress,
+    Perceived,
     Push,
     PushReport,
     Refusal,
@@ -37,6 +40,8 @@ from legpush.messages.stepping import (
     WorldState,
 )
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published, Reward, RewardTerm, Status, Taken
+from legpush.realism.reality import drawn_reality
+from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.plan_settings import Smoothing
@@ -63,6 +68,26 @@ SCENARIO = Scenario(
     start=PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0),
     box=Box(pose=PoseDeg(x_m=4.0, y_m=2.0, yaw_deg=10.0), foot_friction=0.8, com_offset_m=(0.05, -0.1, 0.02)),
     goal=Goal(pose=PoseDeg(x_m=5.0, y_m=2.0, yaw_deg=10.0)),
+)
+REALISM = Realism(
+    profile="real",
+    joint_friction_n_m=0.5,
+    payload_kg=(0.0, 5.0),
+    payload_x_m=0.1,
+    payload_y_m=0.0,
+    payload_z_m=(0.1, 0.2),
+    com_x_m=(-0.02, 0.02),
+    com_y_m=0.01,
+    com_z_m=-0.01,
+    motor_strength=(0.9, 1.1),
+    foot_friction=0.8,
+    slope_deg=1.5,
+    uphill_deg=(0.0, 90.0),
+    command_latency_s=0.02,
+    gusts=Gusts(force_n=(50.0, 100.0), duration_s=0.2, at_s=3.0, every_s=(5.0, 6.0), direction_deg=(0.0, 360.0)),
+    floor=FloorTiles(height_m=0.02, size_m=0.25),
+    box_pose=PoseSensor(noise_m=0.01, noise_deg=1.0, rate_hz=10.0, latency_s=0.05, dropouts=0.02),
+    localization=PoseSensor(noise_m=0.02, noise_deg=1.0, rate_hz=2.0, latency_s=0.0, dropouts=(0.0, 0.1)),
 )
 RESET = Reset(scenario=SCENARIO, seed=3)
 QUERY = TrunkPathQuery(
@@ -141,6 +166,12 @@ WORLD = WorldState(
     push=PushReport(leg="FR", touched=True, peak_force_n=12.5),
     appeared=(Appearance(obstacle=1, tick=130),),
 )
+PERCEIVED = Perceived(
+    trunk=Pose2(x_m=0.12, y_m=0.19, yaw_rad=0.01),
+    trunk_tick=200,
+    box=BoxState(position_m=(4.01, 1.99, 0.2), orientation_wxyz=UPRIGHT),
+    box_tick=210,
+)
 TRACE = Trace(
     tick=(214, 215),
     qpos=((0.1,) * 26, (0.2,) * 26),
@@ -209,7 +240,13 @@ MESSAGES: Mapping[str, Message] = {
         agent_incarnation="agent-0a1b2c",
         episode=1700000000000,
         step=3,
-        outcome=Outcome(world=WORLD, state_crc=0xDEADBEEF, trace=TRACE, measures=MEASURES),
+        outcome=Outcome(
+            world=replace(WORLD, perceived=PERCEIVED),
+            state_crc=0xDEADBEEF,
+            trace=TRACE,
+            measures=MEASURES,
+            reality=drawn_reality(REALISM, 3),
+        ),
     ),
     "refusal": Refusal(
         header=header("sim"),

@@ -1,5 +1,6 @@
 """Hypothesis strategies for any record, made from its type annotations: every field, every bound, every variant."""
 
+from functools import partial
 from math import pi, radians
 from typing import Any, TypeVar
 
@@ -8,6 +9,7 @@ from msgspec import inspect
 from msgspec.structs import replace
 
 from legpush.bounds import LEAST_LENGTH_M, MAX_LENGTH_M
+from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
 from legpush.scene.reference import Arcs, Sine, Straight
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Rectangle
@@ -59,6 +61,8 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_sine)
         case inspect.StructType(cls=cls, fields=fields) if cls is Arcs:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_arcs)
+        case inspect.StructType(cls=cls, fields=fields) if cls in (Realism, Gusts, FloorTiles, PoseSensor):
+            return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(partial(_stated, cls))
         case inspect.StructType():
             return st.builds(info.cls, **{field.name: _of(field.type) for field in info.fields})
         case inspect.Metadata():
@@ -86,6 +90,15 @@ def _robot(scale: float, max_torque_n_m: float) -> RobotSpec:
     robot = scaled_robot(scale)
     knee = replace(robot.joints.knee, max_torque_n_m=max_torque_n_m)
     return replace(robot, joints=replace(robot.joints, knee=knee))
+
+
+def _stated(cls: type[Any], fields: dict[str, Any]) -> Any:
+    """A record of `[realism]` whose intervals rise, without fields that need another one."""
+    rising = {name: tuple(sorted(value)) if isinstance(value, tuple) else value for name, value in fields.items()}
+    needed = {"payload_x_m", "payload_y_m", "payload_z_m", "uphill_deg", "size_m", "every_s"}
+    if rising.get("force_n") is None or rising.get("duration_s") is None:
+        needed |= {"force_n", "duration_s", "at_s", "direction_deg"}
+    return cls(**{name: None if name in needed else value for name, value in rising.items()})
 
 
 def _sine(fields: dict[str, Any]) -> Sine:

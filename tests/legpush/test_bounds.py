@@ -94,7 +94,7 @@ def parts(kind: inspect.Type, field: str, seen: set[type]) -> Iterator[Found]:
 def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), field: str = "") -> Iterator[Leaf]:
     """The numbers of an example."""
     match kind:
-        case inspect.IntType() | inspect.FloatType():
+        case inspect.IntType() | inspect.FloatType() if not isinstance(plain, list):
             yield Leaf(steps, field, kind)
         case inspect.StructType():
             for each in kind.fields:
@@ -109,7 +109,7 @@ def leaves(plain: Any, kind: inspect.Type, steps: tuple[str | int, ...] = (), fi
         case inspect.TupleType():
             for index, item in enumerate(kind.item_types):
                 yield from leaves(plain[index], item, (*steps, index), field)
-        case inspect.VarTupleType():
+        case inspect.VarTupleType() if isinstance(plain, list):
             for index, value in enumerate(plain):
                 yield from leaves(value, kind.item_type, (*steps, index), field)
         case inspect.Metadata():
@@ -151,6 +151,7 @@ FULL_SCENARIO = replace(
     mission=MissionSettings(max_push_cycles=200),
     planning=replace(examples.SCENARIO.planning, anytime=Anytime(), smoothing=Smoothing(max_deviation_m=1.0)),
     robot=TORQUE_LIMITED,
+    realism=examples.REALISM,
     reference=Arcs(radius_m=1.0, segments=(Straight(length_m=1.0), Left(angle_deg=9.0), Right(angle_deg=9.0))),
 )
 SCENARIOS = (FULL_SCENARIO, replace(FULL_SCENARIO, reference=Sine(amplitude_m=0.4, wavelength_m=4.0)))

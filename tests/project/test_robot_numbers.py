@@ -18,6 +18,7 @@ OF_NO_ROBOT = {
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
     "measures/loads.py": {"LOADED_SHARE", "UNLOADED_SHARE", "FLIGHT_S"},
     "measures/support.py": {"CORNERS"},
+    "model/actual.py": {"PAYLOAD_HALF_M", "PAYLOAD_RED", "TILE_GREY", "TILE_DEPTH_M", "LEVEL_M", "LEAST_TILE_M"},
     "model/box_body.py": {"CARDBOARD", "MARK", "MARK_HALF_WIDTH_M", "LOAD_SHARE"},
     "model/collisions.py": {
         "SOLREF",
@@ -37,10 +38,12 @@ OF_NO_ROBOT = {
         "MOST_ALONE",
         "UNMOVED",
     },
+    "model/sensors.py": {"NET_FORCE"},
     "model/shapes.py": {"FLOOR_GREY"},
-    "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL", "NET_FORCE"},
+    "model/world.py": {"PHYSICS_STEP_S", "JOINT_QVEL"},
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
     "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
+    "physics/gusts.py": {"NEVER", "ROUNDING_TICKS"},
     "physics/landing.py": {"BLOCKED_SHARE"},
     "physics/physics.py": {"PARKED_M"},
 }

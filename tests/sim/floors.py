@@ -4,6 +4,7 @@ import mujoco
 import pytest
 
 from legpush.arrays import Floats
+from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.scenario import Scenario
 from sim_proc.model.collisions import FLOOR, contact
 from sim_proc.model.world import build_spec
@@ -17,8 +18,8 @@ FAR_M = 20.0
 def lay_tile(monkeypatch: pytest.MonkeyPatch, centre_m: Floats, top_m: float, side_m: float = 0.2) -> None:
     """Build worlds whose floor is at `top_m` in a square about `centre_m` (2,), and at 0 around it."""
 
-    def build_model(scenario: Scenario) -> mujoco.MjModel:
-        spec = build_spec(scenario)
+    def build_model(scenario: Scenario, reality: Reality = AS_ASSUMED) -> mujoco.MjModel:
+        spec = build_spec(scenario, reality)
         spec.geom("floor").pos[2] = -2 * THICKNESS_M
         (x, y), half, far = centre_m, side_m / 2, FAR_M / 2
         for name, place, sides, top in (

@@ -18,11 +18,12 @@ from legpush.geometry import Pose2, wrap_angle
 from legpush.messages import codec
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.realism.settings import Randomization
 from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
-from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Rectangle, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
 from legpush.scene.solid import steps_to_surface
 from sim_proc.simulator import Simulator
 from tests.robots import ROBOT

@@ -10,6 +10,7 @@ import numpy as np
 from legpush.arrays import Floats, Indices
 from legpush.geometry import rpy_from_quaternion
 from legpush.messages.stepping import Motion, Outcome, Trace, WorldState
+from legpush.realism.reality import AS_ASSUMED
 from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, JOINT_QPOS, LEG_JOINTS, N_QPOS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
 
@@ -62,6 +63,8 @@ class Timeline:
     def __init__(self, scenario: Scenario) -> None:
         """Empty; `scenario` is that of its reset."""
         self.scenario = scenario
+        self.reality = AS_ASSUMED
+        """What the seed drew from `realism`, once the outcome of the reset is known."""
         self.steps: list[TimelineStep] = []
         self.rewards: dict[int, float] = {}
         """By the number of the step that earned it."""
@@ -70,6 +73,7 @@ class Timeline:
     def add(self, number: int, motion: Motion, outcome: Outcome, time_ns: int) -> None:
         """The next step was carried out."""
         first_row, trace = self.n_rows, outcome.trace
+        self.reality = outcome.reality or self.reality
         if trace is not None and trace.tick:
             self._extend(trace)
         elif not self.n_rows or outcome.world.tick > self.tick[-1]:

@@ -36,6 +36,8 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "remedy": ("what would change it", str),
     "box_position_error_m": ("box position error", lambda m: f"{100 * m:.1f} cm"),
     "box_angle_error_deg": ("box angle error", lambda deg: f"{deg:.1f}°"),
+    "perceived_box_position_error_m": ("box position error, as perceived", lambda m: f"{100 * m:.1f} cm"),
+    "perceived_box_angle_error_deg": ("box angle error, as perceived", lambda deg: f"{deg:.1f}°"),
     "walk_tracking_rms_m": ("walking path error, RMS", lambda m: f"{100 * m:.1f} cm"),
     "box_path_rms_m": ("box path error, RMS", lambda m: f"{100 * m:.1f} cm"),
     "handover_distance_m": ("distance to the box at hand-over", lambda m: f"{m:.2f} m"),
@@ -60,8 +62,8 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
 
 IF_APPEARED: Final = ("appeared", "n_replans")
 """Rows that are shown only if an obstacle appeared."""
-IF_ANY: Final = ("n_better_paths", "notes")
-"""Rows that are shown only if their value is not 0 or empty."""
+IF_ANY: Final = ("n_better_paths", "notes", "perceived_box_position_error_m", "perceived_box_angle_error_deg")
+"""Rows that are shown only if their value is neither 0 nor empty nor None."""
 
 FILES: Final = {
     REPORT_FILE: "these numbers, and the versions of everything",

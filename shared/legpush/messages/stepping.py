@@ -9,6 +9,7 @@ from legpush.fields import Name, Seed
 from legpush.geometry import Point3, Pose2, Quaternion
 from legpush.messages.common import Header
 from legpush.messages.measures import Measures
+from legpush.realism.reality import Reality
 from legpush.scene.conventions import FrontLeg
 from legpush.scene.names import Face
 from legpush.scene.scenario import Scenario
@@ -99,6 +100,20 @@ class BoxState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     orientation_wxyz: Quaternion
 
 
+class Perceived(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is known of robot and box, see `realism` in a scenario. The other poses of a `WorldState` are the true ones,
+    by which success is judged."""
+
+    trunk: Pose2
+    """Where the trunk is, on the floor, as the robot is located in the world."""
+    trunk_tick: Count
+    """When it was located; since then it has measured its own motion."""
+    box: BoxState
+    """The pose of the box as it was measured last. Height and tilt are exact."""
+    box_tick: Count
+    """When it was measured."""
+
+
 class PathProgress(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far the footsteps have come along the path of the last `Follow`."""
 
@@ -152,6 +167,8 @@ class WorldState(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Nil before the first `Push`."""
     appeared: Annotated[tuple[Appearance, ...], Meta(max_length=MAX_APPEARING)]
     """Obstacles that have appeared since the reset, in that order; they stay."""
+    perceived: Perceived | None = None
+    """Nil if robot and box are known as they are."""
 
 
 class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -197,6 +214,8 @@ class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     trace: Trace | None = None
     measures: Measures | None = None
     """Nil if nothing moved, and before protocol 8."""
+    reality: Reality | None = None
+    """What the seed drew from `realism`. Nil if all is as assumed and known, and for motions other than a reset."""
 
 
 class Observation(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind", tag="observation"):

@@ -12,6 +12,7 @@ from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 from legpush.options.checks import program_path, require_new_file
 from legpush.policy_names import DEFAULT_POLICY, require_trust
+from legpush.realism.settings import Profile
 from legpush.scene.names import PlannerName, Steering
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ class RunOptions:
     """Replaces the scenario's friction of box and floor."""
     box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
     """Replaces the scenario's friction of box and foot."""
+    realism: Profile | None = None
+    """Replaces the scenario's profile of `realism`: how the world differs from what the robot takes it to be."""
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Record all messages of the processes into this new MCAP file; see `legpush replay`."""
     picture: bool = True
@@ -96,6 +99,7 @@ class RunOptions:
                 "box.mass_kg": self.box_mass_kg,
                 "box.friction": self.box_friction,
                 "box.foot_friction": self.box_foot_friction,
+                "realism.profile": self.realism,
             },
         )
 

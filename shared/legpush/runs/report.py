@@ -88,6 +88,7 @@ class Report(Struct, frozen=True, kw_only=True):
     remedy: str
     """What would change the reason, with the keys of the scenario or the options; empty for a success."""
     box_position_error_m: float
+    """Of the true pose of the box, by which success is judged."""
     box_angle_error_deg: float
     walk_tracking_rms_m: float | None
     """Of the distance from the trunk, on the floor, to the path that it followed, over all ticks of gait cycles."""
@@ -124,6 +125,9 @@ class Report(Struct, frozen=True, kw_only=True):
     """Of the host that wrote the report; None for what is not installed there."""
     notes: tuple[str, ...] = ()
     """Contacts that no plan asked for, and why there is no picture or no film."""
+    perceived_box_position_error_m: float | None = None
+    """Of the box as it was perceived at the end; None if it was perceived exactly."""
+    perceived_box_angle_error_deg: float | None = None
 
 
 class ReportError(LegpushError):

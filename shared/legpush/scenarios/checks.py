@@ -14,6 +14,7 @@ from legpush.arrays import Floats
 from legpush.bounds import MAX_CELLS
 from legpush.errors import ScenarioError
 from legpush.geometry import Pose2, wrap_angle
+from legpush.scenarios.realism_checks import realism_faults
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import (
     Footprint,
@@ -70,6 +71,7 @@ def scenario_faults(scenario: Scenario) -> list[str]:
     faults = _Faults()
     faults.find(lambda: _check_room(room))
     faults.find(lambda: _check_planning(scenario.planning))
+    faults += realism_faults(scenario)
 
     start, box_pose, goal_pose = scenario.start.pose(), box.pose.pose(), scenario.goal.pose.pose()
     start_reach = hypot(offsets.start_xy_m, offsets.start_xy_m)

@@ -17,6 +17,7 @@ import tomli_w
 from legpush.errors import MessageError, ScenarioError
 from legpush.files import new_file
 from legpush.messages.codec import convert
+from legpush.realism.settings import Realism
 from legpush.scenarios.checks import check_scenario, scenario_faults
 from legpush.scenarios.grid import GRID_FIELDS, GridSource, frame_note, furnished, read_grid, take_grid
 from legpush.scenarios.lines import Lines, lines_of, located_faults
@@ -85,24 +86,31 @@ def _of_map(fault: str, grid: GridSource | None) -> str:
 def dump_scenario(scenario: Scenario, *, whole_robot: bool = False) -> str:
     """Return the scenario as TOML; loading it gives an equal record.
 
-    It has every field with a value, but of the robot only the numbers that differ from the defaults, unless
-    `whole_robot`.
+    It has every field with a value, but of realism only what is stated, and of the robot only the numbers that differ
+    from the defaults, unless `whole_robot`.
     """
-    table = msgspec.to_builtins(scenario) if whole_robot else scenario_table(scenario)
+    table = scenario_table(scenario)
+    if whole_robot:
+        table["robot"] = msgspec.to_builtins(scenario.robot)
     return tomli_w.dumps(_without_nothing(table))
 
 
 def scenario_table(scenario: Scenario) -> dict[str, Any]:
-    """Return the scenario as a table for a file: every field, but of the robot only what differs from the defaults."""
+    """Return the scenario as a table for a file: every field, but of robot and realism only what is not the default."""
     plain: dict[str, Any] = msgspec.to_builtins(scenario)
-    del plain["robot"]
-    robot = robot_table(scenario.robot)
-    return plain | ({"robot": robot} if robot else {})
+    del plain["robot"], plain["realism"]
+    robot, realism = robot_table(scenario.robot), realism_table(scenario.realism)
+    return plain | ({"realism": realism} if realism else {}) | ({"robot": robot} if robot else {})
 
 
 def robot_table(robot: RobotSpec) -> dict[str, Any]:
     """Return what differs from the defaults of a robot, as a table for a file."""
     return _differing(msgspec.to_builtins(robot), _DEFAULT_ROBOT)
+
+
+def realism_table(realism: Realism) -> dict[str, Any]:
+    """Return what is stated of a realism, as a table for a file."""
+    return _differing(msgspec.to_builtins(realism), msgspec.to_builtins(Realism()))
 
 
 def resolve_scenario(

@@ -13,9 +13,10 @@ import numpy as np
 from legpush.arrays import Flags, Floats, Indices, Integers
 from legpush.errors import ConfigError, ScenarioError
 from legpush.geometry import Pose2
+from legpush.realism.settings import Randomization
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.random_room import RandomRoom
-from legpush.scene.scenario import Box, Goal, PoseDeg, Randomization, Rectangle, Room, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Rectangle, Room, Scenario
 
 N_ROOMS: Final = 200
 """Most sets of obstacles to try."""

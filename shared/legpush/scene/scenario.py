@@ -29,11 +29,11 @@ from legpush.bounds import (
     ShortIterations,
     Slope,
     TimeS,
-    Turn,
     Unit,
 )
 from legpush.fields import Name
 from legpush.geometry import Point3, Pose2
+from legpush.realism.settings import Randomization, Realism
 from legpush.scene.names import BoxShape, Face
 from legpush.scene.overlap import deepest_overlap
 from legpush.scene.plan_settings import PlanSettings
@@ -207,21 +207,12 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Length of the straight stretch before the goal."""
     face_change_m: Distance = 0.5
     """Cost of a walk around the box, as a length of pushing."""
-    max_iterations: ShortIterations = 6000
+    max_iterations: ShortIterations = 12_000
     """Budget of the search for a path."""
     goal_bias: Unit = 0.1
     """Probability that a sample is the goal."""
     step_m: Length = 1.0
     """Longest edge of the tree."""
-
-
-class Randomization(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Half-widths of the uniform offsets that the seed of an episode draws."""
-
-    start_xy_m: Distance = 0.0
-    start_yaw_deg: Turn = 0.0
-    box_xy_m: Distance = 0.0
-    box_yaw_deg: Turn = 0.0
 
 
 class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -245,3 +236,5 @@ class Scenario(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     randomization: Randomization = Randomization()
     robot: RobotSpec = RobotSpec()
     """The robot. A file states only the numbers that differ from the defaults, as in `[robot.gait]`."""
+    realism: Realism = Realism()
+    """What planner, control and agent are not told, and how they perceive robot and box."""

@@ -5,6 +5,7 @@ from math import ceil, hypot, radians, sin
 from typing import Final
 
 from legpush.geometry import Pose2, distance_m, wrap_angle
+from legpush.realism.settings import Randomization
 from legpush.scene.footprints import (
     Footprint,
     behind_box,
@@ -17,7 +18,7 @@ from legpush.scene.footprints import (
 from legpush.scene.footprints import distance_m as footprint_distance_m
 from legpush.scene.occupancy import clearance_m
 from legpush.scene.robot import RobotSpec
-from legpush.scene.scenario import Box, Randomization, Scenario
+from legpush.scene.scenario import Box, Scenario
 
 LAST_STRETCH_STEP_M: Final = 0.05
 BACK_STEP_M: Final = 0.05

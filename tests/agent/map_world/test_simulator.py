@@ -160,6 +160,7 @@ def test_the_map_of_the_package_is_near_the_simulator() -> None:
         ({"box.friction": 0.9}, "expected the box of the response map, friction 0.5, got friction 0.9"),
         ({"box.size_m": (0.5, 0.5, 0.4)}, r"size_m \(0.4, 0.5, 0.4\), got size_m \(0.5, 0.5, 0.4\)"),
         ({"robot.stance.height_m": 0.46}, "expected the robot of the response map, got another one"),
+        ({"realism.motor_strength": 0.8}, "without physics, got `realism` with motor_strength"),
         ({"room.slope_deg": 2.0}, "expected a level floor without obstacles .*, got a slope of 2° and 0 obstacles"),
         (
             {"room.obstacles": [{"x_min_m": 5.0, "x_max_m": 5.5, "y_min_m": 3.0, "y_max_m": 3.5}]},

@@ -15,8 +15,9 @@ from legpush.geometry import Pose2
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Motion, Outcome, Push, Reset, Walk, WorldState
+from legpush.realism.settings import Randomization
 from legpush.scene.occupancy import clearance_m
-from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Randomization, Rectangle, Room, Scenario
+from legpush.scene.scenario import Box, Goal, MissionSettings, PoseDeg, Rectangle, Room, Scenario
 from legpush.scene.station import stand_off, station
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
 from tests.distances import clearance_at

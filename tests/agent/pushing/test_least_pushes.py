@@ -9,8 +9,9 @@ import legpush
 from agent_proc.pushing.least_pushes import least_distance_m, most_travel_m
 from legpush.bounds import MAX_DEPTH_M
 from legpush.messages.stepping import Push
+from legpush.realism.settings import Randomization
 from legpush.scene.reference import Arcs, Left, Straight
-from legpush.scene.scenario import Goal, PoseDeg, Randomization, Room
+from legpush.scene.scenario import Goal, PoseDeg, Room
 from tests.agent.fake_world import scenario_at_station
 
 SCENARIO = scenario_at_station()

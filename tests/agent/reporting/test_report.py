@@ -15,7 +15,7 @@ from agent_proc.reporting.report import box_path_rms_m, make_report, tracking_rm
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import Plan
-from legpush.messages.stepping import Follow, Outcome, Push, Reset, Walk
+from legpush.messages.stepping import Follow, Outcome, Perceived, Push, Reset, Walk
 from legpush.scene.reference import Arcs, Straight
 from tests.agent.fake_world import FakeWorld, make_state
 from tests.agent.reporting.missions import BOX, NOTHING, SCENARIO, blocked_mission, journal_by_hand, outcome, trace
@@ -41,7 +41,7 @@ REPORT_KEYS = (
     ),
     *("walking", "pushing", "n_better_paths", "n_replans", "appeared"),
     *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed", "versions"),
-    "notes",
+    *("notes", "perceived_box_position_error_m", "perceived_box_angle_error_deg"),
 )
 
 
@@ -77,6 +77,20 @@ def test_every_number_of_the_report_is_that_of_the_journal() -> None:
     assert report.real_time_factor == pytest.approx(5.0)
     assert report.state_crc == "0000beef"
     assert report.versions == {"python": "3", "ompl": None}
+    assert report.perceived_box_position_error_m is report.perceived_box_angle_error_deg is None
+
+
+def test_a_box_that_is_perceived_beside_its_place_has_two_errors() -> None:
+    *before, last = journal_by_hand()
+    assert isinstance(last, StepRecord)
+    world = last.outcome.world
+    goal = SCENARIO.goal.pose.pose()
+    box = replace(world.box, position_m=(goal.x_m, goal.y_m + 0.01, 0.2))
+    perceived = Perceived(trunk=goal, trunk_tick=0, box=box, box_tick=0)
+    seen = last._replace(outcome=replace(last.outcome, world=replace(world, perceived=perceived)))
+    report = make_report(read_record([*before, seen]), DONE, 1.0, {})
+    assert report.box_position_error_m == pytest.approx(0.02)
+    assert report.perceived_box_position_error_m == pytest.approx(0.01)
 
 
 def test_what_was_not_measured_is_none() -> None:

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from agent_proc.task.domain import Domain, drawn_scenario
 from legpush.errors import ConfigError
-from legpush.scene.scenario import Goal, PoseDeg, Randomization
+from legpush.realism.settings import Randomization
+from legpush.scene.scenario import Goal, PoseDeg
 from tests.agent.fake_world import make_scenario
 
 SCENARIO = make_scenario(randomization=Randomization(box_xy_m=0.05, box_yaw_deg=5.0))

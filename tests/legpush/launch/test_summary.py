@@ -20,6 +20,8 @@ REPORT = {
     "remedy": "raise `mission.max_push_cycles`",
     "box_position_error_m": 0.0123,
     "box_angle_error_deg": 1.26,
+    "perceived_box_position_error_m": 0.021,
+    "perceived_box_angle_error_deg": 1.2,
     "walk_tracking_rms_m": None,
     "box_path_rms_m": 0.0084,
     "handover_distance_m": 0.95,

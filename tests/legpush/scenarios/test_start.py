@@ -5,9 +5,9 @@ from math import degrees
 import numpy as np
 from msgspec.structs import replace
 
+from legpush.realism.settings import Randomization
 from legpush.scenarios.file import load_scenario
 from legpush.scenarios.start import drawn_poses
-from legpush.scene.scenario import Randomization
 
 
 def test_the_seed_moves_robot_and_box_within_the_half_widths() -> None:

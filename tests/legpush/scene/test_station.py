@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from legpush.geometry import Pose2
 from legpush.plans.trunk_queries import query_to_measured_box
+from legpush.realism.settings import Randomization
 from legpush.scene.footprints import (
     box_footprint,
     distance_m,
@@ -17,7 +18,7 @@ from legpush.scene.footprints import (
     robot_footprint,
 )
 from legpush.scene.occupancy import OccupancyGrid
-from legpush.scene.scenario import Randomization, Rectangle, Room
+from legpush.scene.scenario import Rectangle, Room
 from legpush.scene.station import at_station, last_stretch, nominal_obstacle, stand_off, station, way_back
 from tests.agent.fake_world import make_scenario
 from tests.distances import clearance_at

@@ -38,6 +38,9 @@ class KinematicPlant:
     def trunk_pose(self) -> Pose2:
         return self._trunk
 
+    def place_of_world(self) -> Pose2 | None:
+        return None
+
     def box_pose(self) -> Pose2:
         return self._box_pose
 

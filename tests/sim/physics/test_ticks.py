@@ -9,7 +9,8 @@ from legpush.scene.conventions import JOINT_QPOS
 from legpush.scene.scenario import Rectangle, Scenario
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.headless import mujoco
-from sim_proc.physics.physics import STATE, Physics
+from sim_proc.physics.physics import Physics
+from sim_proc.physics.state_crc import STATE
 from sim_proc.physics.ticks import Ticks
 from tests.sim.commands import held
 

@@ -1,0 +1,106 @@
+"""`python -m benchmarks.robot.realism`: the default mission in an ideal world and in a real one, seed by seed.
+
+A mission that ends in an error counts as one without success. The numbers go to `results/realism.json`.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, nan
+from statistics import median
+from time import perf_counter
+from typing import Any, Final, get_args
+
+import msgspec
+import tyro
+
+from agent_proc.frames.poses import box_error
+from agent_proc.mission.mission import run_mission
+from agent_proc.policies.registry import make_policy
+from agent_proc.statistics.intervals import mean, share
+from agent_proc.studies.cell_parts import planner
+from benchmarks.report import write_report
+from legpush.history.steps import PlanRecord, StepRecord
+from legpush.lockstep.local import LocalWorld
+from legpush.realism.settings import Profile
+from legpush.scenarios.file import load_scenario, override
+from legpush.scene.conventions import CONTROL_PERIOD_S
+from sim_proc.simulator import Simulator
+
+POLICY: Final = "variable"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Which missions."""
+
+    seeds: int = 20
+    first_seed: int = 3000
+    scenario: str = "default"
+
+
+def mission(scenario_name: str, profile: Profile, seed: int) -> dict[str, Any]:
+    """Run one mission, and tell how it ended."""
+    scenario = override(load_scenario(scenario_name), {"realism.profile": profile})
+    records: list[StepRecord | PlanRecord] = []
+    world = LocalWorld(Simulator(), planner(), on_record=records.append)
+    began_s = perf_counter()
+    result = run_mission(world, scenario, seed, make_policy(POLICY))
+    wall_s = perf_counter() - began_s
+    last = next(record for record in reversed(records) if not isinstance(record, PlanRecord))[1]
+    error = box_error(last.world, scenario)
+    return {
+        "seed": seed,
+        "success": result.success,
+        "reason": result.reason,
+        "detail": result.detail,
+        "position_error_m": error.position_m,
+        "angle_error_deg": degrees(error.angle_rad),
+        "n_push_cycles": result.n_push_cycles,
+        "fell": last.world.fallen,
+        "sim_time_s": last.world.tick * CONTROL_PERIOD_S,
+        "wall_time_s": wall_s,
+        "state_crc": f"{last.state_crc:08x}",
+    }
+
+
+def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """What came of the missions of one profile. Errors are those of the successes."""
+    good = [row for row in rows if row["success"]]
+    reasons = Counter(row["reason"] for row in rows if not row["success"])
+    return {
+        "n": len(rows),
+        "n_successes": len(good),
+        "success_rate": msgspec.to_builtins(share(len(good), len(rows))),
+        "reasons": ", ".join(f"{reason} {n}" for reason, n in reasons.most_common()) or "none",
+        "median_push_cycles": median(row["n_push_cycles"] for row in good) if good else nan,
+        "most_push_cycles": max((row["n_push_cycles"] for row in good), default=0),
+        "n_falls": sum(row["fell"] for row in rows),
+        **{
+            name: msgspec.to_builtins(mean([float(row[name]) for row in good]))
+            for name in ("position_error_m", "angle_error_deg")
+        },
+    }
+
+
+def main(config: Config) -> None:
+    """Run all missions, and report them."""
+    rows: dict[str, list[dict[str, Any]]] = {profile: [] for profile in get_args(Profile)}
+    for seed in range(config.first_seed, config.first_seed + config.seeds):
+        for profile, found in rows.items():
+            found.append(mission(config.scenario, "real" if profile == "real" else "ideal", seed))
+            print(profile, found[-1], flush=True)
+    write_report(
+        "realism",
+        {
+            "scenario": config.scenario,
+            "policy": POLICY,
+            "first_seed": config.first_seed,
+            "profiles": {profile: summary(found) for profile, found in rows.items()},
+            "missions": rows,
+        },
+    )
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

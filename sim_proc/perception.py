@@ -1,0 +1,163 @@
+"""How robot and box are perceived: poses that are measured with noise, at a rate, late, and not always."""
+
+import struct
+from dataclasses import dataclass
+from math import ceil, cos, radians, sin
+from typing import Final
+
+import numpy as np
+
+from legpush.arrays import Floats
+from legpush.geometry import Pose2
+from legpush.messages.stepping import BoxState, Perceived
+from legpush.realism.reality import BOX_STREAM, LOCALIZATION_STREAM, Reality, Sensed
+from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, TRUNK_QPOS
+
+ROUNDING_TICKS: Final = 1e-6
+"""A time this close above a whole number of ticks counts as that number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Measurement:
+    tick: int
+    """When it was made."""
+    given_tick: int
+    """From when on it is known."""
+    true: Floats
+    """Position and quaternion of the body then, (7,)."""
+    error: Pose2
+    """What the noise adds to x, y and heading."""
+
+
+class PoseSensor:
+    """Measures the pose of one body, tick by tick."""
+
+    def __init__(self, sensed: Sensed, seed: int, stream: int, first: Floats) -> None:
+        """Measure the pose of tick 0, (7,), which is known at once."""
+        self._sensed, self._seed, self._stream = sensed, seed, stream
+        self._period_ticks = 1.0 / (sensed.rate_hz * CONTROL_PERIOD_S)
+        self._n_made = 0
+        """Number of measurements that were made, or lost."""
+        self._next_tick = 0
+        self._coming: list[_Measurement] = []
+        """Those that are not known yet, the oldest first."""
+        self.known = self._measured(0, first, late_ticks=0)
+        """The last one that is known."""
+        self._count()
+
+    def take(self, first_tick: int, poses: Floats) -> None:
+        """Measure at the ends of ticks from `first_tick` on, when the body was at `poses`, (n, 7)."""
+        late_ticks = ceil(self._sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
+        for tick, true in enumerate(poses, first_tick):
+            if tick >= self._next_tick:
+                if not self._is_lost():
+                    self._coming.append(self._measured(tick, true, late_ticks))
+                self._count()
+            while self._coming and self._coming[0].given_tick <= tick:
+                self.known = self._coming.pop(0)
+
+    def _count(self) -> None:
+        self._n_made += 1
+        self._next_tick = ceil(self._n_made * self._period_ticks - ROUNDING_TICKS)
+
+    def _is_lost(self) -> bool:
+        generator = np.random.default_rng([self._seed, self._stream, self._n_made, 1])
+        return bool(generator.random() < self._sensed.dropouts)
+
+    def _measured(self, tick: int, true: Floats, late_ticks: int) -> _Measurement:
+        sensed = self._sensed
+        x, y, turn = np.random.default_rng([self._seed, self._stream, self._n_made]).standard_normal(3).tolist()
+        return _Measurement(
+            tick=tick,
+            given_tick=tick + late_ticks,
+            true=true.copy(),
+            error=Pose2(x_m=sensed.noise_m * x, y_m=sensed.noise_m * y, yaw_rad=radians(sensed.noise_deg) * turn),
+        )
+
+    def as_bytes(self) -> bytes:
+        """All that later measurements depend on, but the seed."""
+        rows = [
+            struct.pack("<2q10d", one.tick, one.given_tick, *one.true, one.error.x_m, one.error.y_m, one.error.yaw_rad)
+            for one in (self.known, *self._coming)
+        ]
+        return struct.pack("<2q", self._n_made, self._next_tick) + b"".join(rows)
+
+
+class Perception:
+    """What is known of robot and box. Where that is exact, truth is given."""
+
+    def __init__(self, reality: Reality, qpos: Floats) -> None:
+        """Begin at tick 0 with `qpos` (26,)."""
+
+        def sensor(sensed: Sensed, stream: int, columns: slice) -> PoseSensor | None:
+            return None if sensed.exact else PoseSensor(sensed, reality.seed, stream, qpos[columns])
+
+        self._box = sensor(reality.box_pose, BOX_STREAM, BOX_QPOS)
+        self._trunk = sensor(reality.localization, LOCALIZATION_STREAM, TRUNK_QPOS)
+
+    @property
+    def exact(self) -> bool:
+        """Whether everything is known as it is."""
+        return self._box is None and self._trunk is None
+
+    def take(self, first_tick: int, qpos: Floats) -> None:
+        """Measure at the ends of ticks from `first_tick` on, with `qpos` (n, 26)."""
+        if self._box is not None:
+            self._box.take(first_tick, qpos[:, BOX_QPOS])
+        if self._trunk is not None:
+            self._trunk.take(first_tick, qpos[:, TRUNK_QPOS])
+
+    def box(self, qpos: Floats) -> Floats:
+        """Position and quaternion of the box as it is known, (7,), from the true `qpos` (26,)."""
+        if self._box is None:
+            pose: Floats = qpos[BOX_QPOS]
+            return pose
+        known = self._box.known
+        return _turned(known.true, known.error)
+
+    def place_of_world(self) -> Pose2 | None:
+        """Pose of the world's frame, as the robot is located in it, in the true one; None if they are the same."""
+        if self._trunk is None:
+            return None
+        known = self._trunk.known
+        return planar(known.true) @ planar(_turned(known.true, known.error)).inverse()
+
+    def perceived(self, qpos: Floats, tick: int) -> Perceived | None:
+        """What is known at a tick, from the true `qpos` (26,); None if everything is known as it is."""
+        if self.exact:
+            return None
+        trunk, place = planar(qpos[TRUNK_QPOS]), self.place_of_world()
+        box = self.box(qpos).tolist()
+        return Perceived(
+            trunk=trunk if place is None else place.inverse() @ trunk,
+            trunk_tick=tick if self._trunk is None else self._trunk.known.tick,
+            box=BoxState(position_m=tuple(box[:3]), orientation_wxyz=tuple(box[3:])),
+            box_tick=tick if self._box is None else self._box.known.tick,
+        )
+
+    def as_bytes(self) -> bytes:
+        """All that later perception depends on, but the seed."""
+        return b"".join(sensor.as_bytes() for sensor in (self._box, self._trunk) if sensor is not None)
+
+
+def planar(pose: Floats) -> Pose2:
+    """A position and quaternion (7,), projected to the floor."""
+    x, y, _, qw, qx, qy, qz = (float(value) for value in pose)
+    return Pose2(x_m=x, y_m=y, yaw_rad=float(np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))))
+
+
+def _turned(pose: Floats, error: Pose2) -> Floats:
+    """A pose (7,) that is moved over the floor and turned about the vertical by an error."""
+    x, y, z, qw, qx, qy, qz = pose.tolist()
+    c, s = cos(error.yaw_rad / 2), sin(error.yaw_rad / 2)
+    return np.array(
+        [
+            x + error.x_m,
+            y + error.y_m,
+            z,
+            c * qw - s * qz,
+            c * qx - s * qy,
+            c * qy + s * qx,
+            c * qz + s * qw,
+        ]
+    )
