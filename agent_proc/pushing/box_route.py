@@ -3,12 +3,10 @@
 from collections.abc import Callable, Sequence
 from math import hypot
 
-from msgspec.structs import replace
-
 from agent_proc.endings import MissionEndedError
 from agent_proc.pushing.obstacles import is_in_push
 from agent_proc.pushing.pushes import Pushes
-from agent_proc.pushing.queries import query_for_box
+from agent_proc.pushing.queries import closer, query_for_box
 from agent_proc.pushing.reference_stage import reference_path
 from agent_proc.pushing.stage import Stage
 from agent_proc.pushing.stage import stages as path_stages
@@ -125,7 +123,7 @@ class BoxRoute:
         plan = self._planner.ask(query, "the path of the box")
         if plan.status in ("invalid", "failed") and self._pushes.n_cycles and query.clearance_m > 0.0:
             # Pushes have brought the box closer to something than planned, or to where no way is wide enough.
-            plan = self._planner.ask(replace(query, clearance_m=0.0), "the path of the box, closer to obstacles")
+            plan = self._planner.ask(closer(query, self._actor.scenario), "the path of the box, closer to obstacles")
         if plan.status != "exact":
             raise self._planner.no_path("the path of the box", query, plan)
         return path_stages(plan, {face: estimate.axle_m for face, estimate in estimates.items()})

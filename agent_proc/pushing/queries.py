@@ -51,6 +51,11 @@ def query_for_box(
     )
 
 
+def closer(query: BoxPathQuery, scenario: Scenario) -> BoxPathQuery:
+    """The same query, with no more clearance than box and robot need, pushing and walking; the body keeps its own."""
+    return replace(query, clearance_m=0.0, walk_clearance_m=scenario.robot.stance.body_width_m / 2)
+
+
 def calibration_query(
     scenario: Scenario, seed: int, box_pose: Pose2, face: Face, estimate: PushEstimate
 ) -> BoxPathQuery:

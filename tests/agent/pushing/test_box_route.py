@@ -18,6 +18,7 @@ from legpush.scene.scenario import Goal, PoseDeg, PushSettings, Rectangle, Room
 from tests.agent.fake_world import FakeWorld, make_scenario, scenario_at_station, straight_plan
 from tests.agent.parts import Parts, parts_in
 from tests.agent.pushing.paths import AXLE_M, along, line
+from tests.robots import ROBOT
 
 AHEAD = Arcs(radius_m=1.0, segments=(Straight(length_m=1.0),))
 CRATE = Rectangle(x_min_m=6.6, x_max_m=6.8, y_min_m=3.0, y_max_m=3.4, appears_at_s=2.0)
@@ -157,7 +158,8 @@ def test_a_box_that_was_pushed_too_near_to_something_may_go_on_closer_to_obstacl
 
     first, closer = parts.world.box_queries()
     assert first.clearance_m > closer.clearance_m == 0.0
-    assert replace(closer, clearance_m=first.clearance_m) == first
+    assert first.walk_clearance_m > closer.walk_clearance_m == ROBOT.stance.body_width_m / 2
+    assert replace(closer, clearance_m=first.clearance_m, walk_clearance_m=first.walk_clearance_m) == first
 
 
 def test_a_box_that_was_not_pushed_yet_may_not() -> None:
