@@ -14,7 +14,7 @@ from typing import Annotated, Final
 import tyro
 from pyarrow import parquet
 
-from experiments.rows import ROWS, Made, write_rows
+from experiments.rows import ROWS, Made, in_runs, write_rows
 from legpush.errors import ConfigError
 from legpush.study.folder import StudyFolder
 
@@ -56,7 +56,7 @@ def keep(folder: StudyFolder, out: Path) -> Path:
     made = Made(
         version=record.versions.get("legpush") or "?",
         commit=commit(),
-        command=record.command,
+        command=in_runs(record.command, record.name),
         machine=machine(),
         versions=record.versions,
         code=record.code,

@@ -1,5 +1,6 @@
 """The rows of the studies, in `results/rows/`: a Parquet file each, which says how it was made."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -7,6 +8,7 @@ from typing import Any, Final
 import msgspec
 import pyarrow
 from msgspec import Struct
+from msgspec.structs import replace
 from pyarrow import parquet
 
 from legpush.errors import ConfigError
@@ -65,7 +67,12 @@ def read_rows(name: str, folder: Path = ROWS) -> Rows:
         raise ConfigError(
             f"{file}: expected the rows of a study, as `python -m experiments.keep` writes them"
         ) from error
-    return Rows(rows=table.to_pylist(), made=made)
+    return Rows(rows=table.to_pylist(), made=replace(made, command=in_runs(made.command, name)))
+
+
+def in_runs(command: str, name: str) -> str:
+    """Return a command of a study with the folder of this page, `runs/NAME`, in place of any other one."""
+    return re.sub(r"--out \S+", f"--out runs/{name}", command)
 
 
 def write_rows(table: pyarrow.Table, name: str, made: Made, folder: Path = ROWS) -> Path:
