@@ -7,7 +7,7 @@ import pyarrow
 import pytest
 
 from experiments import keep
-from experiments.rows import ROWS, Made, read_rows, write_rows
+from experiments.rows import ROWS, Made, in_runs, read_rows, write_rows
 from legpush.errors import ConfigError
 from legpush.study.folder import StudyFolder
 
@@ -85,3 +85,12 @@ def test_an_incomplete_study_is_not_kept(tmp_path: Path) -> None:
 
     with pytest.raises(ConfigError, match="expected a study with all 2 rows in one table, got 1"):
         keep.keep(short, tmp_path / "rows")
+
+
+def test_a_command_names_the_folder_of_the_page_and_none_of_a_machine() -> None:
+    command = "legpush study run experiments/studies/walking.toml --out /home/me/w2 --workers 1"
+
+    assert (
+        in_runs(command, "walking")
+        == "legpush study run experiments/studies/walking.toml --out runs/walking --workers 1"
+    )
