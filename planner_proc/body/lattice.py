@@ -20,6 +20,8 @@ MOVES: Final = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1,
 """Steps along the axes of the lattice, which are those of the start."""
 EXACT_WITHIN_M: Final = 0.5
 """Nodes that are nearer to the start or the goal are measured exactly: there the robot may stand close to a wall."""
+MOST_PLACES: Final = 50_000
+"""A lattice with more places, as along a way of hundreds of metres, takes minutes and gigabytes: it is not searched."""
 MOST_REPAIRS: Final = 24
 """How many motions to find whose steps are free, but not all that lies between them, before giving up."""
 SLACKS_M: Final = (0.02, 0.0)
@@ -39,9 +41,12 @@ class _Graph:
 def search(space: BodySpace, start: Floats, goal: Floats, along_m: Floats, within_m: float, step_m: float) -> Floats:
     """The cheapest motion from start to goal, (3,) each, as poses (n, 3); empty if there is none on the lattice.
 
+    It is empty, too, if the lattice has more than `MOST_PLACES` places.
     Places are at most `within_m` from a line of points, (k, 2).
     """
     points_m, cells = _places(start, along_m, within_m, step_m)
+    if len(points_m) > MOST_PLACES:
+        return np.empty((0, 3))
     for slack_m in SLACKS_M:
         free, between = _free(space, points_m, start, goal, slack_m)
         free[0, 0] = True

@@ -48,3 +48,11 @@ def test_there_is_none_through_a_gate_that_is_narrower_than_the_body() -> None:
     assert not len(search(space_of(gate), start, goal, along_m, 2.0, 0.1))
     wider = room((4.0, 4.2, 0.0, 2.7), (4.0, 4.2, 3.3, 6.0))
     assert len(search(space_of(wider), start, goal, along_m, 2.0, 0.1))
+
+
+def test_a_lattice_along_a_very_long_way_is_not_searched() -> None:
+    start, goal = np.array([2.0, 3.0, 0.0]), np.array([900.0, 3.0, 0.0])
+
+    assert not len(search(space_of(room()), start, goal, np.stack([start, goal])[:, :2], 1.0, 0.1))
+    along_m = filled(np.stack([start, goal]), 0.1)[:, :2]
+    assert not len(search(space_of(room()), start, goal, along_m, 8.0, 0.1))
