@@ -43,7 +43,7 @@ class BodyFitting:
         if self._space.body_is_free(filled(poses)).all():
             return plan
         if self._query.steering != "straight" or self._query.min_turning_radius_m > 0.0:
-            return self._failed(plan, "there the body comes too near to something on the curve that was found")
+            return self._failed(plan, "it comes too near to something on the curve that was found")
         if self._replacement is None:
             self._replacement = self._replaced(plan, poses)
         return self._replacement

@@ -42,12 +42,11 @@ class BodySpace:
 
     def body_seems_free(self, points_m: Floats, yaw_rad: float, extra_m: float) -> Flags:
         """The same for the body at one heading: discs cover it and reach a little beyond."""
-        poses = np.column_stack([points_m, np.full(len(points_m), yaw_rad)])
-        free = np.ones(len(poses), dtype=np.bool_)
+        free = np.ones(len(points_m), dtype=np.bool_)
         c, s = np.cos(yaw_rad), np.sin(yaw_rad)
         for x_m, y_m, radius_m in self._discs:
             left = np.flatnonzero(free)
-            at_m = poses[left, :2] + np.array([c * x_m - s * y_m, s * x_m + c * y_m])
+            at_m = points_m[left] + np.array([c * x_m - s * y_m, s * x_m + c * y_m])
             apart = np.hypot(*self._field.offsets_m(at_m).T)
             free[left] = (apart >= radius_m + self._body_m + extra_m) & self._field.on_grid(at_m)
         return free
