@@ -26,7 +26,7 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
             position_m=_plain(trunk[:3]),
             orientation_wxyz=_plain(trunk[3:]),
             linear_velocity_m_s=_plain(qvel[:3]),
-            angular_velocity_rad_s=_plain(physics.trunk_angular_velocity_rad_s()),
+            angular_velocity_rad_s=_plain(physics.body_state().angular_velocity_rad_s),
         ),
         joint_positions_rad=_plain(qpos[JOINT_QPOS]),
         joint_velocities_rad_s=_plain(qvel[JOINT_QVEL]),

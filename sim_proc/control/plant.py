@@ -10,6 +10,7 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.scene.robot import RobotSpec
+from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import JointCommands, Knots
 
 
@@ -137,6 +138,9 @@ class Plant(Protocol):
 
         None if they are the same.
         """
+
+    def body_state(self) -> BodyState:
+        """The motion of trunk, feet and centre of mass, as it is known now."""
 
     def joints_rad(self) -> Floats:
         """Joint angles, (12,)."""

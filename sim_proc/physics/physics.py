@@ -13,6 +13,7 @@ from legpush.messages.stepping import Appearance
 from legpush.realism.reality import AS_ASSUMED, Reality
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, LEGS, TRUNK_QPOS
 from legpush.scene.scenario import Scenario
+from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.headless import mujoco
@@ -26,6 +27,7 @@ from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.assumed_body import AssumedBody, downhill_of
 from sim_proc.physics.contacts import ContactWatch
 from sim_proc.physics.delay import CommandDelay
+from sim_proc.physics.exact_state import exact_state
 from sim_proc.physics.gusts import GustSchedule
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
@@ -138,10 +140,9 @@ class Physics:
 
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
-        first, last = (self._sensors.of[f"{leg}_foot_force"] for leg in (LEGS[0], LEGS[-1]))
         allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
         lag = self._joint_sensors[0], commands.positions_rad, allowed_rad
-        return Landing(touchdown, slice(first.start + 2, last.stop, 3), holds, lag)
+        return Landing(touchdown, self._sensors.loads, holds, lag)
 
     def _simulate(
         self, controls: Floats, landing: Landing | None, *, stepwise: bool = False, limited: bool = False
@@ -244,6 +245,10 @@ class Physics:
         values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
         return values
 
+    def body_state(self) -> BodyState:
+        """The motion of trunk, feet and centre of mass."""
+        return exact_state(self.data, self._trunk_body, self._sensors)
+
     def joints_rad(self) -> Floats:
         """Joint angles, (12,)."""
         joints: Floats = self.data.qpos[JOINT_QPOS].copy()
@@ -261,12 +266,6 @@ class Physics:
     def box_forces_n(self) -> Floats:
         """Forces of the box on the feet, (4, 3)."""
         return self._sensors.box_forces_n(self.data.sensordata)
-
-    def trunk_angular_velocity_rad_s(self) -> Floats:
-        """Angular velocity of the trunk, world frame, (3,). MuJoCo keeps it in the frame of the trunk."""
-        rotation = self.data.xmat[self._trunk_body].reshape(3, 3)
-        velocity: Floats = rotation @ self.data.qvel[3:6]
-        return velocity
 
     def com_m(self) -> Floats:
         """Centre of mass of the robot as control takes it to be, (3,)."""

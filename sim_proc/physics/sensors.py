@@ -18,9 +18,22 @@ class Sensors:
         """Columns of the twelve joints."""
         self.n_contacts = self._from_to("FL_floor_contacts", "contacts")
         """Columns of the numbers of contacts, in the order of the model."""
+        forces = self._from_to("FL_foot_force", "RR_foot_force")
+        self.loads = slice(forces.start + 2, forces.stop, 3)
+        """Columns of the vertical forces of the feet on their surroundings."""
         self._tips = self._from_to("FL_tip", "RR_tip")
         self._floor_forces = self._from_to("FL_floor_force", "RR_floor_force")
         self._box_forces = self._from_to("FL_box_force", "RR_box_force")
+
+    def tips_m(self, readings: Floats) -> Floats:
+        """Centres of the foot spheres, (..., 4, 3), from all readings, (..., n)."""
+        tips: Floats = readings[..., self._tips].reshape(*readings.shape[:-1], len(LEGS), 3)
+        return tips
+
+    def loads_n(self, readings: Floats) -> Floats:
+        """What the feet carry, (..., 4), from all readings, (..., n)."""
+        loads: Floats = -readings[..., self.loads]
+        return loads
 
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""
@@ -35,7 +48,7 @@ class Sensors:
     def steps(self, readings: Floats) -> StepLog:
         """The measurements in the readings (ticks, steps, n) of physics steps."""
         return StepLog(
-            tips_m=readings[..., self._tips].reshape(*readings.shape[:-1], len(LEGS), 3),
+            tips_m=self.tips_m(readings),
             floor_forces_n=self.floor_forces_n(readings),
             box_forces_n=self.box_forces_n(readings),
             com_m=readings[..., self.of["com"]],

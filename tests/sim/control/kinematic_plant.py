@@ -3,12 +3,14 @@
 from math import atan2
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
 from legpush.scene.conventions import N_QPOS
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
+from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMAND_PERIOD_S, COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import StepLog, TickLog, Touchdown
 from sim_proc.gravity import GRAVITY_M_S2
@@ -43,6 +45,19 @@ class KinematicPlant:
 
     def box_pose(self) -> Pose2:
         return self._box_pose
+
+    def body_state(self) -> BodyState:
+        still = np.zeros(3)
+        return BodyState(
+            position_m=np.array([*self._trunk.xy(), self.robot.stance.height_m]),
+            rotation=Rotation.from_euler("z", self._trunk.yaw_rad).as_matrix(),
+            velocity_m_s=still,
+            angular_velocity_rad_s=still,
+            tips_m=self.tips_m(),
+            loads_n=self._floor_forces()[:, 2],
+            com_m=self.com_m(),
+            com_velocity_m_s=still,
+        )
 
     def joints_rad(self) -> Floats:
         return self._joints.ravel().copy()

@@ -89,7 +89,7 @@ def test_the_angular_velocity_of_the_trunk_is_in_the_world_frame(at_the_box: Sce
     turned = Pose2(x_m=2.0, y_m=5.0, yaw_rad=radians(90.0))
     physics = Physics(at_the_box, turned, at_the_box.box.pose.pose())
     physics.data.qvel[3:6] = [1.0, 0.0, 0.5]
-    np.testing.assert_allclose(physics.trunk_angular_velocity_rad_s(), [0.0, 1.0, 0.5], atol=1e-12)
+    np.testing.assert_allclose(physics.body_state().angular_velocity_rad_s, [0.0, 1.0, 0.5], atol=1e-12)
 
 
 def test_a_fall_ends_a_run_early(physics: Physics) -> None:
