@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
 from legpush.realism.reality import AS_ASSUMED, Reality
@@ -31,7 +30,9 @@ from sim_proc.physics.exact_state import exact_state
 from sim_proc.physics.gusts import GustSchedule
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
+from sim_proc.physics.senses import ExactSenses, OwnSenses
 from sim_proc.physics.sensors import Sensors
+from sim_proc.physics.soundness import require_sound
 from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
 
@@ -88,6 +89,8 @@ class Physics:
         self.tick = 0
         self.fallen = False
         self.perception = Perception(reality, data.qpos)
+        self.senses = ExactSenses(sensors) if reality.senses.exact else OwnSenses(reality, sensors, data.sensordata)
+        """The robot's own sensors."""
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
@@ -112,6 +115,7 @@ class Physics:
         delay = self._delay.copy()
         self._gusts.begin_run(tick)
         controls = planned.copy()
+        self.senses.begin_run(tick, len(controls))
         qpos, sensors = self._simulate(controls, landing)
         rows = sensors.reshape(-1, sensors.shape[-1])
         beyond = self._limits.beyond(*(rows[:, columns].copy(order="F") for columns in self._joint_sensors)).any()
@@ -123,9 +127,9 @@ class Physics:
             self.contacts, self._delay = contacts, delay
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
-        self._check(qpos)
+        require_sound(self._warnings, qpos, self.tick)
         self.perception.take(self.tick - len(qpos) + 1, qpos)
-        steps = self._sensors.steps(sensors)
+        steps, felt = self._sensors.steps(sensors), self.senses.of_tick(len(qpos) - 1, sensors)
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -134,15 +138,15 @@ class Physics:
             com_m=steps.com_m[:, -1],
             ctrl=controls[: len(qpos)],
             steps=steps,
-            touched_down=landing is not None and landing.touched_down(len(qpos) - 1, sensors[-1]),
-            not_down=None if landing is None else landing.not_down(len(qpos) - 1, sensors[-1]),
+            touched_down=landing is not None and landing.touched_down(len(qpos) - 1, felt),
+            not_down=None if landing is None else landing.not_down(len(qpos) - 1, felt),
         )
 
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
         allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
-        lag = self._joint_sensors[0], commands.positions_rad, allowed_rad
-        return Landing(touchdown, self._sensors.loads, holds, lag)
+        senses, lag = self.senses, (self.senses.joints, commands.positions_rad, allowed_rad)
+        return Landing(touchdown, senses.forces, holds, lag, least_n=senses.least_touch_n, late_steps=senses.late_steps)
 
     def _simulate(
         self, controls: Floats, landing: Landing | None, *, stepwise: bool = False, limited: bool = False
@@ -159,7 +163,7 @@ class Physics:
             self._gusts.blow(self.data, self.tick)
             if stepwise or (landing is not None and landing.may_stop(k)):
                 ticks = slice(k, k + 1)
-                planned = controls[k] if landing is None else landing.controls(k, controls[k], sensors[k])
+                planned = controls[k] if landing is None else self.senses.meanwhile(landing, k, controls[k], sensors)
                 self._run_steps(self._delay.one_by_one(planned), sensors[k], limited=limited)
                 qpos[k] = self.data.qpos
             else:
@@ -169,13 +173,16 @@ class Physics:
                 qpos[ticks] = self._ticks.run(self.model, self._delay.of_ticks(controls[ticks]), sensors[ticks])
             k = ticks.stop
             self.tick += k - ticks.start
+            self.senses.feel(ticks.start * COMMANDS_PER_TICK, sensors[ticks].reshape(-1, sensors.shape[-1]))
             if self._waiting.next_tick <= self.tick:
                 self._let_appear(self.tick)
             for tick, row in enumerate(qpos[ticks, :6].tolist(), ticks.start):
                 if self._is_fallen(row):
                     self.fallen = True
                     return qpos[: tick + 1], sensors[: tick + 1]
-            if np.count_nonzero(self._warnings) or (landing is not None and landing.ends(k - 1, sensors[k - 1])):
+            if np.count_nonzero(self._warnings):
+                break
+            if landing is not None and landing.ends(k - 1, self.senses.of_tick(k - 1, sensors)):
                 break
         return qpos[:k], sensors[:k]
 
@@ -227,19 +234,6 @@ class Physics:
         """Row of an obstacle that appears later in MuJoCo's `mocap_pos`."""
         return int(self.model.body(wall_name(index)).mocapid[0])
 
-    def _check(self, qpos: Floats) -> None:
-        """Check the ticks that were just simulated.
-
-        Raises:
-            LegpushError: MuJoCo warned, or the state stopped being finite.
-        """
-        when = f"between ticks {self.tick - len(qpos)} and {self.tick}: the episode cannot go on"
-        warnings = np.flatnonzero(self._warnings)
-        if len(warnings):
-            raise LegpushError(f"MuJoCo warned of {mujoco.mjtWarning(warnings[0]).name} {when}")
-        if not np.isfinite(qpos).all():
-            raise LegpushError(f"qpos stopped being finite {when}")
-
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""
         values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
@@ -288,7 +282,7 @@ class Physics:
 
     def state_crc(self) -> int:
         """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, and all that is on its way."""
-        under_way = self._delay.as_bytes() + self.perception.as_bytes()
+        under_way = self._delay.as_bytes() + self.perception.as_bytes() + self.senses.as_bytes()
         return crc_of_state(self.model, self.data, under_way, self._numbers_crc)
 
 
