@@ -3,7 +3,7 @@
 import struct
 from dataclasses import dataclass
 from math import ceil, cos, radians, sin
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,19 @@ ROUNDING_TICKS: Final = 1e-6
 """A time this close above a whole number of ticks counts as that number."""
 
 
+class Fix(NamedTuple):
+    """A pose of the trunk in the world that was measured."""
+
+    tick: int
+    given_tick: int
+    """From when on it is known."""
+    pose: Pose2
+
+
 @dataclass(frozen=True, kw_only=True)
-class _Measurement:
+class Measurement:
+    """The pose of a body that was measured."""
+
     tick: int
     """When it was made."""
     given_tick: int
@@ -27,6 +38,10 @@ class _Measurement:
     """Position and quaternion of the body then, (7,)."""
     error: Pose2
     """What the noise adds to x, y and heading."""
+
+    def pose(self) -> Floats:
+        """Position and quaternion as they were measured, (7,)."""
+        return _turned(self.true, self.error)
 
 
 class PoseSensor:
@@ -39,22 +54,27 @@ class PoseSensor:
         self._n_made = 0
         """Number of measurements that were made, or lost."""
         self._next_tick = 0
-        self._coming: list[_Measurement] = []
+        self._coming: list[Measurement] = []
         """Those that are not known yet, the oldest first."""
         self.known = self._measured(0, first, late_ticks=0)
         """The last one that is known."""
+        self.late_ticks = ceil(sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
+        """Age of a measurement when it becomes known."""
+        self.learned: list[Measurement] = []
+        """Those that became known in the ticks that were taken last."""
         self._count()
 
     def take(self, first_tick: int, poses: Floats) -> None:
         """Measure at the ends of ticks from `first_tick` on, when the body was at `poses`, (n, 7)."""
-        late_ticks = ceil(self._sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
+        self.learned = []
         for tick, true in enumerate(poses, first_tick):
             if tick >= self._next_tick:
                 if not self._is_lost():
-                    self._coming.append(self._measured(tick, true, late_ticks))
+                    self._coming.append(self._measured(tick, true, self.late_ticks))
                 self._count()
             while self._coming and self._coming[0].given_tick <= tick:
                 self.known = self._coming.pop(0)
+                self.learned.append(self.known)
 
     def _count(self) -> None:
         self._n_made += 1
@@ -64,10 +84,10 @@ class PoseSensor:
         generator = np.random.default_rng([self._seed, self._stream, self._n_made, 1])
         return bool(generator.random() < self._sensed.dropouts)
 
-    def _measured(self, tick: int, true: Floats, late_ticks: int) -> _Measurement:
+    def _measured(self, tick: int, true: Floats, late_ticks: int) -> Measurement:
         sensed = self._sensed
         x, y, turn = np.random.default_rng([self._seed, self._stream, self._n_made]).standard_normal(3).tolist()
-        return _Measurement(
+        return Measurement(
             tick=tick,
             given_tick=tick + late_ticks,
             true=true.copy(),
@@ -112,15 +132,28 @@ class Perception:
         if self._box is None:
             pose: Floats = qpos[BOX_QPOS]
             return pose
-        known = self._box.known
-        return _turned(known.true, known.error)
+        return self._box.known.pose()
+
+    def box_tick(self, tick: int) -> int:
+        """When the box was measured, if it is known at a tick."""
+        return tick if self._box is None else self._box.known.tick
+
+    def first_fix(self) -> Fix | None:
+        """The first localization of the robot; None if it is always known where it is."""
+        return None if self._trunk is None else _fix(self._trunk.known)
+
+    def fixes(self) -> tuple[list[Fix], int]:
+        """Localizations that became known in the ticks that were taken last, and their age in ticks then."""
+        if self._trunk is None:
+            return [], 0
+        return [_fix(one) for one in self._trunk.learned], self._trunk.late_ticks
 
     def place_of_world(self) -> Pose2 | None:
         """Pose of the world's frame, as the robot is located in it, in the true one; None if they are the same."""
         if self._trunk is None:
             return None
         known = self._trunk.known
-        return planar(known.true) @ planar(_turned(known.true, known.error)).inverse()
+        return planar(known.true) @ planar(known.pose()).inverse()
 
     def perceived(self, qpos: Floats, tick: int) -> Perceived | None:
         """What is known at a tick, from the true `qpos` (26,); None if everything is known as it is."""
@@ -132,12 +165,16 @@ class Perception:
             trunk=trunk if place is None else place.inverse() @ trunk,
             trunk_tick=tick if self._trunk is None else self._trunk.known.tick,
             box=BoxState(position_m=tuple(box[:3]), orientation_wxyz=tuple(box[3:])),
-            box_tick=tick if self._box is None else self._box.known.tick,
+            box_tick=self.box_tick(tick),
         )
 
     def as_bytes(self) -> bytes:
         """All that later perception depends on, but the seed."""
         return b"".join(sensor.as_bytes() for sensor in (self._box, self._trunk) if sensor is not None)
+
+
+def _fix(measured: Measurement) -> Fix:
+    return Fix(tick=measured.tick, given_tick=measured.given_tick, pose=planar(measured.pose()))
 
 
 def planar(pose: Floats) -> Pose2:

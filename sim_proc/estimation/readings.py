@@ -8,7 +8,7 @@ ACCELERATION: Final = slice(3, 6)
 """Acceleration of the middle of the trunk without that of gravity, in its frame."""
 JOINTS: Final = slice(6, 18)
 """Angles of the joints."""
-FORCES: Final = slice(18, 22)
+FORCES: Final = slice(18, 22, 1)
 """Vertical forces of the feet on their surroundings: negative while they stand."""
 N_READINGS: Final = 22
 """Numbers in a row."""

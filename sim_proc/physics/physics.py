@@ -57,19 +57,19 @@ class Physics:
         self._ticks, self._warnings = Ticks(model, data, forces=reality.has_gusts), data.warning.number
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
-        self._assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
-        self.downhill: Floats = self._assumed.downhill
+        self.assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
+        self.downhill: Floats = self.assumed.downhill
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
         self.actual_downhill: Floats = downhill_of(model)
         """The same of the floor as it is."""
-        self.mass_kg = self._assumed.mass_kg
+        self.mass_kg = self.assumed.mass_kg
         self._sensors = sensors = Sensors(model)
         self._joint_sensors = sensors.joint_positions, sensors.joint_velocities, sensors.joint_torques
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
         self._limits = ActuatorLimits(self.actual_robot)
-        self._dynamics = InverseDynamics(self._assumed.model, robot)
+        self._dynamics = InverseDynamics(self.assumed.model, robot)
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
         self._upright = cos(radians(robot.fall.tilt_deg))
@@ -89,7 +89,11 @@ class Physics:
         self.tick = 0
         self.fallen = False
         self.perception = Perception(reality, data.qpos)
-        self.senses = ExactSenses(sensors) if reality.senses.exact else OwnSenses(reality, sensors, data.sensordata)
+        self.senses = (
+            ExactSenses(sensors)
+            if reality.senses.exact
+            else OwnSenses(reality, sensors, data.sensordata, model.opt.gravity)
+        )
         """The robot's own sensors."""
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
@@ -130,6 +134,7 @@ class Physics:
         require_sound(self._warnings, qpos, self.tick)
         self.perception.take(self.tick - len(qpos) + 1, qpos)
         steps, felt = self._sensors.steps(sensors), self.senses.of_tick(len(qpos) - 1, sensors)
+        self.senses.end_run(len(qpos))
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -264,7 +269,7 @@ class Physics:
     def com_m(self) -> Floats:
         """Centre of mass of the robot as control takes it to be, (3,)."""
         if not self._reality.as_assumed:
-            return self._assumed.com_m(self.data.qpos)
+            return self.assumed.com_m(self.data.qpos)
         com: Floats = self.data.subtree_com[self._trunk_body].copy()
         return com
 
@@ -280,10 +285,10 @@ class Physics:
         """Pose of the trunk, projected to the floor."""
         return planar(self.data.qpos[TRUNK_QPOS])
 
-    def state_crc(self) -> int:
-        """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, and all that is on its way."""
+    def state_crc(self, more: bytes = b"") -> int:
+        """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, all that is on its way, and more."""
         under_way = self._delay.as_bytes() + self.perception.as_bytes() + self.senses.as_bytes()
-        return crc_of_state(self.model, self.data, under_way, self._numbers_crc)
+        return crc_of_state(self.model, self.data, under_way + more, self._numbers_crc)
 
 
 def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:

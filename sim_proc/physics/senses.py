@@ -43,6 +43,9 @@ class ExactSenses:
     def feel(self, step: int, sensors: Floats) -> None:
         """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
 
+    def end_run(self, n_ticks: int) -> None:
+        """End the run after `n_ticks`."""
+
     def of_tick(self, tick: int, sensors: Floats) -> Floats:
         """Readings in a tick of the run, (steps, n), from all sensors (ticks, steps, nsensordata)."""
         rows: Floats = sensors[tick]
@@ -65,13 +68,14 @@ class OwnSenses:
     least_touch_n = 30.0
     """Least force by which a foot is known to be down. Our choice: a foot in the air seldom reads as much."""
 
-    def __init__(self, reality: Reality, sensors: Sensors, first: Floats) -> None:
+    def __init__(self, reality: Reality, sensors: Sensors, first: Floats, gravity_m_s2: Floats) -> None:
         """Before anything has moved, the sensors read `first`, all sensors of the model."""
         felt = reality.senses
+        self._gravity_m_s2 = gravity_m_s2.copy()
+        self._velocity, self._orientation = sensors.of["imu_velocity"], sensors.of["imu_orientation"]
         self._seed = reality.seed
         self._sources = (
             (GYRO, sensors.of["imu_angular_velocity"]),
-            (ACCELERATION, sensors.of["imu_acceleration"]),
             (JOINTS, sensors.joint_positions),
             (FORCES, sensors.loads),
         )
@@ -93,30 +97,47 @@ class OwnSenses:
         """Noise of the present chunks of ticks."""
         self._true = np.empty((self.late_steps, N_READINGS))
         """What a row of sensors without delay would have read: some steps before the run, and the run itself."""
-        for columns, source in self._sources:
-            self._true[:, columns] = first[source]
+        self._velocities_m_s = first[None, self._velocity].copy()
+        """Of the IMU in the world: in the step before the run, and in those of the run itself, (1 + steps, 3)."""
+        self._read(np.repeat(first[None], self.late_steps, axis=0), np.zeros((self.late_steps, 3)), self._true)
         self._errors = np.empty((0, N_READINGS))
+        self.last = np.empty((0, COMMANDS_PER_TICK, N_READINGS))
+        """Readings of the last run, (ticks, steps, N_READINGS)."""
         self.tare_n = np.zeros(len(range(N_READINGS)[FORCES]))
         """What the foot forces are known to read too much, (4,)."""
 
     def begin_run(self, tick: int, n_ticks: int) -> None:
         """Begin a run of at most `n_ticks` after `tick`."""
         self._errors = self._biases + self._deviations * self._noise(tick, n_ticks)
-        self._errors[:, FORCES] -= self.tare_n
         past = self._true[: self.late_steps]
         self._true = np.empty((self.late_steps + n_ticks * COMMANDS_PER_TICK, N_READINGS))
         self._true[: self.late_steps] = past
+        self._velocities_m_s = np.concatenate([self._velocities_m_s[:1], np.empty((n_ticks * COMMANDS_PER_TICK, 3))])
 
     def feel(self, step: int, sensors: Floats) -> None:
         """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
-        rows = self._true[self.late_steps + step :][: len(sensors)]
+        n = len(sensors)
+        self._velocities_m_s[step + 1 : step + 1 + n] = sensors[:, self._velocity]
+        changes = np.diff(self._velocities_m_s[step : step + 1 + n], axis=0)
+        self._read(sensors, changes, self._true[self.late_steps + step :][:n])
+
+    def _read(self, sensors: Floats, changes_m_s: Floats, rows: Floats) -> None:
+        """Fill in what sensors without error and delay read, (n, N_READINGS), from all sensors (n, nsensordata) and the
+        changes of velocity in the steps before them, (n, 3)."""
         for columns, source in self._sources:
             rows[:, columns] = sensors[:, source]
+        w, x, y, z = sensors[:, self._orientation].T
+        force = (changes_m_s / PHYSICS_STEP_S - self._gravity_m_s2).T
+        # v' = v - 2 w (u x v) + 2 u x (u x v) turns into the frame of the trunk, with u = (x, y, z).
+        cross = y * force[2] - z * force[1], z * force[0] - x * force[2], x * force[1] - y * force[0]
+        rows[:, ACCELERATION.start] = force[0] - 2 * w * cross[0] + 2 * (y * cross[2] - z * cross[1])
+        rows[:, ACCELERATION.start + 1] = force[1] - 2 * w * cross[1] + 2 * (z * cross[0] - x * cross[2])
+        rows[:, ACCELERATION.start + 2] = force[2] - 2 * w * cross[2] + 2 * (x * cross[1] - y * cross[0])
 
     def of_tick(self, tick: int, sensors: Floats) -> Floats:
-        """Readings in a tick of the run, (steps, N_READINGS)."""
+        """Readings in a tick of the run, (steps, N_READINGS). Foot forces are without their tare."""
         del sensors
-        return self.readings(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK)
+        return self._tared(self.readings(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK))
 
     def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterator[Floats]:
         """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
@@ -125,25 +146,29 @@ class OwnSenses:
         for k in range(COMMANDS_PER_TICK):
             if k > 0 and self.late_steps < COMMANDS_PER_TICK:
                 self.feel(step + k - 1, sensors[tick, k - 1 : k])
-                readings[k - 1] = self.readings(step + k - 1, 1)[0]
+                readings[k - 1] = self._tared(self.readings(step + k - 1, 1))[0]
             yield next(given)
 
     def readings(self, step: int, n: int) -> Floats:
-        """Readings in `n` steps of the run from `step` on, (n, N_READINGS). Foot forces are without their tare."""
+        """Readings in `n` steps of the run from `step` on, (n, N_READINGS)."""
         steps = slice(step, step + n)
         given: Floats = self._true[steps] + self._errors[steps]
         return given
 
-    def end_run(self, n_ticks: int) -> Floats:
-        """End the run after `n_ticks`. Return its readings, (n_ticks, steps, N_READINGS)."""
+    def _tared(self, readings: Floats) -> Floats:
+        readings[:, FORCES] -= self.tare_n
+        return readings
+
+    def end_run(self, n_ticks: int) -> None:
+        """End the run after `n_ticks`."""
         n = n_ticks * COMMANDS_PER_TICK
-        readings = self.readings(0, n)
+        self.last = self.readings(0, n).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
         self._true = self._true[n : n + self.late_steps].copy()
-        return readings.reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+        self._velocities_m_s = self._velocities_m_s[n : n + 1].copy()
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
-        return self._true[: self.late_steps].tobytes() + self.tare_n.tobytes()
+        return b"".join(array.tobytes() for array in (self._true, self._velocities_m_s, self.tare_n))
 
     def _noise(self, tick: int, n_ticks: int) -> Floats:
         """Standard normal numbers for the steps of `n_ticks` after `tick`, (steps, N_READINGS)."""

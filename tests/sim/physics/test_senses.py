@@ -31,18 +31,19 @@ NOISY = Senses(
 
 @pytest.fixture(scope="module")
 def model() -> mujoco.MjModel:
-    return build_model(load_scenario("push"))
+    return build_model(load_scenario("push"), Reality(senses=NOISY))
 
 
 def own_senses(model: mujoco.MjModel, senses: Senses = NOISY, seed: int = 1) -> OwnSenses:
-    return OwnSenses(Reality(seed=seed, senses=senses), Sensors(model), np.zeros(model.nsensordata))
+    return OwnSenses(Reality(seed=seed, senses=senses), Sensors(model), np.zeros(model.nsensordata), model.opt.gravity)
 
 
 def run(senses: OwnSenses, tick: int, rows: Any) -> Any:
     """Readings of a run whose ticks have sensors (n, steps, nsensordata)."""
     senses.begin_run(tick, len(rows) + 3)
     senses.feel(0, rows.reshape(-1, rows.shape[-1]))
-    return senses.end_run(len(rows))
+    senses.end_run(len(rows))
+    return senses.last
 
 
 def test_readings_are_the_same_however_a_motion_is_split_into_runs(model: mujoco.MjModel) -> None:
@@ -85,11 +86,14 @@ def test_readings_come_late_and_a_tare_is_taken_off(model: mujoco.MjModel) -> No
     senses = own_senses(model, Senses(latency_s=0.006))
     rows = np.zeros((2, COMMANDS_PER_TICK, model.nsensordata))
     rows[..., sensors.joint_positions] = np.arange(2 * COMMANDS_PER_TICK).reshape(2, -1, 1) + 1.0
-    senses.tare_n[:] = 2.0
     readings = run(senses, 0, rows)
     assert readings[..., JOINTS.start].ravel().tolist() == [0.0] * 3 + [k + 1.0 for k in range(17)]
-    assert (readings[..., FORCES] == -2.0).all()
+    assert (readings[..., FORCES] == 0.0).all()
     assert run(senses, 2, rows)[0, :4, JOINTS.start].tolist() == [18.0, 19.0, 20.0, 1.0]
+    senses.tare_n[:] = 2.0
+    senses.begin_run(4, 2)
+    senses.feel(0, rows.reshape(-1, model.nsensordata))
+    assert (senses.of_tick(1, rows)[:, FORCES] == -2.0).all()
 
 
 def test_a_leg_that_may_stop_reads_each_step_in_time(model: mujoco.MjModel) -> None:
