@@ -75,7 +75,7 @@ class Physics:
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
-        self._places = trunk, box
+        self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
         self._gusts = GustSchedule(reality, self._trunk_body)
@@ -87,7 +87,7 @@ class Physics:
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
-        self.perception = Perception(reality, data.qpos)
+        self.perception = Perception(reality, data.qpos, scenario.box)
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
@@ -124,8 +124,8 @@ class Physics:
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         self._check(qpos)
-        self.perception.take(self.tick - len(qpos) + 1, qpos)
         steps = self._sensors.steps(sensors)
+        self.perception.take(self.tick - len(qpos) + 1, qpos, steps.tips_m[:, -1])
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -211,7 +211,7 @@ class Physics:
         data.qvel[:], data.time = 0.0, 0.0
         mujoco.mj_forward(self.model, data)
         self.tick = 0
-        self.perception = Perception(self._reality, data.qpos)
+        self.perception = Perception(self._reality, data.qpos, self._box)
 
     def alter(self, scenario: Scenario) -> None:
         """Go on with a scenario that differs from the present one only in mass or friction of the box."""
