@@ -176,7 +176,7 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When the robot gives up a plan that it has been thrown off, and the steps that it takes then, until it stands.
+    """How far the robot may be from its plan. Beyond that it takes capture steps until it stands.
 
     It trots: two diagonal feet stand while the other two step to where they can stop the trunk (capture steps).
     """
