@@ -4,13 +4,15 @@ from math import ceil
 
 import numpy as np
 
-from legpush.arrays import Floats
+from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
 from legpush.messages.stepping import BoxState, Perceived
+from legpush.scene.conventions import LEGS
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog, Touchdown
+from sim_proc.control.watch import Watch
 from sim_proc.estimation.body import body_numbers
 from sim_proc.estimation.estimator import Estimator
 from sim_proc.estimation.map_filter import MapFilter
@@ -66,20 +68,28 @@ class EstimatedRobot:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
         return self._physics.inverse_dynamics_n_m(motion, yaw_rad)
 
-    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+    def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
         """Track joint commands as `Physics.run` does, and estimate the motion afterwards."""
         physics, first_tick = self._physics, self._physics.tick + 1
-        log = physics.run(commands, until)
-        lifted = np.zeros((len(log.qpos), len(self._state.tips_m)), dtype=np.bool_)
-        if until is not None:
-            lifted[until.lift_tick + self._late_ticks : until.first_tick, until.leg] = True
-        self._estimator.advance(self._senses.last, lifted)
+        log = physics.run(commands, until, None if watch is None else _WatchedEstimate(self, until, watch))
+        self._estimator.advance(self._senses.last, self._lifted(len(log.qpos), until))
         self._senses.tare_n = self._estimator.tare_n
         self._state = self._estimator.state()
         if self._map is not None:
             fixes, latency_ticks = physics.perception.fixes()
             self._map.take(first_tick, self._estimator.trunk_poses(), fixes, latency_ticks)
         return log
+
+    def _lifted(self, n_ticks: int, until: Touchdown | None) -> Flags:
+        """Which feet are lifted by plan in the ticks of a run, as far as their readings tell of them, (n, 4)."""
+        lifted = np.zeros((n_ticks, len(LEGS)), dtype=np.bool_)
+        if until is not None:
+            lifted[until.lift_tick + self._late_ticks : until.first_tick, until.leg] = True
+        return lifted
+
+    def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats]:
+        """The centre of mass and its velocity in the ticks of the present run, (n, 3) each, as they are estimated."""
+        return self._estimator.foresee(self._senses.so_far(n_ticks), self._lifted(n_ticks, until))
 
     def body_state(self) -> BodyState:
         """The motion of trunk, feet and centre of mass, as it is estimated."""
@@ -129,3 +139,15 @@ class EstimatedRobot:
     def as_bytes(self) -> bytes:
         """All that later estimates depend on, but what the sensors read."""
         return self._estimator.as_bytes() + (b"" if self._map is None else self._map.as_bytes())
+
+
+class _WatchedEstimate(Watch):
+    """A `Watch` that looks at the estimate in the place of the truth."""
+
+    def __init__(self, robot: EstimatedRobot, until: Touchdown | None, watch: Watch) -> None:
+        self._robot, self._until, self._watch = robot, until, watch
+
+    def alarm(self, com_m: Floats, com_velocity_m_s: Floats) -> int | None:
+        """The first tick after which the motion is estimated to be too far from the plan, if it is."""
+        del com_velocity_m_s
+        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until))

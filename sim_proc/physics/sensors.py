@@ -35,6 +35,10 @@ class Sensors:
         loads: Floats = -readings[..., self.loads]
         return loads
 
+    def com(self, readings: Floats) -> tuple[Floats, Floats]:
+        """Centre of mass and its velocity at the last steps of ticks, (n, 3) each, from readings (n, steps, m)."""
+        return readings[:, -1, self.of["com"]], readings[:, -1, self.of["com_velocity"]]
+
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""
         forces: Floats = -readings[..., self._floor_forces].reshape(*readings.shape[:-1], len(LEGS), 3)
@@ -44,6 +48,10 @@ class Sensors:
         """Forces of the box on the feet, (..., 4, 3), from all readings, (..., n)."""
         forces: Floats = -readings[..., self._box_forces].reshape(*readings.shape[:-1], len(LEGS), 3)
         return forces
+
+    def foot_forces_n(self, readings: Floats) -> Floats:
+        """Forces of floor and box on the feet, (..., 4, 3), from all readings, (..., n)."""
+        return self.floor_forces_n(readings) + self.box_forces_n(readings)
 
     def steps(self, readings: Floats) -> StepLog:
         """The measurements in the readings (ticks, steps, n) of physics steps."""

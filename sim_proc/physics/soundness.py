@@ -1,4 +1,4 @@
-"""Checks that a simulation can go on."""
+"""Whether the numbers of a simulation are sound."""
 
 import numpy as np
 
@@ -7,15 +7,15 @@ from legpush.errors import LegpushError
 from sim_proc.headless import mujoco
 
 
-def require_sound(warnings: Integers, qpos: Floats, tick: int) -> None:
-    """Check the ticks up to `tick` that were just simulated, from MuJoCo's numbers of warnings and `qpos` (n, nq).
+def require_sound(n_warnings: Integers, qpos: Floats, tick: int) -> None:
+    """Check the ticks that were just simulated up to `tick`, with MuJoCo's numbers of warnings and `qpos` (n, 26).
 
     Raises:
         LegpushError: MuJoCo warned, or the state stopped being finite.
     """
     when = f"between ticks {tick - len(qpos)} and {tick}: the episode cannot go on"
-    warned = np.flatnonzero(warnings)
-    if len(warned):
-        raise LegpushError(f"MuJoCo warned of {mujoco.mjtWarning(warned[0]).name} {when}")
+    warnings = np.flatnonzero(n_warnings)
+    if len(warnings):
+        raise LegpushError(f"MuJoCo warned of {mujoco.mjtWarning(warnings[0]).name} {when}")
     if not np.isfinite(qpos).all():
         raise LegpushError(f"qpos stopped being finite {when}")
