@@ -63,7 +63,8 @@ def test_the_transition_of_errors_is_the_derivative_of_the_motion() -> None:
     def error_after(moved: Floats) -> Floats:
         motion.propagate.py_func(moved, gravity, readings, np.empty(6), np.eye(3))
         turn = Rotation.from_matrix(end.T @ matrix(moved)).as_rotvec()
-        return np.r_[moved[:6] - after[:6], turn]
+        error: Floats = np.r_[moved[:6] - after[:6], turn]
+        return error
 
     f = np.empty((9, 15))
     filtering.error_transition.py_func(r, means, f)
