@@ -18,6 +18,7 @@ from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.control.plant import TickLog, Touchdown, joined
 from sim_proc.control.posture import Posture
+from sim_proc.control.push_force import PushForce
 from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
 from sim_proc.control.turning import turn
 from sim_proc.gravity import GRAVITY_M_S2
@@ -55,6 +56,8 @@ class Step:
     end_yaw_rad: float
     margin_m: float
     """Wanted distance of the ZMP inside the support polygon while the leg is up."""
+    push: PushForce | None = None
+    """What the foot in the air does to the box, at the ticks of the swing."""
 
     @property
     def n_ticks(self) -> int:
@@ -157,7 +160,7 @@ class Steps:
         """
         posture, gait = self.posture, self._gait
         curve = search_swing(posture.feet_m[LEGS.index(leg)], gait)
-        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve))
+        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve), push=None)
         step, plan = self._plan([search, *ahead[1:]])
         until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False)
         logs = [self._move(step, plan, lambda _: curve, until)]
@@ -196,6 +199,7 @@ class Steps:
             plan.zmp_m[:n] + self._lean_m,
             plan.acceleration_m_s2[:n],
             until,
+            None if step.push is None else step.push.after(step.shift_ticks),
         )
         last = len(log.qpos) - 1
         posture.com_state = plan.state(last)
