@@ -18,9 +18,10 @@ from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import LEGS, FrontLeg, Leg
-from legpush.scene.faces import PUSHABLE, pushed_box, pushed_com_m, pushed_pose
+from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
+from legpush.scene.push_bounds import contact_height_m
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
 from sim_proc.control.gait import require_within_reach, swing_to
@@ -47,21 +48,6 @@ def contact_point(robot: RobotSpec, box: Box, box_pose: Pose2, face: Face, leg: 
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
     x, y = pushed_pose(box_pose, face).apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
     return np.array([x, y, contact_height_m(robot, box, face)])
-
-
-def contact_height_m(robot: RobotSpec, box: Box, face: Face) -> float:
-    """Height of the contact point: within reach of the leg, and low enough that a sliding box does not tip.
-
-    Friction with the floor holds a sliding box back by the same share of its weight whatever its mass. The box tips
-    over its front edge if it is pushed above the distance from its centre of mass to that edge, along the push, divided
-    by the friction coefficient with the floor.
-    """
-    length, _, height = pushed_box(box, face).size_m
-    to_edge_m = length / 2 - pushed_com_m(box, face)[0]
-    motion = robot.pushing
-    tips_m = motion.tip_share * to_edge_m / box.friction
-    reach_m = motion.reach_height_share * robot.stance.height_m
-    return max(min(motion.contact_height_share * height, tips_m, reach_m), 2 * robot.legs.foot_radius_m)
 
 
 @dataclass(frozen=True, kw_only=True)

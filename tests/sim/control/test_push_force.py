@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from legpush.arrays import Floats
 from sim_proc.control.balance import foot_forces
 from sim_proc.control.push_force import PushForce, pushing_forces
 from sim_proc.gravity import GRAVITY_M_S2
@@ -15,15 +16,16 @@ ACCELERATION = np.array([[0.2, -0.1]])
 HEIGHT_M = 0.2
 
 
-def standing() -> np.ndarray:
+def standing() -> Floats:
     """Three feet on the floor, and the front left one at a box, (1, 4, 3)."""
     corners = ROBOT.stance.foot_rectangle_b()
     feet = np.concatenate([corners, np.full((4, 1), ROBOT.legs.foot_radius_m)], axis=1)
     feet[0] = [0.5, 0.15, HEIGHT_M]
-    return feet[None]
+    found: Floats = feet[None]
+    return found
 
 
-def planned(force_n: list[float]) -> np.ndarray:
+def planned(force_n: list[float]) -> Floats:
     push = PushForce(leg=0, force_n=np.array([force_n]), height_m=HEIGHT_M)
     return pushing_forces(standing(), LIFTED, ZMP_M, ACCELERATION, MASS_KG, push)[0]
 
@@ -42,10 +44,11 @@ def test_the_pushing_foot_gets_the_reaction_and_all_forces_still_accelerate_the_
 
 
 def test_all_moments_about_the_zmp_are_those_of_a_robot_that_does_not_push() -> None:
-    def moments(forces: np.ndarray) -> np.ndarray:
+    def moments(forces: Floats) -> Floats:
         arms = standing()[0] - [*ZMP_M[0], 0.0]
         arms[1:, 2] = 0.0
-        return np.cross(arms, forces).sum(axis=0)
+        found: Floats = np.cross(arms, forces).sum(axis=0)
+        return found
 
     np.testing.assert_allclose(moments(planned([80.0, 20.0, 15.0])), moments(planned([0.0, 0.0, 0.0])), atol=0.2)
 
