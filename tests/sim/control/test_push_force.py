@@ -21,13 +21,14 @@ def standing() -> Floats:
     corners = ROBOT.stance.foot_rectangle_b()
     feet = np.concatenate([corners, np.full((4, 1), ROBOT.legs.foot_radius_m)], axis=1)
     feet[0] = [0.5, 0.15, HEIGHT_M]
-    found: Floats = feet[None]
+    found: Floats = np.array([feet])
     return found
 
 
 def planned(force_n: list[float]) -> Floats:
     push = PushForce(leg=0, force_n=np.array([force_n]), height_m=HEIGHT_M)
-    return pushing_forces(standing(), LIFTED, ZMP_M, ACCELERATION, MASS_KG, push)[0]
+    found: Floats = pushing_forces(standing(), LIFTED, ZMP_M, ACCELERATION, MASS_KG, push)[0]
+    return found
 
 
 def test_without_a_force_the_feet_stand_as_ever() -> None:
