@@ -18,7 +18,7 @@ from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import World
 from legpush.messages.stepping import Reset
 from legpush.runs.reasons import REASONS
-from legpush.scene.push_bounds import cannot_push
+from legpush.scene.pushing.bounds import cannot_push
 from legpush.scene.scenario import Scenario
 
 

@@ -23,7 +23,7 @@ from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Outcome, Reset
 from legpush.policy_names import DEFAULT_POLICY
 from legpush.realism.settings import Profile
-from legpush.scene.push_bounds import least_force_n, most_force_n
+from legpush.scene.pushing.bounds import least_force_n, most_force_n
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
 from sim_proc.control.resistance import Resistance

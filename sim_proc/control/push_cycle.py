@@ -21,7 +21,7 @@ from legpush.scene.conventions import LEGS, FrontLeg, Leg
 from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
-from legpush.scene.push_bounds import contact_height_m
+from legpush.scene.pushing.bounds import contact_height_m
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
 from sim_proc.control.gait import require_within_reach, swing_to

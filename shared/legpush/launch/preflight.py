@@ -22,7 +22,7 @@ from legpush.runs.reasons import REASONS
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import dump_scenario, write_scenario
 from legpush.scene.plan_settings import steering_fault
-from legpush.scene.push_bounds import cannot_push
+from legpush.scene.pushing.bounds import cannot_push
 from legpush.scene.scenario import Scenario
 
 CHECK: Final[Program] = "agent_proc.programs.check_mission"

@@ -4,7 +4,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.scenarios.file import load_scenario
-from legpush.scene.push_bounds import cannot_push, least_force_n, most_force_n
+from legpush.scene.pushing.bounds import cannot_push, least_force_n, most_force_n
 from legpush.scene.scenario import Scenario
 
 SCENARIO = load_scenario("push")
