@@ -112,8 +112,9 @@ def joined(logs: Sequence[TickLog]) -> TickLog:
 class Plant(Protocol):
     """A robot beside a box, which control can measure and move: simulated here, hardware elsewhere. World frame."""
 
-    fallen: bool
-    """Whether the robot has fallen. A fallen robot cannot be moved any more."""
+    @property
+    def fallen(self) -> bool:
+        """Whether the robot has fallen. A fallen robot cannot be moved any more."""
 
     @property
     def robot(self) -> RobotSpec:
