@@ -24,6 +24,7 @@ from legpush.stepwise import StepwiseWorld
 from planner_proc.planning import make_plans
 from sim_proc.control.joint_commands import JointCommands
 from sim_proc.control.plant import TickLog, Touchdown
+from sim_proc.control.watch import Watch
 from sim_proc.headless import mujoco
 from sim_proc.physics import physics
 from sim_proc.simulator import Simulator
@@ -156,8 +157,10 @@ def _collect_controls(controls: list[np.ndarray]) -> None:
     """Make `Physics.run` append its servo commands to the list from now on."""
     run = physics.Physics.run
 
-    def run_and_collect(self: physics.Physics, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
-        recording = run(self, commands, until)
+    def run_and_collect(
+        self: physics.Physics, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None
+    ) -> TickLog:
+        recording = run(self, commands, until, watch)
         controls.append(recording.ctrl)
         return recording
 

@@ -111,6 +111,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         robot_motion.Stance,
         robot_motion.Gait,
         robot_motion.PushMotion,
+        robot_motion.Capture,
         robot_motion.FallLimits,
         reference.Sine,
         reference.Arcs,

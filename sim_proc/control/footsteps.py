@@ -59,6 +59,12 @@ class PosePath:
         """x, y and unwrapped yaw at travelled lengths (...,), clamped to the path, (..., 3)."""
         return np.stack([np.interp(travelled_m, self._travelled, column) for column in self._xy_yaw.T], axis=-1)
 
+    def ahead_of(self, travelled_m: float) -> tuple[Pose2, ...]:
+        """Waypoints of the part of the path from a travelled length on."""
+        later = self._xy_yaw[self._travelled > travelled_m]
+        rows = np.concatenate([self.poses(np.array(travelled_m))[None], later]).tolist()
+        return tuple(Pose2(x_m=x, y_m=y, yaw_rad=yaw) for x, y, yaw in rows)
+
     def corners(self, travelled_m: Floats) -> Floats:
         """Corner of the foot rectangle of each leg at its own travelled length, (..., 4) to (..., 4, 2)."""
         pose = self.poses(travelled_m)

@@ -15,7 +15,8 @@ from legpush.scene.robot import RobotSpec
 from legpush.scene.robot_motion import Gait
 from sim_proc.control.footsteps import GAIT_ORDER, CycleTargets, PosePath, next_cycle
 from sim_proc.control.plant import TickLog
-from sim_proc.control.steps import Step, Steps, Swing, rest
+from sim_proc.control.step import Step, Swing, rest
+from sim_proc.control.steps import Steps
 from sim_proc.control.swing import landing_swing
 
 
@@ -37,6 +38,10 @@ class PathWalk:
         self._path = PosePath(plant.robot, self._measured(self._waypoints))
         begin = self._measured(self._waypoints[:1])[0]
         require_within_reach("a path that begins", plant.robot.gait, plant.trunk_pose(), begin)
+        self._length_m = self._path.length_m
+        """Length of the path that was asked for. After capture steps another one leads back to it."""
+        self._before_m = 0.0
+        """Travelled length at the beginning of the path that is walked now; below 0 after a way back."""
         self._travelled = np.zeros(4)
         self._hole_at: Step | None = None
         """The step whose foot found no floor."""
@@ -55,10 +60,16 @@ class PathWalk:
             self._path = PosePath(self._robot, self._measured(self._waypoints))
             self._travelled[at_end] = self._path.length_m
 
+    @property
+    def ended(self) -> bool:
+        """Whether the walk is over: at the end of the path, or before a place without floor."""
+        return self._hole_at is not None or self.progress().done
+
     def progress(self) -> PathProgress:
         """Travelled length of the feet. A turn on the spot counts by the arc that the feet describe."""
         done = bool((self._travelled >= self._path.length_m).all())
-        return PathProgress(travelled_m=float(self._travelled.mean()), length_m=self._path.length_m, done=done)
+        travelled_m = max(self._before_m + float(self._travelled.mean()), 0.0)
+        return PathProgress(travelled_m=travelled_m, length_m=self._length_m, done=done)
 
     def cycle(self) -> list[TickLog]:
         """Take one step with each leg, and come to rest after the last cycle of the path.
@@ -89,6 +100,9 @@ class PathWalk:
             logs.append(self._steps.take_step(ahead[index : index + 4], swing))
             if posture.plant.fallen:
                 return logs
+            if self._steps.captured:
+                self._rejoin()
+                return logs
             if self._steps.without_floor is not None:
                 self._hole_at = ahead[index]
                 return [*logs, self._steps.stop()]
@@ -96,7 +110,20 @@ class PathWalk:
         if self.progress().done:
             logs.append(self._steps.take_step([self._rest()], None))
             posture.com_state[1:] = 0.0
+            if self._steps.captured and not posture.plant.fallen:
+                self._rejoin()
         return logs
+
+    def _rejoin(self) -> None:
+        """Lead the path from where the robot stands after capture steps back to where it was going."""
+        here = self._steps.posture.plant.trunk_pose()
+        at_m = float(self._travelled.mean())
+        x, y, _ = self._path.poses(np.array(at_m))
+        ahead_m = max(self._robot.gait.stride_m, hypot(here.x_m - x, here.y_m - y))
+        measured = self._path.ahead_of(min(at_m + ahead_m, self._path.length_m))
+        self._waypoints = in_world(self._place_of_world, (here, *measured))
+        self._path, self._travelled = PosePath(self._robot, self._measured(self._waypoints)), np.zeros(4)
+        self._before_m = self._length_m - self._path.length_m
 
     def _steps_of(self, before: Floats, targets: CycleTargets) -> list[Step]:
         """The four steps of a cycle, during which the trunk advances evenly."""
@@ -139,6 +166,14 @@ class PathWalk:
     def _rest(self) -> Step:
         end = self._path.poses(np.array(self._path.length_m))
         return rest(self._robot.gait, end[:2], float(end[2]))
+
+
+def in_world(place_of_world: Pose2 | None, measured: Sequence[Pose2]) -> tuple[Pose2, ...]:
+    """Poses in the frame of the world, whose own place in the frame of the measurements is `place_of_world`."""
+    if place_of_world is None:
+        return tuple(measured)
+    from_measured = place_of_world.inverse()
+    return tuple(from_measured @ pose for pose in measured)
 
 
 def require_within_reach(what: str, gait: Gait, trunk: Pose2, place: Pose2) -> None:

@@ -76,3 +76,13 @@ def interpolated(at: Knots, torques_n_m: Floats) -> JointCommands:
     velocities = _CHANGE_RATE * (p0 - p1) + _START_RATE * v0 + _END_RATE * v1
     t0, t1 = torques_n_m[:-1, None], torques_n_m[1:, None]
     return JointCommands(positions_rad=positions, velocities_rad_s=velocities / dt, torques_n_m=t0 + _U * (t1 - t0))
+
+
+def ramped(now_rad: Floats, then_rad: Floats, now_n_m: Floats, then_n_m: Floats) -> JointCommands:
+    """Commands of one tick in which joints (12,) move evenly, and so do their torques (12,)."""
+    velocity = (then_rad - now_rad) / CONTROL_PERIOD_S
+    return JointCommands(
+        positions_rad=(now_rad + _U * (then_rad - now_rad))[None],
+        velocities_rad_s=np.repeat(velocity[None], COMMANDS_PER_TICK, axis=0)[None],
+        torques_n_m=(now_n_m + _U * (then_n_m - now_n_m))[None],
+    )

@@ -12,6 +12,7 @@ from legpush.geometry import Pose2
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import JointCommands, Knots
+from sim_proc.control.watch import Watch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,13 +95,15 @@ class TickLog:
     """Whether the motion ended with the touchdown that was to end it."""
     not_down: int | None = None
     """The leg whose foot was not down when another one was to be lifted. It ended the motion."""
+    left_plan: bool = False
+    """Whether the motion ended because the robot was too far from the plan."""
 
 
 def joined(logs: Sequence[TickLog]) -> TickLog:
     """The log of motions that followed one another. It ended as the last one did."""
     if len(logs) == 1:
         return logs[0]
-    ends: dict[str, Any] = {"touched_down": logs[-1].touched_down, "not_down": logs[-1].not_down}
+    ends: dict[str, Any] = {name: getattr(logs[-1], name) for name in ("touched_down", "not_down", "left_plan")}
     names = [field.name for field in fields(TickLog) if field.name not in ("steps", *ends)]
     rows: dict[str, Any] = {name: np.concatenate([getattr(log, name) for log in logs]) for name in names}
     return TickLog(**rows, steps=joined_steps([log.steps for log in logs]), **ends)
@@ -157,5 +160,8 @@ class Plant(Protocol):
         The trunk is level and at rest, turned by `yaw_rad` (n,), and nothing touches the feet.
         """
 
-    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
-        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown."""
+    def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown or an alarm.
+
+        The motion that is watched is that of the centre of mass as it is known in each tick.
+        """

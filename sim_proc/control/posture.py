@@ -7,10 +7,11 @@ import numpy as np
 from legpush.arrays import Floats
 from legpush.scene.conventions import CONTROL_PERIOD_S, JOINTS
 from sim_proc.control.balance import foot_forces
-from sim_proc.control.joint_commands import interpolated, knots
+from sim_proc.control.joint_commands import interpolated, knots, ramped
 from sim_proc.control.plant import Plant, TickLog, Touchdown
 from sim_proc.control.push_force import PushForce, pushing_forces
 from sim_proc.control.swing import minimum_jerk
+from sim_proc.control.watch import Watch
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
 from sim_proc.kinematics.reach import require_reach
@@ -25,6 +26,7 @@ class Posture:
         robot = plant.robot
         self._kinematics = LegKinematics(robot)
         self._height_m = robot.stance.height_m
+        self._max_speeds_rad_s = np.array(len(SIDE) * [joint.max_speed_rad_s for joint in robot.joints.in_order()])
         self._press_m = robot.gait.press_m
         self._uncorrected: Floats = 1.0 - minimum_jerk(robot.gait.reanchor_ticks)
         """Share of a correction by measured feet that is left after each of the first ticks."""
@@ -109,11 +111,12 @@ class Posture:
         zmp_m: Floats,
         acceleration_m_s2: Floats,
         until: Touchdown | None = None,
+        watch: Watch | None = None,
         push: PushForce | None = None,
     ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
 
-        It ends early at a touchdown.
+        It ends early at a touchdown, and where the robot is too far from its plan.
 
         `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet, and `push` the
         force of one of them on the box.
@@ -138,7 +141,7 @@ class Posture:
         motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
         torques += self.plant.inverse_dynamics_n_m(motion, yaw_rad)
         before = torques[0] if self._joint_torques_n_m is None else self._joint_torques_n_m
-        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])), until)
+        log = self.plant.run(interpolated(motion, np.concatenate([before[None], torques])), until, watch)
         last = len(log.qpos) - 1
         self.joints_rad, self._joint_velocities_rad_s = (
             motion.positions_rad[last + 1],
@@ -149,6 +152,35 @@ class Posture:
         if until is not None and until.stops_leg and log.touched_down and last < until.landing_tick:
             self._stop_leg(until.leg)
         return log
+
+    def react(self, tips_b: Floats, forces_b: Floats) -> TickLog:
+        """Move the feet to `tips_b` (4, 3) in one tick, and push with `forces_b` (4, 3) on the floor; trunk frame.
+
+        The joints move evenly, at most as fast as they can. Where trunk and feet are planned to be is not changed.
+        """
+        joints = self._kinematics.inverse(tips_b - self._kinematics.hips_b, SIDE, saturate=True)
+        torques = -np.einsum("lij,li->lj", self._kinematics.jacobian(joints, SIDE), forces_b).ravel()
+        farthest = CONTROL_PERIOD_S * self._max_speeds_rad_s
+        step = np.clip(joints.ravel() - self.joints_rad, -farthest, farthest)
+        before = torques if self._joint_torques_n_m is None else self._joint_torques_n_m
+        log = self.plant.run(ramped(self.joints_rad, self.joints_rad + step, before, torques))
+        self.joints_rad = self.joints_rad + step
+        self._joint_velocities_rad_s, self._joint_torques_n_m = step / CONTROL_PERIOD_S, torques
+        return log
+
+    def resume(self, touchdown_m: float) -> None:
+        """Go on from where trunk and feet are, after a motion that was not planned. All feet are down.
+
+        The planned height of a foot that is down is `touchdown_m`.
+        """
+        state = self.plant.body_state()
+        trunk = self.plant.trunk_pose()
+        self.trunk_xy_m, self.yaw_rad, self.yaw_rate_rad_s = trunk.xy(), trunk.yaw_rad, 0.0
+        self.feet_m = self.plant.tips_m().copy()
+        for leg in range(len(self.feet_m)):
+            self.put_down(leg, touchdown_m)
+        self.com_offset_m = self.plant.com_m()[:2] - self.trunk_xy_m
+        self.com_state = np.stack([self.trunk_xy_m + self.com_offset_m, state.com_velocity_m_s[:2], np.zeros(2)])
 
     def put_down(self, leg: int, planned_m: float) -> None:
         """Take over the measured height of a foot that is down, or the planned one if that is nearly the same.

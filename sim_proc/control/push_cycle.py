@@ -24,11 +24,12 @@ from legpush.scene.names import Face
 from legpush.scene.pushing.bounds import contact_height_m
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
-from sim_proc.control.gait import require_within_reach, swing_to
+from sim_proc.control.gait import PathWalk, in_world, require_within_reach, swing_to
 from sim_proc.control.plant import TickLog
 from sim_proc.control.push_force import PushForce
 from sim_proc.control.resistance import Resistance
-from sim_proc.control.steps import Step, Steps, Swing, rest
+from sim_proc.control.step import Step, Swing, rest
+from sim_proc.control.steps import Steps
 from sim_proc.control.stroke import heavy_force, heavy_ticks, heavy_way
 from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing
 from sim_proc.gravity import GRAVITY_M_S2
@@ -72,6 +73,8 @@ class Pusher:
     def cycle(self, push: Push, weights: Sequence[float]) -> PushLog:
         """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
 
+        A robot that had to take capture steps walks to the place to push from, and the cycle ends there.
+
         The `weights` place the inner control points of the foot's curve: two for the cubic curve of a push.
 
         Raises:
@@ -99,17 +102,19 @@ class Pusher:
         logs = [self._steps.take_step(ahead, swing, lands=False, planned=planned)]
         self._feel(push.leg, pose.yaw_rad, logs[0], 0 if force is None else robot.pushing.unload_ticks)
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
-        if not plant.fallen:
+        if not plant.fallen and not self._steps.captured:
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
                 swing = self._return_swing(step.target_m) if index == 0 else swing_to(robot, step.target_m, ticks)
                 logs.append(self._steps.take_step(follow[index : index + 4], swing))
-                if plant.fallen:
+                if plant.fallen or self._steps.captured:
                     break
                 if self._steps.without_floor is not None:
                     logs.append(self._steps.stop())
                     break
+        if self._steps.captured and not plant.fallen:
+            logs += self._walk_to(self._station(push.face))
         return PushLog(logs=logs, peak_force_n=peak)
 
     def _require_face(self, face: Face) -> None:
@@ -133,11 +138,27 @@ class Pusher:
         """Where to stand after the push: at the box, or in the same place if the box slid out of reach."""
         plant = self._steps.posture.plant
         here = plant.trunk_pose()
-        station = behind_box(pushed_box(self._box, face), pushed_pose(plant.box_pose(), face), self._robot.station_m)
+        station = self._station(face)
         away = here.inverse() @ station
         gait = self._robot.gait
         near = hypot(away.x_m, away.y_m) <= gait.max_off_m and abs(away.yaw_rad) <= radians(gait.max_off_deg)
         return station if near else here
+
+    def _station(self, face: Face) -> Pose2:
+        """Where to stand for a push against a face."""
+        box = self._steps.posture.plant.box_pose()
+        return behind_box(pushed_box(self._box, face), pushed_pose(box, face), self._robot.station_m)
+
+    def _walk_to(self, place: Pose2) -> list[TickLog]:
+        """Walk to a place nearby, after capture steps."""
+        plant = self._steps.posture.plant
+        walk = PathWalk(self._steps, in_world(plant.place_of_world(), (plant.trunk_pose(), place)))
+        logs: list[TickLog] = []
+        for _ in range(self._robot.capture.most_cycles):
+            logs += walk.cycle()
+            if plant.fallen or walk.ended:
+                break
+        return logs
 
     def _force(self, leg: FrontLeg, yaw_rad: float, height_m: float) -> PushForce | None:
         """The planned force of a push in a direction; None for a light box, which position alone moves.

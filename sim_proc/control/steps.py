@@ -3,9 +3,9 @@
 Walking and pushing are sequences of such steps.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from math import ceil
 from typing import Final
@@ -14,11 +14,12 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.scene.conventions import LEGS, Leg
-from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
+from sim_proc.control.feedback.capture import CaptureTrot
+from sim_proc.control.feedback.deviation import Deviation
 from sim_proc.control.plant import TickLog, Touchdown, joined
 from sim_proc.control.posture import Posture
-from sim_proc.control.push_force import PushForce
+from sim_proc.control.step import Planned, Step, Swing, rest
 from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
 from sim_proc.control.turning import turn
 from sim_proc.gravity import GRAVITY_M_S2
@@ -39,40 +40,6 @@ They are tried in order, until the CoM's ground projection is planned to keep th
 """
 
 
-@dataclass(frozen=True, kw_only=True)
-class Step:
-    """A step of one leg, and the motion of the trunk meanwhile."""
-
-    leg: Leg | None
-    """With None all feet stay down and the weight comes to rest at `nominal_xy_m`."""
-    shift_ticks: int
-    swing_ticks: int
-    target_m: Floats
-    """Where the foot comes down, (2,)."""
-    nominal_xy_m: Floats
-    """Position of the centre of mass half way through the swing, (2,)."""
-    end_velocity_m_s: Floats
-    """Velocity of the centre of mass after the step, used if no step follows, (2,)."""
-    end_yaw_rad: float
-    margin_m: float
-    """Wanted distance of the ZMP inside the support polygon while the leg is up."""
-    push: PushForce | None = None
-    """What the foot in the air does to the box, at the ticks of the swing."""
-
-    @property
-    def n_ticks(self) -> int:
-        """Duration of the step."""
-        return self.shift_ticks + self.swing_ticks
-
-
-Swing = Callable[[Floats], Floats]
-"""A function from the place of a foot, (3,), to its curve through the air, (swing_ticks, 3)."""
-
-
-Planned = tuple[Step, ComPlan]
-"""A step, with its shift as long as a stable lift takes, and the planned motion of the CoM over the steps ahead."""
-
-
 class Steps:
     """Takes one step at a time, and plans the motion of the centre of mass over the steps ahead for each."""
 
@@ -88,6 +55,9 @@ class Steps:
         """Index of the leg that the last step put down."""
         self.without_floor: Leg | None = None
         """Leg that found no floor in the last step, and went back to where it stood."""
+        self.captured = False
+        """Whether the last step was given up for capture steps. Then the robot stands with all feet down."""
+        self._deviation = Deviation(robot.capture, robot.stance.com_height_m)
         self._carried: tuple[int, ...] = ()
         """Legs that were searched for the floor in the present step, and found it."""
         self._footholds_m = posture.feet_m.copy()
@@ -102,18 +72,42 @@ class Steps:
         With `lands=False` the foot stays in the air, and the next step must move the same leg without a shift.
         `planned` is what `require_reach` planned of these steps, if it has.
         """
-        self.without_floor = None
+        self.without_floor, self.captured = None, False
         self._carried = ()
         logs = [self._lift_and_swing(ahead, swing, lands=lands, planned=planned)]
-        while (missing := logs[-1].not_down) is not None:
+        while (missing := logs[-1].not_down) is not None and not logs[-1].left_plan:
             leg, place_m = LEGS[missing], self.posture.feet_m[missing, :2].copy()
             logs += self._search(leg, [replace(ahead[0], leg=leg, target_m=place_m), *ahead[1:]])
+            if logs[-1].left_plan:
+                break
             self._put_down(leg)
             if self.without_floor is not None or self.posture.plant.fallen:
                 break
             self._carried += (missing,)
             logs.append(self._lift_and_swing(ahead, swing, lands=lands))
+        if logs[-1].left_plan and not self.posture.plant.fallen:
+            logs += self._capture(None if ahead[0].leg is None else LEGS.index(ahead[0].leg))
         return joined(logs)
+
+    def _capture(self, leg: int | None) -> list[TickLog]:
+        """Take capture steps until the robot stands with all feet down. `leg` is the one that was to step."""
+        posture = self.posture
+        lifted = leg if leg is not None and posture.feet_m[leg, 2] > self._footholds_m[leg, 2] else None
+        logs: list[TickLog] = []
+        for _ in range(posture.plant.robot.capture.most_trots):
+            trot = CaptureTrot(posture)
+            logs += trot.run(lifted)
+            self.n_footsteps += trot.n_footsteps
+            if posture.plant.fallen:
+                return logs
+            self._deviation.allow_more()
+            self.captured, self.landed, self._carried, lifted = True, None, (), None
+            posture.resume(self._touchdown_m)
+            logs.append(self._come_to_rest())
+            if not logs[-1].left_plan:
+                break
+        self._footholds_m = posture.feet_m.copy()
+        return logs
 
     def _lift_and_swing(
         self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool, planned: Planned | None = None
@@ -131,12 +125,14 @@ class Steps:
             first_tick = ceil(APEX_SHARE * flight) if lands else flight
             until = self._touchdown(leg, step, first_tick, flight, stops_leg=True)
         log = self._move(step, plan, swing, until)
-        if log.not_down is not None or posture.plant.fallen:
+        if log.not_down is not None or log.left_plan or posture.plant.fallen:
             return log
         self.landed = None
         if leg is None or not lands:
             return log
         logs = [log] if log.touched_down else [log, *self._search(leg, ahead)]
+        if logs[-1].left_plan:
+            return joined(logs)
         self._put_down(leg)
         self.n_footsteps += int(self.without_floor is None)
         return joined(logs)
@@ -147,9 +143,16 @@ class Steps:
 
     def stop(self) -> TickLog:
         """Come to rest with all feet down, in the middle of them."""
+        middle = self.posture.feet_m[:, :2].mean(axis=0)
+        log = self.take_step([rest(self._gait, middle, self.posture.yaw_rad)], None)
+        self.posture.com_state[1:] = 0.0
+        return log
+
+    def _come_to_rest(self) -> TickLog:
+        """The same, up to where the robot is too far from that plan, and without measuring the feet before."""
         posture = self.posture
-        middle = posture.feet_m[:, :2].mean(axis=0)
-        log = self.take_step([rest(self._gait, middle, posture.yaw_rad)], None)
+        step, plan = self._plan([rest(self._gait, posture.feet_m[:, :2].mean(axis=0), posture.yaw_rad)])
+        log = self._move(step, plan, None, None)
         posture.com_state[1:] = 0.0
         return log
 
@@ -164,7 +167,7 @@ class Steps:
         step, plan = self._plan([search, *ahead[1:]])
         until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False)
         logs = [self._move(step, plan, lambda _: curve, until)]
-        if logs[-1].touched_down or posture.plant.fallen:
+        if logs[-1].touched_down or logs[-1].left_plan or posture.plant.fallen:
             return logs
         self.without_floor = leg
         back_m, n_ticks = self._footholds_m[LEGS.index(leg)], gait.swing_ticks
@@ -191,6 +194,7 @@ class Steps:
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
+        watch = self._deviation.watch(plan, n)
         log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,
@@ -199,8 +203,11 @@ class Steps:
             plan.zmp_m[:n] + self._lean_m,
             plan.acceleration_m_s2[:n],
             until,
+            watch,
             None if step.push is None else step.push.after(step.shift_ticks),
         )
+        if not log.left_plan:
+            self._deviation.learn(watch)
         last = len(log.qpos) - 1
         posture.com_state = plan.state(last)
         posture.yaw_rate_rad_s = float(yaw_rate[last])
@@ -273,20 +280,6 @@ class Steps:
             ahead[-1].end_velocity_m_s,
             self._com_height_m,
         )
-
-
-def rest(gait: Gait, nominal_xy_m: Floats, yaw_rad: float) -> Step:
-    """A step that keeps all feet down and brings the centre of mass to `nominal_xy_m`."""
-    return Step(
-        leg=None,
-        shift_ticks=gait.settle_ticks // 2,
-        swing_ticks=gait.settle_ticks // 2,
-        target_m=nominal_xy_m,
-        nominal_xy_m=nominal_xy_m,
-        end_velocity_m_s=np.zeros(2),
-        end_yaw_rad=yaw_rad,
-        margin_m=0.0,
-    )
 
 
 @lru_cache

@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.errors import LegpushError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance
 from legpush.realism.reality import AS_ASSUMED, Reality
@@ -16,6 +15,7 @@ from legpush.scene.scenario import Scenario
 from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog, Touchdown
+from sim_proc.control.watch import Watch
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.kinematics.leg import LegKinematics
@@ -31,7 +31,9 @@ from sim_proc.physics.exact_state import exact_state
 from sim_proc.physics.gusts import GustSchedule
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
+from sim_proc.physics.moment import Moment
 from sim_proc.physics.sensors import Sensors
+from sim_proc.physics.soundness import require_sound
 from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
 
@@ -75,7 +77,7 @@ class Physics:
         data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
         data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
-        self._places = trunk, box
+        self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
         self._gusts = GustSchedule(reality, self._trunk_body)
@@ -87,18 +89,19 @@ class Physics:
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
-        self.perception = Perception(reality, data.qpos)
+        self.perception = Perception(reality, data.qpos, scenario.box)
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
         return self._dynamics.torques_n_m(motion, yaw_rad)
 
-    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
-        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown.
+    def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
+        """Track joint commands, one row per tick; stop early at a fall, or after the tick of a touchdown or an alarm.
 
-        A servo is commanded `q + (torque + Kv velocity) / Kp`, and its torque stays within its limits. Tips,
-        forces and the CoM are those at the beginning of the last physics step. An obstacle that is due is put in its
-        place at the end of a tick.
+        Alarms are rare: all ticks are simulated at once, and those up to an alarm are simulated again. A servo is
+        commanded `q + (torque + Kv velocity) / Kp`, and its torque stays within its limits. Tips, forces and the CoM
+        are those at the beginning of the last physics step. An obstacle that is due is put in its place at the end of a
+        tick.
 
         Raises:
             LegpushError: MuJoCo warned, or the state stopped being finite.
@@ -106,26 +109,27 @@ class Physics:
         feed_forward = commands.torques_n_m + self._velocity_gains * commands.velocities_rad_s
         planned = commands.positions_rad + self._compliances * feed_forward
         landing = None if until is None else self._landing(until, commands)
-        before = np.empty(mujoco.mj_stateSize(self.model, STATE))
-        mujoco.mj_getState(self.model, self.data, before, STATE)
-        waiting, appeared, tick, contacts = self._waiting.copy(), self.appeared, self.tick, self.contacts.copy()
-        delay = self._delay.copy()
-        self._gusts.begin_run(tick)
+        began = self._moment()
+        self._gusts.begin_run(self.tick)
         controls = planned.copy()
         qpos, sensors = self._simulate(controls, landing)
+        alarm = None if watch is None else watch.alarm(*self._sensors.com(sensors))
+        if alarm is not None and alarm + 1 < len(qpos):
+            self._go_back(began)
+            planned = planned[: alarm + 1]
+            controls = planned.copy()
+            qpos, sensors = self._simulate(controls, landing)
         rows = sensors.reshape(-1, sensors.shape[-1])
         beyond = self._limits.beyond(*(rows[:, columns].copy(order="F") for columns in self._joint_sensors)).any()
         if beyond or self.contacts.suspects(sensors) or (self.fallen and len(qpos) < len(controls)):
             # Limits at angles and speeds cost much and are met rarely, and so are unexpected contacts and falls: only
             # then is the motion simulated step by step.
-            mujoco.mj_setState(self.model, self.data, before, STATE)
-            self._waiting, self.appeared, self.tick, self.fallen = waiting, appeared, tick, False
-            self.contacts, self._delay = contacts, delay
+            self._go_back(began)
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
-        self._check(qpos)
-        self.perception.take(self.tick - len(qpos) + 1, qpos)
+        require_sound(self._warnings, qpos, self.tick)
         steps = self._sensors.steps(sensors)
+        self.perception.take(self.tick - len(qpos) + 1, qpos, steps.tips_m[:, -1])
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -136,7 +140,20 @@ class Physics:
             steps=steps,
             touched_down=landing is not None and landing.touched_down(len(qpos) - 1, sensors[-1]),
             not_down=None if landing is None else landing.not_down(len(qpos) - 1, sensors[-1]),
+            left_plan=alarm is not None,
         )
+
+    def _moment(self) -> Moment:
+        """All that a motion changes, as it is now."""
+        state = np.empty(mujoco.mj_stateSize(self.model, STATE))
+        mujoco.mj_getState(self.model, self.data, state, STATE)
+        return Moment(state, self.tick, self._waiting.copy(), self.appeared, self.contacts.copy(), self._delay.copy())
+
+    def _go_back(self, to: Moment) -> None:
+        """Go back to a moment at which the robot stood."""
+        mujoco.mj_setState(self.model, self.data, to.state, STATE)
+        self.tick, self.appeared, self.fallen = to.tick, to.appeared, False
+        self._waiting, self.contacts, self._delay = to.waiting.copy(), to.contacts.copy(), to.delay.copy()
 
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
@@ -211,7 +228,7 @@ class Physics:
         data.qvel[:], data.time = 0.0, 0.0
         mujoco.mj_forward(self.model, data)
         self.tick = 0
-        self.perception = Perception(self._reality, data.qpos)
+        self.perception = Perception(self._reality, data.qpos, self._box)
 
     def alter(self, scenario: Scenario) -> None:
         """Go on with a scenario that differs from the present one only in mass or friction of the box."""
@@ -226,19 +243,6 @@ class Physics:
     def _wall(self, index: int) -> int:
         """Row of an obstacle that appears later in MuJoCo's `mocap_pos`."""
         return int(self.model.body(wall_name(index)).mocapid[0])
-
-    def _check(self, qpos: Floats) -> None:
-        """Check the ticks that were just simulated.
-
-        Raises:
-            LegpushError: MuJoCo warned, or the state stopped being finite.
-        """
-        when = f"between ticks {self.tick - len(qpos)} and {self.tick}: the episode cannot go on"
-        warnings = np.flatnonzero(self._warnings)
-        if len(warnings):
-            raise LegpushError(f"MuJoCo warned of {mujoco.mjtWarning(warnings[0]).name} {when}")
-        if not np.isfinite(qpos).all():
-            raise LegpushError(f"qpos stopped being finite {when}")
 
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""

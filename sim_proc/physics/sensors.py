@@ -35,6 +35,10 @@ class Sensors:
         loads: Floats = -readings[..., self.loads]
         return loads
 
+    def com(self, readings: Floats) -> tuple[Floats, Floats]:
+        """Centre of mass and its velocity at the last steps of ticks, (n, 3) each, from readings (n, steps, m)."""
+        return readings[:, -1, self.of["com"]], readings[:, -1, self.of["com_velocity"]]
+
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""
         forces: Floats = -readings[..., self._floor_forces].reshape(*readings.shape[:-1], len(LEGS), 3)

@@ -10,6 +10,7 @@ BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/measures
 """Folders of the robot's body and motion."""
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
+    "control/feedback/capture.py": {"PAIRS", "BESIDE", "ALONG_SHARE"},
     "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
     "control/push_cycle.py": {"MIRRORED", "CURVE"},
@@ -69,7 +70,7 @@ def assigned_numbers(path: Path) -> Iterator[str]:
 
 def makes_a_default_robot(path: Path) -> bool:
     """Whether a module calls `RobotSpec` or one of its parts without arguments."""
-    parts = ("RobotSpec", "Trunk", "Legs", "Joints", "Stance", "Gait", "PushMotion", "FallLimits")
+    parts = ("RobotSpec", "Trunk", "Legs", "Joints", "Stance", "Gait", "PushMotion", "Capture", "FallLimits")
     calls = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call))
     return any(isinstance(call.func, ast.Name) and call.func.id in parts and not call.keywords for call in calls)
 

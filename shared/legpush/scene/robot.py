@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from legpush.scene.conventions import JOINTS
 from legpush.scene.robot_body import Joints, Legs, Trunk
-from legpush.scene.robot_motion import FallLimits, Gait, PushMotion, Stance
+from legpush.scene.robot_motion import Capture, FallLimits, Gait, PushMotion, Stance
 
 
 class RobotSpec(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -21,6 +21,7 @@ class RobotSpec(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     stance: Stance = Stance()
     gait: Gait = Gait()
     pushing: PushMotion = PushMotion()
+    capture: Capture = Capture()
     fall: FallLimits = FallLimits()
 
     def __post_init__(self) -> None:

@@ -187,6 +187,46 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Time of each of these steps."""
 
 
+class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How far the robot may be from its plan. Beyond that it takes capture steps until it stands.
+
+    It trots: two diagonal feet stand while the other two step to where they can stop the trunk (capture steps).
+    """
+
+    from_m: BodyDistance = 0.06
+    """The divergent component of its motion is at most this far from the plan, beyond the usual; else it trots."""
+    more_m: BodyDistance = 0.02
+    """How much more is allowed after a trot."""
+    most_m: BodyDistance = 0.12
+    """The most that is ever allowed."""
+    adapt_ticks: Ticks = 100
+    """Time constant with which it learns how far it usually is from its plans, and allows less again."""
+    step_ticks: Ticks = 9
+    """Time of one step of two feet."""
+    step_height_m: BodyLength = 0.07
+    """How high these feet are lifted."""
+    least_steps: Ticks = 2
+    most_steps: Ticks = 16
+    """Least and largest number of such steps in one trot."""
+    most_trots: Ticks = 3
+    """Largest number of trots in a row, each of which ends with an attempt to come to rest."""
+    most_cycles: Ticks = 12
+    """Largest number of gait cycles back to the box after a trot in a push."""
+    brake_share: Unit = 0.5
+    """The feet that stand follow the trunk's measured velocity but for this share of it, which they slow down."""
+    still_m_s: LandingSpeed = 0.12
+    """A trunk that is slower has been stopped."""
+    level_deg: FallTilt = 6.0
+    """A trunk that is tilted less stands."""
+    forward_m: BodyLength = 0.3
+    """How far ahead of its corner of the foot rectangle, or behind it, a foot may step."""
+    inward_m: BodyDistance = 0.05
+    outward_m: BodyLength = 0.42
+    """Least and largest distance of a stepping foot from the middle of the trunk, to its own side."""
+    apart_m: BodyDistance = 0.12
+    """Least distance, across the trunk, from a stepping foot to the other foot at that end of the trunk."""
+
+
 class FallLimits(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When the robot has fallen."""
 

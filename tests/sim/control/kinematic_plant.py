@@ -13,6 +13,7 @@ from legpush.scene.scenario import Box
 from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMAND_PERIOD_S, COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import StepLog, TickLog, Touchdown
+from sim_proc.control.watch import Watch
 from sim_proc.gravity import GRAVITY_M_S2
 from sim_proc.kinematics.leg import SIDE, LegKinematics
 from tests.robots import ROBOT
@@ -25,8 +26,19 @@ TOUCHING_M = 1e-4
 class KinematicPlant:
     """A robot whose level trunk moves as its standing feet make it, and a box that its front feet push ahead."""
 
-    def __init__(self, trunk: Pose2, box: Box, *, falls_at_tick: int | None = None, robot: RobotSpec = ROBOT) -> None:
-        """Stand at `trunk`, beside the box at its nominal pose."""
+    def __init__(
+        self,
+        trunk: Pose2,
+        box: Box,
+        *,
+        falls_at_tick: int | None = None,
+        thrown_at_tick: int | None = None,
+        robot: RobotSpec = ROBOT,
+    ) -> None:
+        """Stand at `trunk`, beside the box at its nominal pose.
+
+        In the tick `thrown_at_tick` a watch sees the robot a metre beside its plan.
+        """
         self.fallen = False
         self.robot = robot
         self._kinematics = LegKinematics(robot)
@@ -35,7 +47,7 @@ class KinematicPlant:
         self.n_ticks = 0
         self._trunk, self._box, self._box_pose = trunk, box, box.pose.pose()
         self._joints = self._kinematics.standing_joints_rad()
-        self._falls_at_tick = falls_at_tick
+        self._falls_at_tick, self._thrown_at_tick = falls_at_tick, thrown_at_tick
 
     def trunk_pose(self) -> Pose2:
         return self._trunk
@@ -75,18 +87,22 @@ class KinematicPlant:
         assert len(motion.positions_rad) == len(yaw_rad) + 1
         return np.zeros_like(motion.positions_rad[1:])
 
-    def run(self, commands: JointCommands, until: Touchdown | None = None) -> TickLog:
+    def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
         assert commands.positions_rad.shape == commands.torques_n_m.shape
         before, last = commands.velocities_rad_s[:, -2], commands.velocities_rad_s[:, -1]
         ends = commands.positions_rad[:, -1] + COMMAND_PERIOD_S * (last + 0.5 * (last - before))
         rows: list[tuple[Floats, ...]] = []
-        touched_down = False
+        touched_down = left_plan = False
         for tick, (command, end) in enumerate(zip(commands.positions_rad, ends, strict=True)):
             self._move(end.reshape(4, 3))
             rows.append((self._qpos(), self.tips_m(), self._floor_forces(), self._push_box(), self.com_m(), command))
             self.n_ticks += 1
             if self.n_ticks == self._falls_at_tick:
                 self.fallen = True
+                break
+            if watch is not None and self.n_ticks == self._thrown_at_tick:
+                thrown = np.full((tick + 1, 3), 9.0)
+                left_plan = watch.alarm(thrown, np.zeros_like(thrown)) is not None
                 break
             if until is not None and tick >= until.first_tick:
                 touched_down = bool(rows[-1][2][until.leg, 2] >= until.force_n)
@@ -113,6 +129,7 @@ class KinematicPlant:
             ctrl=ctrl,
             steps=steps,
             touched_down=touched_down,
+            left_plan=left_plan,
         )
 
     def _move(self, joints_rad: Floats) -> None:

@@ -10,7 +10,8 @@ from legpush.geometry import Pose2
 from legpush.scene.scenario import Box, PoseDeg
 from sim_proc.control.gait import PathWalk, swing_to
 from sim_proc.control.posture import Posture
-from sim_proc.control.steps import Steps, rest
+from sim_proc.control.step import rest
+from sim_proc.control.steps import Steps
 from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
 

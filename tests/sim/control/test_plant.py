@@ -76,7 +76,7 @@ def test_a_plant_logs_one_row_for_each_command(plant: Plant) -> None:
 
     log = plant.run(held(commands))
 
-    assert {*SHAPES, "steps", "touched_down", "not_down"} == set(TickLog.__dataclass_fields__)
+    assert {*SHAPES, "steps", "touched_down", "not_down", "left_plan"} == set(TickLog.__dataclass_fields__)
     assert (log.touched_down, log.not_down) == (False, None)
     assert {name: getattr(log, name).shape for name in SHAPES} == {name: (7, *row) for name, row in SHAPES.items()}
     assert all(np.isfinite(getattr(log, name)).all() for name in SHAPES)

@@ -1,0 +1,1 @@
+"""What control does about a robot that does not move as planned."""
