@@ -88,6 +88,10 @@ class EstimatedRobot:
             self._map.take(first_tick, self._estimator.trunk_poses(), fixes, latency_ticks)
         return log
 
+    def push_forces_n(self, log: TickLog, leg: int) -> Floats:
+        """Forces of a foot on the box as the foot feels them, means over each tick of the last run, (n, 3)."""
+        return self._physics.push_forces_n(log, leg)
+
     def body_state(self) -> BodyState:
         """The motion of trunk, feet and centre of mass, as it is estimated."""
         return self._state

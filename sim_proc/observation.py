@@ -37,7 +37,7 @@ def world_state(
         joint_positions_rad=_plain(qpos[JOINT_QPOS]),
         joint_velocities_rad_s=_plain(qvel[JOINT_QVEL]),
         tips_m=_plain(physics.tips_m()),
-        foot_forces_n=_plain(np.linalg.norm(physics.floor_forces_n() + physics.box_forces_n(), axis=1)),
+        foot_forces_n=_plain(np.linalg.norm(physics.foot_forces_n(), axis=1)),
         imu=Imu(
             orientation_wxyz=_plain(physics.sensor("imu_orientation")),
             angular_velocity_rad_s=_plain(physics.sensor("imu_angular_velocity")),

@@ -265,13 +265,14 @@ class Physics:
         tips: Floats = self.data.site_xpos[self._tip_sites]
         return tips
 
-    def floor_forces_n(self) -> Floats:
-        """Forces of the floor on the feet, (4, 3)."""
-        return self._sensors.floor_forces_n(self.data.sensordata)
+    def foot_forces_n(self) -> Floats:
+        """Forces of floor and box on the feet, (4, 3)."""
+        readings = self.data.sensordata
+        return self._sensors.floor_forces_n(readings) + self._sensors.box_forces_n(readings)
 
-    def box_forces_n(self) -> Floats:
-        """Forces of the box on the feet, (4, 3)."""
-        return self._sensors.box_forces_n(self.data.sensordata)
+    def push_forces_n(self, log: TickLog, leg: int) -> Floats:
+        """Forces of a foot on the box as the foot feels them, means over each tick of a run that just ended, (n, 3)."""
+        return self.senses.push_forces_n(self.tick - len(log.qpos), log.steps.forces_on_box_n(leg))
 
     def com_m(self) -> Floats:
         """Centre of mass of the robot as control takes it to be, (3,)."""

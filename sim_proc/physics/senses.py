@@ -1,12 +1,13 @@
 """What the robot's own sensors read: too much or too little, with noise, and late."""
 
 from collections.abc import Iterable, Iterator
+from math import sqrt
 from typing import Final
 
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, Reality
+from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, PUSH_STREAM, Reality
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.estimation.readings import ACCELERATION, FORCES, GYRO, JOINTS, N_READINGS
 from sim_proc.model.world import PHYSICS_STEP_S
@@ -54,6 +55,11 @@ class ExactSenses:
     def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterable[Floats]:
         """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
         return landing.controls(tick, planned, sensors[tick])
+
+    def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
+        """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3)."""
+        del tick
+        return forces_n
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
@@ -165,6 +171,17 @@ class OwnSenses:
         self.last = self.readings(0, n).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
         self._true = self._true[n : n + self.late_steps].copy()
         self._velocities_m_s = self._velocities_m_s[n : n + 1].copy()
+
+    def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
+        """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3).
+
+        The foot is in the air before, so that its sensor is tared, along all three axes.
+        """
+        deviation_n = float(self._deviations[FORCES].max()) / sqrt(COMMANDS_PER_TICK)
+        ticks = range(tick, tick + len(forces_n))
+        noise = [np.random.default_rng([self._seed, PUSH_STREAM, each]).standard_normal(3) for each in ticks]
+        felt: Floats = forces_n + deviation_n * np.array(noise)
+        return felt
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
