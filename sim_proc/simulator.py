@@ -78,7 +78,8 @@ class SimulatedEpisode:
         self.physics.begin()
         self._estimated = _estimated(self.physics)
         self._steps = Steps(Posture(self._estimated or self.physics))
-        self._pusher = Pusher(self._steps, reset.scenario.box)
+        self.pusher = Pusher(self._steps, reset.scenario.box)
+        """Carries out its pushes."""
         self._walk: PathWalk | None = None
         self._push: PushReport | None = None
         self._n_footsteps = 0
@@ -109,7 +110,7 @@ class SimulatedEpisode:
             MotionError: The present state does not allow the motion.
         """
         self._begin_motion(pushing=push.leg)
-        done = self._pusher.cycle(push, weights)
+        done = self.pusher.cycle(push, weights)
         self._walk = None
         self._push = PushReport(leg=push.leg, touched=done.peak_force_n > 0.0, peak_force_n=done.peak_force_n)
         return self.outcome(done.logs, with_trace=with_trace)

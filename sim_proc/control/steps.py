@@ -163,7 +163,7 @@ class Steps:
         """
         posture, gait = self.posture, self._gait
         curve = search_swing(posture.feet_m[LEGS.index(leg)], gait)
-        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve))
+        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve), push=None)
         step, plan = self._plan([search, *ahead[1:]])
         until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False)
         logs = [self._move(step, plan, lambda _: curve, until)]
@@ -204,6 +204,7 @@ class Steps:
             plan.acceleration_m_s2[:n],
             until,
             watch,
+            None if step.push is None else step.push.after(step.shift_ticks),
         )
         if not log.left_plan:
             self._deviation.learn(watch)

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Any, Final
 
 import numba
-from numba.core import config as numba_config
-from numba.core.registry import cpu_target
+import numba.core.config
+import numba.core.registry
 
 from legpush.errors import LegpushError
 
-config: Any = numba_config
-"""Numba's settings, which are made when it is imported."""
-target: Any = cpu_target
-"""What Numba compiles for."""
+config: Final[Any] = numba.core.config
+"""Numba's settings, which have no types."""
+cpu_target: Final[Any] = numba.core.registry.cpu_target
 PROCESSOR: Final = "generic"
 """What LLVM compiles for: no more than every processor of this architecture has, so without fused multiply-add."""
 
@@ -32,7 +31,7 @@ def compiled(*signatures: str) -> Callable[[Callable[..., Any]], Any]:
         LegpushError: Something in this process has made Numba compile for another processor.
     """
     config.CPU_NAME, config.CPU_FEATURES, config.USING_SVML = PROCESSOR, "", False
-    _, processor, features = target.target_context.codegen().magic_tuple()
+    _, processor, features = cpu_target.target_context.codegen().magic_tuple()
     if (processor, features) != (PROCESSOR, ""):
         raise LegpushError(
             f"Expected Numba to compile for the processor `{PROCESSOR}`, got another one, which was chosen before "

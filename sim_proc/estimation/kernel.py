@@ -50,7 +50,7 @@ TARE_SHARE: Final = 0.25
 MOST_TARE_N: Final = 40.0
 """A foot in the air that feels more touches something."""
 LEVEL_SHARE: Final = 0.1
-"""Share by which each foothold pulls the height of the robot to the one that it has on a level floor."""
+"""Share of its error in height that each foothold corrects, as if the floor were level."""
 
 
 @compiled()

@@ -1,7 +1,6 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
-from collections.abc import Iterable, Sequence
-from math import cos, radians, sin
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -22,7 +21,7 @@ from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.actual import actual_robot
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
-from sim_proc.perception import Perception, planar
+from sim_proc.perception import Perception, planar, upright
 from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.assumed_body import AssumedBody, downhill_of
 from sim_proc.physics.contacts import ContactWatch
@@ -34,7 +33,7 @@ from sim_proc.physics.landing import BLOCKED_SHARE, Landing
 from sim_proc.physics.moment import Moment
 from sim_proc.physics.senses import senses_of
 from sim_proc.physics.sensors import Sensors
-from sim_proc.physics.soundness import require_sound
+from sim_proc.physics.soundness import Falls, require_sound
 from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
 
@@ -74,10 +73,10 @@ class Physics:
         self._dynamics = InverseDynamics(self.assumed.model, robot)
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
-        self._upright = cos(radians(robot.fall.tilt_deg))
-        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
+        self._falls = Falls(robot)
+        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *upright(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
-        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
+        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *upright(box.yaw_rad)]
         self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
@@ -91,7 +90,7 @@ class Physics:
         self.tick = 0
         self.fallen = False
         self.perception = Perception(reality, data.qpos, scenario.box)
-        self.senses = senses_of(reality, sensors, model, data)
+        self.senses = senses_of(reality, sensors, data.sensordata, model.opt.gravity)
         """The robot's own sensors."""
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
@@ -195,7 +194,7 @@ class Physics:
             if self._waiting.next_tick <= self.tick:
                 self._let_appear(self.tick)
             for tick, row in enumerate(qpos[ticks, :6].tolist(), ticks.start):
-                if self._is_fallen(row):
+                if self._falls.include(row):
                     self.fallen = True
                     return qpos[: tick + 1], sensors[: tick + 1]
             if np.count_nonzero(self._warnings):
@@ -203,11 +202,6 @@ class Physics:
             if landing is not None and landing.ends(k - 1, self.senses.of_tick(k - 1, sensors)):
                 break
         return qpos[:k], sensors[:k]
-
-    def _is_fallen(self, qpos: Sequence[float]) -> bool:
-        """Whether the trunk leans too far or is too low, from the first numbers of `qpos`."""
-        _, _, height_m, _, x, y = qpos
-        return 1 - 2 * (x * x + y * y) < self._upright or height_m < self.robot.fall_height_m
 
     def _run_steps(self, controls: Iterable[Floats], sensors: Floats, *, limited: bool) -> None:
         """Run one tick step by step with controls (steps, 12), fill in the sensors of its steps, and watch contacts."""
@@ -254,7 +248,8 @@ class Physics:
 
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""
-        return np.array(self.data.sensordata[self._sensors.of[name]])
+        values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
+        return values
 
     def body_state(self) -> BodyState:
         """The motion of trunk, feet and centre of mass."""
@@ -262,21 +257,29 @@ class Physics:
 
     def joints_rad(self) -> Floats:
         """Joint angles, (12,)."""
-        return np.array(self.data.qpos[JOINT_QPOS])
+        joints: Floats = self.data.qpos[JOINT_QPOS].copy()
+        return joints
 
     def tips_m(self) -> Floats:
         """Centres of the foot spheres, (4, 3)."""
-        return np.array(self.data.site_xpos[self._tip_sites])
+        tips: Floats = self.data.site_xpos[self._tip_sites]
+        return tips
 
     def foot_forces_n(self) -> Floats:
         """Forces of floor and box on the feet, (4, 3)."""
-        return self._sensors.foot_forces_n(self.data.sensordata)
+        readings = self.data.sensordata
+        return self._sensors.floor_forces_n(readings) + self._sensors.box_forces_n(readings)
+
+    def push_forces_n(self, log: TickLog, leg: int) -> Floats:
+        """Forces of a foot on the box as the foot feels them, means over each tick of a run that just ended, (n, 3)."""
+        return self.senses.push_forces_n(self.tick - len(log.qpos), log.steps.forces_on_box_n(leg))
 
     def com_m(self) -> Floats:
         """Centre of mass of the robot as control takes it to be, (3,)."""
         if not self._reality.as_assumed:
             return self.assumed.com_m(self.data.qpos)
-        return np.array(self.data.subtree_com[self._trunk_body])
+        com: Floats = self.data.subtree_com[self._trunk_body].copy()
+        return com
 
     def box_pose(self) -> Pose2:
         """Pose of the box as it is perceived, projected to the floor."""
@@ -294,7 +297,3 @@ class Physics:
         """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, all that is on its way, and more."""
         under_way = self._delay.as_bytes() + self.perception.as_bytes() + self.senses.as_bytes()
         return crc_of_state(self.model, self.data, under_way + more, self._numbers_crc)
-
-
-def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
-    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)

@@ -1,15 +1,15 @@
 """What the robot's own sensors read: too much or too little, with noise, and late."""
 
 from collections.abc import Iterable, Iterator
+from math import sqrt
 from typing import Final
 
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, Reality
+from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, PUSH_STREAM, Reality
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.estimation.readings import ACCELERATION, FORCES, GYRO, JOINTS, N_READINGS
-from sim_proc.headless import mujoco
 from sim_proc.model.world import PHYSICS_STEP_S
 from sim_proc.physics.landing import Landing
 from sim_proc.physics.sensors import Sensors
@@ -56,6 +56,11 @@ class ExactSenses:
         """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
         return landing.controls(tick, planned, sensors[tick])
 
+    def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
+        """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3)."""
+        del tick
+        return forces_n
+
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
         return b""
@@ -99,12 +104,12 @@ class OwnSenses:
         self._true = np.empty((self.late_steps, N_READINGS))
         """What a row of sensors without delay would have read: some steps before the run, and the run itself."""
         self._moved = np.empty((1, 7))
-        """Velocity and orientation of the IMU in the world, in the step before the run and in those of the run itself,
-        (1 + steps, 7). Accelerations are read off all steps at once."""
+        """Velocity and orientation of the IMU in the world: in the step before the run, and in those of the run itself,
+        (1 + steps, 7)."""
         self._moved[0, :3], self._moved[0, 3:] = first[self._velocity], first[self._orientation]
         for columns, source in self._sources:
             self._true[:, columns] = first[source]
-        self._true[:, ACCELERATION] = _specific_forces(np.repeat(self._moved, 2, axis=0), self._gravity_m_s2)
+        self._true[:, ACCELERATION] = _specific_forces(np.repeat(self._moved, 2, axis=0), gravity_m_s2)
         self._errors = np.empty((0, N_READINGS))
         self.last = np.empty((0, COMMANDS_PER_TICK, N_READINGS))
         """Readings of the last run, (ticks, steps, N_READINGS)."""
@@ -128,9 +133,9 @@ class OwnSenses:
             rows[:, columns] = sensors[:, source]
 
     def of_tick(self, tick: int, sensors: Floats) -> Floats:
-        """Joint angles and forces in a tick of the run, among (steps, N_READINGS). Forces are without their tare."""
+        """Joint angles and foot forces in a tick of the run, (steps, N_READINGS). Forces are without their tare."""
         del sensors
-        return self._tared(self.readings(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK))
+        return self._tared(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK)
 
     def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterator[Floats]:
         """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
@@ -139,32 +144,37 @@ class OwnSenses:
         for k in range(COMMANDS_PER_TICK):
             if k > 0 and self.late_steps < COMMANDS_PER_TICK:
                 self.feel(step + k - 1, sensors[tick, k - 1 : k])
-                readings[k - 1] = self._tared(self.readings(step + k - 1, 1))[0]
+                readings[k - 1] = self._tared(step + k - 1, 1)[0]
             yield next(given)
 
-    def readings(self, step: int, n: int) -> Floats:
-        """Readings in `n` steps of the run from `step` on, (n, N_READINGS)."""
-        steps = slice(step, step + n)
-        given: Floats = self._true[steps] + self._errors[steps]
-        return given
-
-    def _tared(self, readings: Floats) -> Floats:
-        readings[:, FORCES] -= self.tare_n
-        return readings
-
-    def so_far(self, n_ticks: int) -> Floats:
+    def readings(self, n_ticks: int) -> Floats:
         """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
         n = n_ticks * COMMANDS_PER_TICK
-        forces = _specific_forces(self._moved[: n + 1], self._gravity_m_s2)
-        self._true[self.late_steps :][:n, ACCELERATION] = forces
-        return self.readings(0, n).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+        self._true[self.late_steps :][:n, ACCELERATION] = _specific_forces(self._moved[: n + 1], self._gravity_m_s2)
+        return (self._true[:n] + self._errors[:n]).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+
+    def _tared(self, step: int, n: int) -> Floats:
+        readings: Floats = self._true[step : step + n] + self._errors[step : step + n]
+        readings[:, FORCES] -= self.tare_n
+        return readings
 
     def end_run(self, n_ticks: int) -> None:
         """End the run after `n_ticks`."""
         n = n_ticks * COMMANDS_PER_TICK
-        self.last = self.so_far(n_ticks)
+        self.last = self.readings(n_ticks)
         self._true = self._true[n : n + self.late_steps].copy()
         self._moved = self._moved[n : n + 1].copy()
+
+    def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
+        """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3).
+
+        The foot is in the air before, so that its sensor is tared, along all three axes.
+        """
+        deviation_n = float(self._deviations[FORCES].max()) / sqrt(COMMANDS_PER_TICK)
+        ticks = range(tick, tick + len(forces_n))
+        noise = [np.random.default_rng([self._seed, PUSH_STREAM, each]).standard_normal(3) for each in ticks]
+        felt: Floats = forces_n + deviation_n * np.array(noise)
+        return felt
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
@@ -203,10 +213,6 @@ def _specific_forces(moved: Floats, gravity_m_s2: Floats) -> Floats:
     return forces
 
 
-def senses_of(
-    reality: Reality, sensors: Sensors, model: mujoco.MjModel, data: mujoco.MjData
-) -> ExactSenses | OwnSenses:
-    """The robot's own sensors in an episode that begins with `data`."""
-    if reality.senses.exact:
-        return ExactSenses(sensors)
-    return OwnSenses(reality, sensors, data.sensordata, model.opt.gravity)
+def senses_of(reality: Reality, sensors: Sensors, first: Floats, gravity_m_s2: Floats) -> ExactSenses | OwnSenses:
+    """Return the robot's own sensors; before anything has moved, all sensors of the model read `first`."""
+    return ExactSenses(sensors) if reality.senses.exact else OwnSenses(reality, sensors, first, gravity_m_s2)

@@ -44,6 +44,7 @@ LOCALIZATION_STREAM: Final = 5
 IMU_STREAM: Final = 6
 ENCODER_STREAM: Final = 7
 FORCE_STREAM: Final = 8
+PUSH_STREAM: Final = 9
 """Streams of random numbers beside that of the start, so that one item changes nothing about the others."""
 N_ITEMS: Final = 33
 """Random numbers of an episode's items, in the order in which they are drawn; new ones go to the end."""

@@ -128,6 +128,16 @@ def test_exact_senses_have_no_state_and_read_what_is(model: mujoco.MjModel) -> N
     assert (senses.late_steps, senses.least_touch_n, senses.as_bytes()) == (0, 0.0, b"")
 
 
+def test_a_pushing_foot_feels_its_force_with_noise_and_without_bias(model: mujoco.MjModel) -> None:
+    forces = np.tile([30.0, -5.0, 2.0], (400, 1))
+    felt = own_senses(model).push_forces_n(7, forces)
+    np.testing.assert_allclose(felt.mean(axis=0), forces[0], atol=0.3)
+    np.testing.assert_allclose(felt.std(axis=0), NOISY.force_noise_n / COMMANDS_PER_TICK**0.5, rtol=0.15)
+    np.testing.assert_array_equal(own_senses(model).push_forces_n(10, forces[3:]), felt[3:])
+    exact = ExactSenses(Sensors(model))
+    np.testing.assert_array_equal(exact.push_forces_n(7, forces), forces)
+
+
 def test_noise_that_nothing_reads_changes_no_bit_of_the_physics() -> None:
     scenario = load_scenario("push")
     found = []
