@@ -10,6 +10,7 @@ from legpush.arrays import Floats
 from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, PUSH_STREAM, Reality
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.estimation.readings import ACCELERATION, FORCES, GYRO, JOINTS, N_READINGS
+from sim_proc.headless import mujoco
 from sim_proc.model.world import PHYSICS_STEP_S
 from sim_proc.physics.landing import Landing
 from sim_proc.physics.sensors import Sensors
@@ -165,10 +166,14 @@ class OwnSenses:
         readings[:, FORCES] -= self.tare_n
         return readings
 
+    def so_far(self, n_ticks: int) -> Floats:
+        """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
+        return self.readings(0, n_ticks * COMMANDS_PER_TICK).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+
     def end_run(self, n_ticks: int) -> None:
         """End the run after `n_ticks`."""
         n = n_ticks * COMMANDS_PER_TICK
-        self.last = self.readings(0, n).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+        self.last = self.so_far(n_ticks)
         self._true = self._true[n : n + self.late_steps].copy()
         self._velocities_m_s = self._velocities_m_s[n : n + 1].copy()
 
@@ -204,6 +209,10 @@ class OwnSenses:
         return noise
 
 
-def senses_of(reality: Reality, sensors: Sensors, first: Floats, gravity_m_s2: Floats) -> ExactSenses | OwnSenses:
-    """Return the robot's own sensors; before anything has moved, all sensors of the model read `first`."""
-    return ExactSenses(sensors) if reality.senses.exact else OwnSenses(reality, sensors, first, gravity_m_s2)
+def senses_of(
+    reality: Reality, sensors: Sensors, model: mujoco.MjModel, data: mujoco.MjData
+) -> ExactSenses | OwnSenses:
+    """The robot's own sensors in an episode that begins with `data`."""
+    if reality.senses.exact:
+        return ExactSenses(sensors)
+    return OwnSenses(reality, sensors, data.sensordata, model.opt.gravity)
