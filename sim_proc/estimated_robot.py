@@ -7,6 +7,7 @@ import numpy as np
 from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
 from legpush.messages.stepping import BoxState, Perceived
+from legpush.scene.conventions import LEGS
 from legpush.scene.robot import RobotSpec
 from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
@@ -15,7 +16,6 @@ from sim_proc.control.watch import Watch
 from sim_proc.estimation.body import body_numbers
 from sim_proc.estimation.estimator import Estimator
 from sim_proc.estimation.map_filter import MapFilter
-from sim_proc.estimation.readings import N_READINGS
 from sim_proc.physics.physics import Physics
 from sim_proc.physics.senses import OwnSenses
 
@@ -40,6 +40,8 @@ class EstimatedRobot:
         # A reading tells of the beginning of its step.
         self._estimator = Estimator(body, physics.trunk_pose(), still, senses.late_steps + 1)
         self._late_ticks = max(ceil(senses.late_steps / COMMANDS_PER_TICK), 1)
+        self._whole_late_ticks = senses.late_steps // COMMANDS_PER_TICK
+        """Ticks after a lift from which on readings tell of it, and for which they cannot tell of a touchdown."""
         self._state = self._estimator.state()
         fix = physics.perception.first_fix()
         self._map = None if fix is None else MapFilter(fix, self.trunk_pose())
@@ -69,24 +71,28 @@ class EstimatedRobot:
         return self._physics.inverse_dynamics_n_m(motion, yaw_rad)
 
     def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
-        """Track joint commands as `Physics.run` does, and estimate the motion; the watch looks at the estimates."""
+        """Track joint commands as `Physics.run` does, and estimate the motion afterwards."""
         physics, first_tick = self._physics, self._physics.tick + 1
-        lifted = np.zeros((len(commands.positions_rad), len(self._state.tips_m)), dtype=np.bool_)
-        if until is not None:
-            lifted[until.lift_tick + self._late_ticks : until.first_tick, until.leg] = True
-        estimating = None if watch is None else _EstimatedWatch(watch, self._estimator, self._senses, lifted)
-        log = physics.run(commands, until, estimating)
-        readings = self._senses.last
-        if estimating is not None and np.array_equal(estimating.tried.readings, readings):
-            self._estimator.adopt(estimating.tried)
-        else:
-            self._estimator.advance(readings, lifted[: len(readings)])
+        log = physics.run(commands, until, None if watch is None else _WatchedEstimate(self, until, watch))
+        self._estimator.advance(self._senses.last, self._lifted(len(log.qpos), until))
         self._senses.tare_n = self._estimator.tare_n
         self._state = self._estimator.state()
         if self._map is not None:
             fixes, latency_ticks = physics.perception.fixes()
             self._map.take(first_tick, self._estimator.trunk_poses(), fixes, latency_ticks)
         return log
+
+    def _lifted(self, n_ticks: int, until: Touchdown | None) -> Flags:
+        """Which feet are lifted by plan in the ticks of a run, as far as their readings tell of them, (n, 4)."""
+        lifted = np.zeros((n_ticks, len(LEGS)), dtype=np.bool_)
+        if until is not None:
+            first, end = until.lift_tick + self._late_ticks, until.first_tick + self._whole_late_ticks
+            lifted[first:end, until.leg] = True
+        return lifted
+
+    def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats]:
+        """The centre of mass and its velocity in the ticks of the present run, (n, 3) each, as they are estimated."""
+        return self._estimator.foresee(self._senses.so_far(n_ticks), self._lifted(n_ticks, until))
 
     def push_forces_n(self, log: TickLog, leg: int) -> Floats:
         """Forces of a foot on the box as the foot feels them, means over each tick of the last run, (n, 3)."""
@@ -142,16 +148,13 @@ class EstimatedRobot:
         return self._estimator.as_bytes() + (b"" if self._map is None else self._map.as_bytes())
 
 
-class _EstimatedWatch(Watch):
-    """A watch that sees what the robot's own sensors tell of a motion."""
+class _WatchedEstimate(Watch):
+    """A `Watch` that looks at the estimate in the place of the truth."""
 
-    def __init__(self, watch: Watch, estimator: Estimator, senses: OwnSenses, lifted: Flags) -> None:
-        self._watch, self._estimator, self._senses, self._lifted = watch, estimator, senses, lifted
-        self.tried = estimator.tried(np.empty((0, COMMANDS_PER_TICK, N_READINGS)), lifted[:0])
-        """Estimates of the motion that was looked at last."""
+    def __init__(self, robot: EstimatedRobot, until: Touchdown | None, watch: Watch) -> None:
+        self._robot, self._until, self._watch = robot, until, watch
 
     def alarm(self, com_m: Floats, com_velocity_m_s: Floats) -> int | None:
-        """The first tick of alarm in a motion of n ticks, (n, 3) and (n, 3), of which only the sensors tell."""
-        n = len(com_m)
-        self.tried = self._estimator.tried(self._senses.readings(n), self._lifted[:n])
-        return self._watch.alarm(*self._estimator.com(self.tried.rows))
+        """The first tick after which the motion is estimated to be too far from the plan, if it is."""
+        del com_velocity_m_s
+        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until))

@@ -138,11 +138,10 @@ class Perception:
                 if self._box.pass_tick(tick, true, self._filter.n_moving):
                     self._filter.look(self._box.known.seen, self._box.known.n_moving)
         if self._trunk is not None:
-            self._fixes = [
-                _fix(self._trunk.known)
-                for tick, true in enumerate(qpos[:, TRUNK_QPOS], first_tick)
-                if self._trunk.pass_tick(tick, true)
-            ]
+            self._fixes = []
+            for tick, true in enumerate(qpos[:, TRUNK_QPOS], first_tick):
+                if self._trunk.pass_tick(tick, true):
+                    self._fixes.append(_fix(self._trunk.known))
 
     def box(self, qpos: Floats) -> Floats:
         """Position and quaternion of the box as it is known, (7,), from the true `qpos` (26,)."""
@@ -164,7 +163,7 @@ class Perception:
 
     def fixes(self) -> tuple[list[Fix], int]:
         """Localizations that became known in the ticks that were taken last, and their age in ticks then."""
-        return self._fixes, 0 if self._trunk is None else self._trunk.late_ticks
+        return (self._fixes, 0) if self._trunk is None else (self._fixes, self._trunk.late_ticks)
 
     def place_of_world(self) -> Pose2 | None:
         """Pose of the world's frame, as the robot is located in it, in the true one; None if they are the same."""
@@ -200,11 +199,6 @@ def planar(pose: Floats) -> Pose2:
     """A position and quaternion (7,), projected to the floor."""
     x, y, _, qw, qx, qy, qz = (float(value) for value in pose)
     return Pose2(x_m=x, y_m=y, yaw_rad=float(np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))))
-
-
-def upright(yaw_rad: float) -> tuple[float, float, float, float]:
-    """The quaternion of a body that is turned about the vertical alone."""
-    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)
 
 
 def _turned(pose: Floats, error: Pose2) -> Floats:

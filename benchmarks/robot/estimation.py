@@ -8,7 +8,6 @@ the estimator with feet that do not roll. The rival of the filtered fixes is the
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import ceil
 from time import perf_counter
 from typing import Any, Final
 
@@ -90,14 +89,11 @@ class RecordedRobot(EstimatedRobot):
     def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
         """Run, and record."""
         log, walk = super().run(commands, until, watch), self.walks[-1]
-        lifted = np.zeros((len(log.qpos), 4), dtype=np.bool_)
-        if until is not None:
-            lifted[until.lift_tick + ceil(self._senses.late_steps / 10) : until.first_tick, until.leg] = True
         walk.qpos.append(log.qpos)
         walk.com_velocities_m_s.append(log.steps.com_velocity_m_s[:, -1])
         walk.tips_m.append(log.tips_m)
         walk.readings.append(self._senses.last)
-        walk.lifted.append(lifted)
+        walk.lifted.append(self._lifted(len(log.qpos), until))
         walk.rows.append(self._estimator.rows)
         walk.poses.append(self._estimator.trunk_poses())
         return log
@@ -105,8 +101,8 @@ class RecordedRobot(EstimatedRobot):
 
 def main(config: Config) -> None:
     """Walk and push, and report how well the motion was known and what that cost."""
+    found, costs, usual = [], [], vars(simulator)["_estimated"]
     vars(simulator)["_estimated"] = lambda physics: RecordedRobot(physics, physics.senses)
-    found, costs = [], []
     for seed in range(config.first_seed, config.first_seed + config.seeds):
         RecordedRobot.walks.clear()
         walked = curved_walk(seed, realism=REAL)
@@ -114,6 +110,7 @@ def main(config: Config) -> None:
         found.append({"seed": seed, "way_m": walked.way_m, "fell": walked.fell, **_errors(walk, walked.way_m)})
         costs.append(_cost(walk))
         print(found[-1], costs[-1], flush=True)
+    vars(simulator)["_estimated"] = usual
     names = [name for name in found[0] if name not in ("seed", "fell", "way_m")]
     write_report(
         "estimation",
@@ -211,7 +208,7 @@ def _cost(walk: Recorded) -> dict[str, float]:
     """Least time of the compiled functions, and of as many bare steps, over all ticks of a walk."""
     readings, lifted = np.concatenate(walk.readings), np.concatenate(walk.lifted)
     estimator, physics = walk.robot._estimator, walk.physics
-    arrays = [array.copy() for array in (estimator._state, estimator._covariance, estimator._memory)]
+    arrays = [array.copy() for array in estimator._arrays]
     out = np.empty((len(readings), layout.N_OUT))
 
     def least_s(work: Callable[[], object]) -> float:

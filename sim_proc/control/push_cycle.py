@@ -100,9 +100,9 @@ class Pusher:
         swing = self._bezier_swing(push, weights, goal, None if force is None else pose.yaw_rad)
         planned = self._steps.require_reach("the curve of a push", ahead, swing)
         logs = [self._steps.take_step(ahead, swing, lands=False, planned=planned)]
-        self._feel(push.leg, pose.yaw_rad, logs[0], 0 if force is None else robot.pushing.unload_ticks)
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen and not self._steps.captured:
+            self._feel(push.leg, pose.yaw_rad, logs[0], 0 if force is None else robot.pushing.unload_ticks)
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks

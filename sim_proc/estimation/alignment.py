@@ -88,5 +88,5 @@ def _quaternion(rotation: Floats) -> Floats:
         found = np.array([1 + r[0, 0] + r[1, 1] + r[2, 2], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
     else:
         found = np.array([r[1, 0] - r[0, 1], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], 1 - r[0, 0] - r[1, 1] + r[2, 2]])
-    quaternion: Floats = found / np.linalg.norm(found)
-    return quaternion
+    unit: Floats = found / np.linalg.norm(found)
+    return unit

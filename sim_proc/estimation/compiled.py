@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import Any, Final
 
 import numba
-import numba.core.config
-import numba.core.registry
+from numba.core import config as numba_config
+from numba.core.registry import cpu_target
 
 from legpush.errors import LegpushError
 
-config: Final[Any] = numba.core.config
-"""Numba's settings, which have no types."""
-cpu_target: Final[Any] = numba.core.registry.cpu_target
+config: Any = numba_config
+"""Numba's settings, which are made when it is imported."""
+target: Any = cpu_target
+"""What Numba compiles for."""
 PROCESSOR: Final = "generic"
 """What LLVM compiles for: no more than every processor of this architecture has, so without fused multiply-add."""
 
@@ -31,7 +32,7 @@ def compiled(*signatures: str) -> Callable[[Callable[..., Any]], Any]:
         LegpushError: Something in this process has made Numba compile for another processor.
     """
     config.CPU_NAME, config.CPU_FEATURES, config.USING_SVML = PROCESSOR, "", False
-    _, processor, features = cpu_target.target_context.codegen().magic_tuple()
+    _, processor, features = target.target_context.codegen().magic_tuple()
     if (processor, features) != (PROCESSOR, ""):
         raise LegpushError(
             f"Expected Numba to compile for the processor `{PROCESSOR}`, got another one, which was chosen before "

@@ -1,14 +1,12 @@
 """The motion of the robot as its own sensors tell it, tick by tick."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
 from sim_proc.control.body_state import BodyState
 from sim_proc.estimation import kernel, layout
-from sim_proc.estimation.alignment import aligned
+from sim_proc.estimation.alignment import Begin, aligned
 
 ROTATION, TIPS = slice(layout.OUT_ROTATION, layout.OUT_VELOCITY), slice(layout.OUT_TIPS, layout.OUT_LOADS)
 POSITION, VELOCITY = slice(layout.OUT_POSITION, layout.OUT_ROTATION), slice(layout.OUT_VELOCITY, layout.OUT_RATE)
@@ -17,18 +15,6 @@ COM, COM_VELOCITY = slice(layout.OUT_COM, layout.OUT_COM_VELOCITY), slice(layout
 JOINTS = slice(layout.OUT_JOINTS, layout.N_OUT)
 """Columns of an estimate."""
 TARE = slice(layout.TARE, layout.COM)
-
-
-class Tried(NamedTuple):
-    """What an estimator would know after some ticks."""
-
-    readings: Floats
-    """Of its ticks, (n, steps, 22)."""
-    state: Floats
-    covariance: Floats
-    memory: Floats
-    rows: Floats
-    """See `Estimator.rows`."""
 
 
 class Estimator:
@@ -44,34 +30,28 @@ class Estimator:
         `body` are the numbers of the robot, and `late_steps` is the age of the last reading when a tick ends.
         """
         self._body = body
-        self._state, self._covariance, self._memory = aligned(body, start, still)
+        self._arrays = aligned(body, start, still)
         self._age_s = late_steps * layout.STEP_S
+        self._foreseen: tuple[Floats, Flags, Begin, Floats] | None = None
+        """Readings, lifted feet, arrays and estimates of ticks that may be taken next."""
         self.rows: Floats = np.empty((0, layout.N_OUT))
         """Estimates after each tick that was taken last, (n, N_OUT), of the time of their readings."""
         self.advance(np.ascontiguousarray(still[-layout.STEPS :])[None], np.zeros((1, 4), dtype=np.bool_))
 
     def advance(self, readings: Floats, lifted: Flags) -> None:
         """Take n ticks with readings (n, steps, 22), and the feet that are lifted in them by plan, (n, 4)."""
-        self.adopt(self.tried(readings, lifted))
+        foreseen, self._foreseen = self._foreseen, None
+        if foreseen and np.array_equal(foreseen[0], readings) and np.array_equal(foreseen[1], lifted):
+            _, _, self._arrays, self.rows = foreseen
+            return
+        self.rows = np.empty((len(readings), layout.N_OUT))
+        kernel.advance(*self._arrays, self._body, readings, lifted, self.rows)
 
-    def tried(self, readings: Floats, lifted: Flags) -> Tried:
-        """What it would know after these ticks. It does not take them yet."""
-        tried = Tried(
-            readings,
-            self._state.copy(),
-            self._covariance.copy(),
-            self._memory.copy(),
-            np.empty((len(readings), layout.N_OUT)),
-        )
-        kernel.advance(tried.state, tried.covariance, tried.memory, self._body, readings, lifted, tried.rows)
-        return tried
-
-    def adopt(self, tried: Tried) -> None:
-        """Know what it would know after the ticks that it tried."""
-        self._state, self._covariance, self._memory, self.rows = tried[1:]
-
-    def com(self, rows: Floats) -> tuple[Floats, Floats]:
-        """Place and velocity of the centre of mass in estimates (n, N_OUT), (n, 3) each."""
+    def foresee(self, readings: Floats, lifted: Flags) -> tuple[Floats, Floats]:
+        """The centre of mass and its velocity at the ends of ticks that may be taken next, (n, 3) each."""
+        arrays, rows = Begin(*(array.copy() for array in self._arrays)), np.empty((len(readings), layout.N_OUT))
+        kernel.advance(*arrays, self._body, readings, lifted, rows)
+        self._foreseen = readings, lifted, arrays, rows
         velocities = rows[:, COM_VELOCITY]
         return rows[:, COM] + self._age_s * velocities, velocities
 
@@ -105,13 +85,12 @@ class Estimator:
     @property
     def tare_n(self) -> Floats:
         """What the foot forces are found to read too much, (4,)."""
-        too_much: Floats = -self._memory[TARE]
+        too_much: Floats = -self._arrays.memory[TARE]
         return too_much
 
     def as_bytes(self) -> bytes:
         """All that later estimates depend on, but the readings and the robot."""
-        arrays = self._state, self._covariance, self._memory, self.rows[-1]
-        return b"".join(array.tobytes() for array in arrays)
+        return b"".join(array.tobytes() for array in (*self._arrays, self.rows[-1]))
 
 
 def _turned(rotation: Floats, by: Floats) -> Floats:

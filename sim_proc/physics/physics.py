@@ -1,6 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 from collections.abc import Iterable
+from math import cos, sin
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,7 @@ from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.actual import actual_robot
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
-from sim_proc.perception import Perception, planar, upright
+from sim_proc.perception import Perception, planar
 from sim_proc.physics.appearing import Waiting
 from sim_proc.physics.assumed_body import AssumedBody, downhill_of
 from sim_proc.physics.contacts import ContactWatch
@@ -74,9 +75,9 @@ class Physics:
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
         self._falls = Falls(robot)
-        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *upright(trunk.yaw_rad)]
+        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
         data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
-        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *upright(box.yaw_rad)]
+        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
         self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
@@ -90,7 +91,7 @@ class Physics:
         self.tick = 0
         self.fallen = False
         self.perception = Perception(reality, data.qpos, scenario.box)
-        self.senses = senses_of(reality, sensors, data.sensordata, model.opt.gravity)
+        self.senses = senses_of(reality, sensors, model, data)
         """The robot's own sensors."""
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
@@ -248,8 +249,7 @@ class Physics:
 
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""
-        values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
-        return values
+        return np.array(self.data.sensordata[self._sensors.of[name]])
 
     def body_state(self) -> BodyState:
         """The motion of trunk, feet and centre of mass."""
@@ -257,18 +257,15 @@ class Physics:
 
     def joints_rad(self) -> Floats:
         """Joint angles, (12,)."""
-        joints: Floats = self.data.qpos[JOINT_QPOS].copy()
-        return joints
+        return np.array(self.data.qpos[JOINT_QPOS])
 
     def tips_m(self) -> Floats:
         """Centres of the foot spheres, (4, 3)."""
-        tips: Floats = self.data.site_xpos[self._tip_sites]
-        return tips
+        return np.array(self.data.site_xpos[self._tip_sites])
 
     def foot_forces_n(self) -> Floats:
         """Forces of floor and box on the feet, (4, 3)."""
-        readings = self.data.sensordata
-        return self._sensors.floor_forces_n(readings) + self._sensors.box_forces_n(readings)
+        return self._sensors.foot_forces_n(self.data.sensordata)
 
     def push_forces_n(self, log: TickLog, leg: int) -> Floats:
         """Forces of a foot on the box as the foot feels them, means over each tick of a run that just ended, (n, 3)."""
@@ -278,8 +275,7 @@ class Physics:
         """Centre of mass of the robot as control takes it to be, (3,)."""
         if not self._reality.as_assumed:
             return self.assumed.com_m(self.data.qpos)
-        com: Floats = self.data.subtree_com[self._trunk_body].copy()
-        return com
+        return np.array(self.data.subtree_com[self._trunk_body])
 
     def box_pose(self) -> Pose2:
         """Pose of the box as it is perceived, projected to the floor."""
@@ -297,3 +293,7 @@ class Physics:
         """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, all that is on its way, and more."""
         under_way = self._delay.as_bytes() + self.perception.as_bytes() + self.senses.as_bytes()
         return crc_of_state(self.model, self.data, under_way + more, self._numbers_crc)
+
+
+def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
+    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)

@@ -10,6 +10,7 @@ from legpush.arrays import Floats
 from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, PUSH_STREAM, Reality
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK
 from sim_proc.estimation.readings import ACCELERATION, FORCES, GYRO, JOINTS, N_READINGS
+from sim_proc.headless import mujoco
 from sim_proc.model.world import PHYSICS_STEP_S
 from sim_proc.physics.landing import Landing
 from sim_proc.physics.sensors import Sensors
@@ -103,13 +104,9 @@ class OwnSenses:
         """Noise of the present chunks of ticks."""
         self._true = np.empty((self.late_steps, N_READINGS))
         """What a row of sensors without delay would have read: some steps before the run, and the run itself."""
-        self._moved = np.empty((1, 7))
-        """Velocity and orientation of the IMU in the world: in the step before the run, and in those of the run itself,
-        (1 + steps, 7)."""
-        self._moved[0, :3], self._moved[0, 3:] = first[self._velocity], first[self._orientation]
-        for columns, source in self._sources:
-            self._true[:, columns] = first[source]
-        self._true[:, ACCELERATION] = _specific_forces(np.repeat(self._moved, 2, axis=0), gravity_m_s2)
+        self._velocities_m_s = first[None, self._velocity].copy()
+        """Of the IMU in the world: in the step before the run, and in those of the run itself, (1 + steps, 3)."""
+        self._read(np.repeat(first[None], self.late_steps, axis=0), np.zeros((self.late_steps, 3)), self._true)
         self._errors = np.empty((0, N_READINGS))
         self.last = np.empty((0, COMMANDS_PER_TICK, N_READINGS))
         """Readings of the last run, (ticks, steps, N_READINGS)."""
@@ -122,20 +119,32 @@ class OwnSenses:
         past = self._true[: self.late_steps]
         self._true = np.empty((self.late_steps + n_ticks * COMMANDS_PER_TICK, N_READINGS))
         self._true[: self.late_steps] = past
-        self._moved = np.concatenate([self._moved[:1], np.empty((n_ticks * COMMANDS_PER_TICK, 7))])
+        self._velocities_m_s = np.concatenate([self._velocities_m_s[:1], np.empty((n_ticks * COMMANDS_PER_TICK, 3))])
 
     def feel(self, step: int, sensors: Floats) -> None:
         """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
         n = len(sensors)
-        rows, moved = self._true[self.late_steps + step :][:n], self._moved[step + 1 :][:n]
-        moved[:, :3], moved[:, 3:] = sensors[:, self._velocity], sensors[:, self._orientation]
+        self._velocities_m_s[step + 1 : step + 1 + n] = sensors[:, self._velocity]
+        changes = np.diff(self._velocities_m_s[step : step + 1 + n], axis=0)
+        self._read(sensors, changes, self._true[self.late_steps + step :][:n])
+
+    def _read(self, sensors: Floats, changes_m_s: Floats, rows: Floats) -> None:
+        """Fill in what sensors without error and delay read, (n, N_READINGS), from all sensors (n, nsensordata) and the
+        changes of velocity in the steps before them, (n, 3)."""
         for columns, source in self._sources:
             rows[:, columns] = sensors[:, source]
+        w, x, y, z = sensors[:, self._orientation].T
+        force = (changes_m_s / PHYSICS_STEP_S - self._gravity_m_s2).T
+        # v' = v - 2 w (u x v) + 2 u x (u x v) turns into the frame of the trunk, with u = (x, y, z).
+        cross = y * force[2] - z * force[1], z * force[0] - x * force[2], x * force[1] - y * force[0]
+        rows[:, ACCELERATION.start] = force[0] - 2 * w * cross[0] + 2 * (y * cross[2] - z * cross[1])
+        rows[:, ACCELERATION.start + 1] = force[1] - 2 * w * cross[1] + 2 * (z * cross[0] - x * cross[2])
+        rows[:, ACCELERATION.start + 2] = force[2] - 2 * w * cross[2] + 2 * (x * cross[1] - y * cross[0])
 
     def of_tick(self, tick: int, sensors: Floats) -> Floats:
-        """Joint angles and foot forces in a tick of the run, (steps, N_READINGS). Forces are without their tare."""
+        """Readings in a tick of the run, (steps, N_READINGS). Foot forces are without their tare."""
         del sensors
-        return self._tared(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK)
+        return self._tared(self.readings(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK))
 
     def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterator[Floats]:
         """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
@@ -144,26 +153,29 @@ class OwnSenses:
         for k in range(COMMANDS_PER_TICK):
             if k > 0 and self.late_steps < COMMANDS_PER_TICK:
                 self.feel(step + k - 1, sensors[tick, k - 1 : k])
-                readings[k - 1] = self._tared(step + k - 1, 1)[0]
+                readings[k - 1] = self._tared(self.readings(step + k - 1, 1))[0]
             yield next(given)
 
-    def readings(self, n_ticks: int) -> Floats:
-        """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
-        n = n_ticks * COMMANDS_PER_TICK
-        self._true[self.late_steps :][:n, ACCELERATION] = _specific_forces(self._moved[: n + 1], self._gravity_m_s2)
-        return (self._true[:n] + self._errors[:n]).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+    def readings(self, step: int, n: int) -> Floats:
+        """Readings in `n` steps of the run from `step` on, (n, N_READINGS)."""
+        steps = slice(step, step + n)
+        given: Floats = self._true[steps] + self._errors[steps]
+        return given
 
-    def _tared(self, step: int, n: int) -> Floats:
-        readings: Floats = self._true[step : step + n] + self._errors[step : step + n]
+    def _tared(self, readings: Floats) -> Floats:
         readings[:, FORCES] -= self.tare_n
         return readings
+
+    def so_far(self, n_ticks: int) -> Floats:
+        """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
+        return self.readings(0, n_ticks * COMMANDS_PER_TICK).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
 
     def end_run(self, n_ticks: int) -> None:
         """End the run after `n_ticks`."""
         n = n_ticks * COMMANDS_PER_TICK
-        self.last = self.readings(n_ticks)
+        self.last = self.so_far(n_ticks)
         self._true = self._true[n : n + self.late_steps].copy()
-        self._moved = self._moved[n : n + 1].copy()
+        self._velocities_m_s = self._velocities_m_s[n : n + 1].copy()
 
     def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
         """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3).
@@ -178,7 +190,7 @@ class OwnSenses:
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
-        return b"".join(array.tobytes() for array in (self._true, self._moved, self.tare_n))
+        return b"".join(array.tobytes() for array in (self._true, self._velocities_m_s, self.tare_n))
 
     def _noise(self, tick: int, n_ticks: int) -> Floats:
         """Standard normal numbers for the steps of `n_ticks` after `tick`, (steps, N_READINGS)."""
@@ -197,22 +209,10 @@ class OwnSenses:
         return noise
 
 
-def _specific_forces(moved: Floats, gravity_m_s2: Floats) -> Floats:
-    """What an accelerometer reads in all steps but the first, (n, 3), with velocity and orientation (n + 1, 7) in each.
-
-    It is the change of velocity in the step, without gravity, in the frame of the trunk at the end of the step.
-    """
-    force_x, force_y, force_z = (np.diff(moved[:, :3], axis=0) / PHYSICS_STEP_S - gravity_m_s2).T
-    w, x, y, z = moved[1:, 3:].T
-    # v' = v - 2 w (u x v) + 2 u x (u x v) turns into the frame of the trunk, with u = (x, y, z).
-    cross_x, cross_y, cross_z = y * force_z - z * force_y, z * force_x - x * force_z, x * force_y - y * force_x
-    forces = np.empty((len(moved) - 1, 3))
-    forces[:, 0] = force_x - 2 * w * cross_x + 2 * (y * cross_z - z * cross_y)
-    forces[:, 1] = force_y - 2 * w * cross_y + 2 * (z * cross_x - x * cross_z)
-    forces[:, 2] = force_z - 2 * w * cross_z + 2 * (x * cross_y - y * cross_x)
-    return forces
-
-
-def senses_of(reality: Reality, sensors: Sensors, first: Floats, gravity_m_s2: Floats) -> ExactSenses | OwnSenses:
-    """Return the robot's own sensors; before anything has moved, all sensors of the model read `first`."""
-    return ExactSenses(sensors) if reality.senses.exact else OwnSenses(reality, sensors, first, gravity_m_s2)
+def senses_of(
+    reality: Reality, sensors: Sensors, model: mujoco.MjModel, data: mujoco.MjData
+) -> ExactSenses | OwnSenses:
+    """The robot's own sensors in an episode that begins with `data`."""
+    if reality.senses.exact:
+        return ExactSenses(sensors)
+    return OwnSenses(reality, sensors, data.sensordata, model.opt.gravity)

@@ -77,8 +77,7 @@ def test_what_is_estimated_is_a_part_of_the_state(walk: tuple[Simulator, list[Ou
     assert simulator.episode is not None
     robot = estimated(simulator)
     crcs = {outcomes[-1].state_crc}
-    for name in ("_state", "_covariance", "_memory"):
-        array = getattr(robot._estimator, name)
+    for array in robot._estimator._arrays:
         kept, array.flat[0] = array.flat[0], array.flat[0] + 1e-9
         crcs.add(simulator.episode.outcome([], with_trace=False).state_crc)
         array.flat[0] = kept
@@ -118,14 +117,16 @@ def test_the_box_is_seen_beside_the_robot_however_far_this_has_drifted(at_the_bo
     assert robot.box_pose() != physics.box_pose()
 
 
-def test_a_repeated_run_is_estimated_as_if_it_had_been_run_once(at_the_box: Scenario) -> None:
+def test_a_repeated_run_is_estimated_as_if_it_had_been_run_once(
+    at_the_box: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = []
     for suspicious in (False, True):
         simulator = Simulator()
         simulator.perform(Reset(scenario=scenario_with(at_the_box, SENSES), seed=1), with_trace=False)
         assert simulator.episode is not None
         if suspicious:
-            simulator.episode.physics.contacts.suspects = lambda _: True  # type: ignore[assignment,method-assign]
+            monkeypatch.setattr(simulator.episode.physics.contacts, "suspects", lambda _: True)
         path = tuple(at_the_box.start.pose() @ Pose2(x_m=0.1 * k, y_m=0.0, yaw_rad=0.0) for k in range(30))
         simulator.perform(Follow(waypoints=path), with_trace=False)
         simulator.perform(Walk(), with_trace=False)

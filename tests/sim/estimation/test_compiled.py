@@ -36,7 +36,7 @@ def test_functions_are_compiled_for_any_processor_and_without_fused_operations(
     function = compiled.compiled("f8(f8[::1], f8[::1])")(sum_of_products)
     assert function(np.array([1.0, 2.0]), np.array([3.0, 4.0])) == 11.0
     assert [path.suffix for path in sorted(tmp_path.rglob("*.nb*"))] == [".nbc", ".nbi"]
-    _, processor, features = compiled.cpu_target.target_context.codegen().magic_tuple()
+    _, processor, features = compiled.target.target_context.codegen().magic_tuple()
     assert (processor, features) == ("generic", "")
     assembly = "".join(function.inspect_asm().values())
     assert "mulsd" in assembly
@@ -48,7 +48,7 @@ def test_another_processor_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
         def magic_tuple(self) -> tuple[str, str, str]:
             return "x86_64", "generic", "+avx2"
 
-    monkeypatch.setattr(type(compiled.cpu_target.target_context), "codegen", lambda _: Codegen())
+    monkeypatch.setattr(type(compiled.target.target_context), "codegen", lambda _: Codegen())
     with pytest.raises(LegpushError, match="Expected Numba to compile for the processor `generic`"):
         compiled.compiled()
 

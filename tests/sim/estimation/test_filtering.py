@@ -81,7 +81,8 @@ def test_the_derivative_of_a_foothold_is_that_of_finite_differences() -> None:
     foot = slice(layout.FEET + 3 * leg, layout.FEET + 3 * leg + 3)
 
     def offset(moved: Floats) -> Floats:
-        return matrix(moved).T @ (moved[foot] - moved[:3])
+        offset_b: Floats = matrix(moved).T @ (moved[foot] - moved[:3])
+        return offset_b
 
     wanted, h = derivative(offset, state), np.empty(9)
     columns = [0, 1, 2, 6, 7, 8, 21, 22, 23]
@@ -124,8 +125,8 @@ def test_a_foot_that_is_placed_errs_with_the_trunk() -> None:
     foot = slice(layout.F + 3 * leg, layout.F + 3 * leg + 3)
 
     def place(moved: Floats) -> Floats:
-        place: Floats = moved[:3] + matrix(moved) @ tip
-        return place
+        foot_m: Floats = moved[:3] + matrix(moved) @ tip
+        return foot_m
 
     of_trunk = derivative(place, state)
     wanted = covariance.copy()
