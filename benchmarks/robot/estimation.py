@@ -143,9 +143,10 @@ def _errors(walk: Recorded, way_m: float) -> dict[str, float]:
     body[layout.RADIUS] = 0.0
     not_rolling = Estimator(body, walk.start, walk.still.reshape(-1, N_READINGS), walk.robot._senses.late_steps + 1)
     not_rolling.advance(readings, lifted)
+    unrolled = not_rolling.trunk_poses()[-1]
     return {
-        "drift": _off(*poses[-1, :2], end) / way_m,
-        "drift_not_rolling": _off(*not_rolling.trunk_poses()[-1, :2], end) / way_m,
+        "drift": _off(poses[-1, 0], poses[-1, 1], end) / way_m,
+        "drift_not_rolling": _off(unrolled[0], unrolled[1], end) / way_m,
         "drift_kinematic": _off(*_kinematic(walk, readings, rolling=False), end) / way_m,
         "drift_kinematic_rolling": _off(*_kinematic(walk, readings, rolling=True), end) / way_m,
         "heading_deg": float(np.degrees(abs((poses[-1, 2] - end.yaw_rad + np.pi) % (2 * np.pi) - np.pi))),

@@ -15,26 +15,26 @@ FLOOR_SD_RAD: Final = 0.0015
 GRAVITY_SD_RAD: Final = 0.005
 """The same by the accelerometer: its bias, in shares of gravity."""
 MOST_BETWEEN_RAD: Final = 0.021
-"""If both differ by more, the floor is inclined as nobody knew, and gravity alone is believed: four deviations."""
+"""If both differ by more, four deviations, the floor is inclined as nobody knew."""
 GYRO_BIAS_SD: Final = 0.0003
 """Of the bias of a gyroscope after 0.3 s at rest."""
 
 
 class Begin(NamedTuple):
-    """The arrays with which `kernel.advance` begins."""
+    """The arrays with which `kernel.advance` begins, or goes on."""
 
     state: Floats
     covariance: Floats
     memory: Floats
 
 
-def aligned(body: Floats, start: Pose2, still: Floats) -> Begin:
-    """Return the beginning of an estimate of a robot that stands still.
+def aligned(body: Floats, start: Pose2, still: Floats) -> tuple[Begin, Floats]:
+    """Return the beginning of an estimate of a robot that stands still, and gravity in the frame of the floor, (3,).
 
     `body` are its numbers, `start` the pose of its trunk in the frame of all measurements, which is chosen so, and
-    `still` (n, 22) what its sensors read while it stands. The floor is as level as the scenario says. So the attitude
-    follows from the joint angles of the legs, the bias of the accelerometer from the attitude and gravity, and that of
-    the gyroscope from its mean.
+    `still` (n, 22) what its sensors read while it stands. The attitude is that to the floor, and follows from the joint
+    angles of the legs, the bias of the accelerometer from the attitude and gravity, and that of the gyroscope from its
+    mean. If gravity is not where the scenario says, the accelerometer tells where it is.
     """
     joints = still[:, JOINTS].mean(axis=0)
     tips, com = np.empty((4, 3)), np.empty(3)
@@ -44,7 +44,9 @@ def aligned(body: Floats, start: Pose2, still: Floats) -> Begin:
     up_b, expected_b = force_b / np.linalg.norm(force_b), -rotation.T @ gravity / np.linalg.norm(gravity)
     between = np.cross(up_b, expected_b)
     known = np.linalg.norm(between) <= MOST_BETWEEN_RAD
-    share = FLOOR_SD_RAD**2 / (FLOOR_SD_RAD**2 + GRAVITY_SD_RAD**2) if known else 1.0
+    share = FLOOR_SD_RAD**2 / (FLOOR_SD_RAD**2 + GRAVITY_SD_RAD**2) if known else 0.0
+    if not known:
+        gravity = -np.linalg.norm(gravity) * (rotation @ up_b)
     quaternion = _quaternion(rotation)
     motion.turn_by.py_func(quaternion, *(share * between))
     motion.rotation_matrix.py_func(quaternion, rotation)
@@ -60,13 +62,13 @@ def aligned(body: Floats, start: Pose2, still: Floats) -> Begin:
     memory[layout.JOINTS : layout.JOINTS + 12] = joints
     memory[layout.DOWN : layout.DOWN + 4] = kernel.STANDING
     memory[layout.COM : layout.COM + 3] = com
-    tilt_sd = FLOOR_SD_RAD if known else GRAVITY_SD_RAD
+    force_sd_rad = FLOOR_SD_RAD if known else GRAVITY_SD_RAD
     deviations = np.full(layout.N_ERRORS, 1e-3)
-    deviations[layout.A : layout.A + 2] = tilt_sd
+    deviations[layout.A : layout.A + 2] = FLOOR_SD_RAD
     deviations[layout.A + 2] = 1e-4
     deviations[layout.G : layout.G + 3] = GYRO_BIAS_SD
-    deviations[layout.B : layout.B + 3] = tilt_sd * np.linalg.norm(gravity)
-    return Begin(state, np.diag(deviations**2), memory)
+    deviations[layout.B : layout.B + 3] = force_sd_rad * np.linalg.norm(gravity)
+    return Begin(state, np.diag(deviations**2), memory), gravity
 
 
 def _level(tips_b: Floats, yaw_rad: float) -> Floats:

@@ -29,8 +29,8 @@ class Estimator:
 
         `body` are the numbers of the robot, and `late_steps` is the age of the last reading when a tick ends.
         """
-        self._body = body
-        self._arrays = aligned(body, start, still)
+        self._body = body.copy()
+        self._arrays, self._body[layout.GRAVITY : layout.GRAVITY + 3] = aligned(body, start, still)
         self._age_s = late_steps * layout.STEP_S
         self._foreseen: tuple[Floats, Flags, Begin, Floats] | None = None
         """Readings, lifted feet, arrays and estimates of ticks that may be taken next."""

@@ -18,7 +18,7 @@ class Robot:
     """A robot that stands still, whose readings a test changes."""
 
     def __init__(self) -> None:
-        self.arrays = aligned(body(), START, still())
+        self.arrays, _ = aligned(body(), START, still())
 
     def advance(self, n: int, lifted: int | None = None, **changes: Any) -> Any:
         """Estimates after n ticks, (n, N_OUT)."""
