@@ -6,7 +6,7 @@ import struct
 from dataclasses import dataclass
 from itertools import count
 from math import ceil, cos, radians, sin
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,19 @@ ROUNDING_TICKS: Final = 1e-6
 """A time this close above a whole number of ticks counts as that number."""
 
 
+class Fix(NamedTuple):
+    """A pose of the trunk in the world that was measured."""
+
+    tick: int
+    given_tick: int
+    """From when on it is known."""
+    pose: Pose2
+
+
 @dataclass(frozen=True, kw_only=True)
-class _Measurement:
+class Measurement:
+    """The pose of a body that was measured."""
+
     tick: int
     """When it was made."""
     given_tick: int
@@ -48,11 +59,12 @@ class PoseSensor:
         """Measure the pose of tick 0, (7,), which is known at once."""
         self._sensed, self._seed, self._stream = sensed, seed, stream
         self._period_ticks = 1.0 / (sensed.rate_hz * CONTROL_PERIOD_S)
-        self._late_ticks = ceil(sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
+        self.late_ticks = ceil(sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
+        """Age of a measurement when it becomes known."""
         self._n_made = 0
         """Number of measurements that were made, or lost."""
         self._next_tick = 0
-        self._coming: list[_Measurement] = []
+        self._coming: list[Measurement] = []
         """Those that are not known yet, the oldest first."""
         self.known = self._measured(0, first, late_ticks=0, n_moving=0)
         """The last one that is known."""
@@ -62,7 +74,7 @@ class PoseSensor:
         """Measure at the end of a tick, when the body is at `true`, (7,); returns whether something new is known."""
         if tick >= self._next_tick:
             if not self._is_lost():
-                self._coming.append(self._measured(tick, true, self._late_ticks, n_moving))
+                self._coming.append(self._measured(tick, true, self.late_ticks, n_moving))
             self._count()
         is_new = False
         while self._coming and self._coming[0].given_tick <= tick:
@@ -77,10 +89,10 @@ class PoseSensor:
         generator = np.random.default_rng([self._seed, self._stream, self._n_made, 1])
         return bool(generator.random() < self._sensed.dropouts)
 
-    def _measured(self, tick: int, true: Floats, late_ticks: int, n_moving: int) -> _Measurement:
+    def _measured(self, tick: int, true: Floats, late_ticks: int, n_moving: int) -> Measurement:
         sensed = self._sensed
         x, y, turn = np.random.default_rng([self._seed, self._stream, self._n_made]).standard_normal(3).tolist()
-        return _Measurement(
+        return Measurement(
             tick=tick,
             given_tick=tick + late_ticks,
             true=true.copy(),
@@ -109,6 +121,8 @@ class Perception:
 
         self._box = sensor(reality.box_pose, BOX_STREAM, BOX_QPOS)
         self._trunk = sensor(reality.localization, LOCALIZATION_STREAM, TRUNK_QPOS)
+        self._fixes: list[Fix] = []
+        """Localizations that became known in the ticks that were taken last."""
         self._filter = None if self._box is None else BoxFilter(box, reality.box_pose, self._box.known.seen)
 
     @property
@@ -124,8 +138,10 @@ class Perception:
                 if self._box.pass_tick(tick, true, self._filter.n_moving):
                     self._filter.look(self._box.known.seen, self._box.known.n_moving)
         if self._trunk is not None:
+            self._fixes = []
             for tick, true in enumerate(qpos[:, TRUNK_QPOS], first_tick):
-                self._trunk.pass_tick(tick, true)
+                if self._trunk.pass_tick(tick, true):
+                    self._fixes.append(_fix(self._trunk.known))
 
     def box(self, qpos: Floats) -> Floats:
         """Position and quaternion of the box as it is known, (7,), from the true `qpos` (26,)."""
@@ -136,6 +152,18 @@ class Perception:
         at = planar(true)
         off = Pose2(x_m=known.x_m - at.x_m, y_m=known.y_m - at.y_m, yaw_rad=known.yaw_rad - at.yaw_rad)
         return _turned(true, off)
+
+    def box_tick(self, tick: int) -> int:
+        """When the box was measured, if it is known at a tick."""
+        return tick if self._box is None else self._box.known.tick
+
+    def first_fix(self) -> Fix | None:
+        """The first localization of the robot; None if it is always known where it is."""
+        return None if self._trunk is None else _fix(self._trunk.known)
+
+    def fixes(self) -> tuple[list[Fix], int]:
+        """Localizations that became known in the ticks that were taken last, and their age in ticks then."""
+        return (self._fixes, 0) if self._trunk is None else (self._fixes, self._trunk.late_ticks)
 
     def place_of_world(self) -> Pose2 | None:
         """Pose of the world's frame, as the robot is located in it, in the true one; None if they are the same."""
@@ -154,13 +182,17 @@ class Perception:
             trunk=trunk if place is None else place.inverse() @ trunk,
             trunk_tick=tick if self._trunk is None else self._trunk.known.tick,
             box=BoxState(position_m=tuple(box[:3]), orientation_wxyz=tuple(box[3:])),
-            box_tick=tick if self._box is None else self._box.known.tick,
+            box_tick=self.box_tick(tick),
         )
 
     def as_bytes(self) -> bytes:
         """All that later perception depends on, but the seed."""
         parts = self._box, self._filter, self._trunk
         return b"".join(part.as_bytes() for part in parts if part is not None)
+
+
+def _fix(measured: Measurement) -> Fix:
+    return Fix(tick=measured.tick, given_tick=measured.given_tick, pose=measured.seen)
 
 
 def planar(pose: Floats) -> Pose2:

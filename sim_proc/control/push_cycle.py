@@ -177,7 +177,8 @@ class Pusher:
 
     def _feel(self, leg: FrontLeg, yaw_rad: float, log: TickLog, n_unloading: int) -> None:
         """Let the resistance learn from the step of a push, but for its last ticks, in which the force goes."""
-        forces_n = -log.steps.box_forces_n[: len(log.qpos) - n_unloading, :, LEGS.index(leg)].mean(axis=1)
+        plant = self._steps.posture.plant
+        forces_n = plant.push_forces_n(log, LEGS.index(leg))[: len(log.qpos) - n_unloading]
         self.resistance.feel(_turned(forces_n, -yaw_rad) * _mirror(leg))
 
     def _push_step(self, leg: FrontLeg, here: Floats, yaw_rad: float, force: PushForce | None) -> Step:

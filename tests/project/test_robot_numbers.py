@@ -50,6 +50,7 @@ OF_NO_ROBOT = {
     "physics/gusts.py": {"NEVER", "ROUNDING_TICKS"},
     "physics/landing.py": {"BLOCKED_SHARE"},
     "physics/physics.py": {"PARKED_M"},
+    "physics/senses.py": {"CHUNK_TICKS", "FIRST_CHUNK"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""
 MAKE_THE_DEFAULT = {"shared/legpush/scene/scenario.py", "shared/legpush/scenarios/file.py"}
