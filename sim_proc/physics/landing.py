@@ -76,7 +76,7 @@ class Landing:
 
     def _is_blocked(self, tick: int, sensors: Floats) -> bool:
         """Whether a slow leg is stopped by something that its foot does not feel, such as an edge under the shank."""
-        if self._touchdown.stops_leg:
+        if tick < self._touchdown.blocked_tick:
             return False
         behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
         return bool((behind > self._allowed_rad[self._joints]).any())

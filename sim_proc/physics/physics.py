@@ -113,7 +113,7 @@ class Physics:
         self._gusts.begin_run(self.tick)
         controls = planned.copy()
         qpos, sensors = self._simulate(controls, landing)
-        alarm = None if watch is None else watch.alarm(*self._sensors.com(sensors))
+        alarm = None if watch is None else watch.alarm(*self._sensors.motion(sensors))
         if alarm is not None and alarm + 1 < len(qpos):
             self._go_back(began)
             planned = planned[: alarm + 1]

@@ -175,6 +175,33 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Time of each of these steps."""
 
 
+class RoughGait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot steps where its feet have found that the floor is not level."""
+
+    from_m: BodyDistance = 0.01
+    """A foot that stands this much above or below the level floor makes it rough."""
+    missed_m: BodyDistance = 0.03
+    """So does a foot that comes down this far from its place. It then steps once more."""
+    step_height_m: BodyLength = 0.08
+    """How high a foot is lifted above the highest one."""
+    near_m: BodyDistance = 0.02
+    """From this height above the highest foot on it comes down slowly, until it feels the floor."""
+    descent_m_s: LandingSpeed = 0.25
+    """How fast it does."""
+    below_m: BodyDistance = 0.04
+    """How far below the lowest foot its swing ends. From there on it looks for the floor."""
+    flight_ticks: Ticks = 16
+    """Time of the swing before the slow descent."""
+    back_m: BodyDistance = 0.06
+    """How much nearer a foot steps if an edge holds its leg."""
+    slip_m: BodyDistance = 0.012
+    """A standing foot that sinks by this much has slipped off an edge. Then a foot in the air is put down at once."""
+    reflex_m_s: LandingSpeed = 0.5
+    """How fast."""
+    climb_m_s: LandingSpeed = 0.1
+    """How fast the trunk follows the mean height of the feet."""
+
+
 class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When the robot gives up a plan that it has been thrown off, and how it then steps until it stands.
 

@@ -21,10 +21,10 @@ class Deviation:
         self._usual_m: Floats = np.zeros(2)
         self._allowed_m = capture.from_m
 
-    def watch(self, plan: ComPlan, n_ticks: int) -> Watch:
-        """A watch over the first ticks of a planned motion."""
+    def watch(self, plan: ComPlan, n_ticks: int, least_heights_m: Floats | None = None) -> Watch:
+        """A watch over the first ticks of a planned motion, and over feet that are to stay up, (4,)."""
         planned_m = plan.position_m[:n_ticks] + self._per_speed_s * plan.velocity_m_s[:n_ticks]
-        return Watch(planned_m, self._per_speed_s, self._usual_m, self._allowed_m)
+        return Watch(planned_m, self._per_speed_s, self._usual_m, self._allowed_m, least_heights_m)
 
     def learn(self, watch: Watch) -> None:
         """Take the deviation of a motion that was carried out for the usual one, little by little."""
