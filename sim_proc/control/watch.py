@@ -27,6 +27,8 @@ class Watch:
         """
         self._planned_m, self._per_speed_s, self._least_heights_m = planned_m, per_speed_s, least_heights_m
         self._usual_m, self._allowed_m = usual_m, allowed_m
+        self.reached_m: Floats = np.zeros((0, 2))
+        """The divergent component of the motion that was looked at last, (n, 2)."""
         self.deviations_m: Floats = np.zeros((0, 2))
         """How far the motion that was looked at last was from the plan, (n, 2), with its last tick that of an alarm."""
 
@@ -36,8 +38,8 @@ class Watch:
         The motion is that of the centre of mass, (n, 3) and (n, 3), and of the centres of the feet, (n, 4, 3), at the
         ends of the plan's first n ticks.
         """
-        reached_m = com_m[:, :2] + self._per_speed_s * com_velocity_m_s[:, :2]
-        self.deviations_m = reached_m - self._planned_m[: len(com_m)]
+        self.reached_m = com_m[:, :2] + self._per_speed_s * com_velocity_m_s[:, :2]
+        self.deviations_m = self.reached_m - self._planned_m[: len(com_m)]
         x, y = (self.deviations_m - self._usual_m).T
         beyond = x * x + y * y > self._allowed_m**2
         if self._least_heights_m is not None:

@@ -12,7 +12,10 @@ from sim_proc.control.plant import Touchdown
 BLOCKED_SHARE: Final = 0.25
 """A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
 
-Lag = tuple[slice, Floats, Floats]
+MOVES_RAD_S: Final = 0.1
+"""A joint that is faster moves on: it is only late, as after a command that comes late."""
+
+Lag = tuple[slice, slice, Floats, Floats]
 
 
 class Landing:
@@ -23,12 +26,13 @@ class Landing:
 
         `forces` are the columns of the sensors with the vertical forces of the feet on their surroundings, and `holds`
         (n, steps, 12) are the controls that hold the joints in the places of all steps. `joints` are the columns of the
-        measured joint angles, the planned angles (n, steps, 12), and how far the joints may stay behind them, (12,).
+        measured joint angles and speeds, the planned angles (n, steps, 12), and how far the joints may stay behind
+        them, (12,).
         """
         self._touchdown, self._forces, self._holds = touchdown, forces, holds
         self._force = forces.start + forces.step * touchdown.leg
         """Column of the vertical force of the foot."""
-        self._measured, self._positions, self._allowed_rad = joints
+        self._measured, self._speeds, self._positions, self._allowed_rad = joints
         self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
 
     def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterable[Floats]:
@@ -79,7 +83,8 @@ class Landing:
         if tick < self._touchdown.blocked_tick:
             return False
         behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
-        return bool((behind > self._allowed_rad[self._joints]).any())
+        still = np.abs(sensors[:, self._speeds][:, self._joints]) < MOVES_RAD_S
+        return bool((behind > self._allowed_rad[self._joints]).any() and still.all())
 
     def not_down(self, tick: int, sensors: Floats) -> int | None:
         """The leg whose foot is not down at the end of a tick after which another foot is to be lifted."""

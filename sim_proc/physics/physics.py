@@ -1,7 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 from collections.abc import Iterable, Sequence
-from math import cos, radians, sin
+from math import cos, radians
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,6 @@ from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.watch import Watch
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
-from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.actual import actual_robot
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
@@ -32,8 +31,10 @@ from sim_proc.physics.gusts import GustSchedule
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
 from sim_proc.physics.moment import Moment
+from sim_proc.physics.plumb_line import PlumbLine
 from sim_proc.physics.sensors import Sensors
 from sim_proc.physics.soundness import require_sound
+from sim_proc.physics.start import standing_qpos
 from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
 
@@ -48,8 +49,7 @@ class Physics:
         """Stand the robot at `trunk` and the box at `box`, at rest, in a world as `reality` has it."""
         self.robot = robot = scenario.robot
         """The numbers of the robot, as control knows them."""
-        self._reality = reality
-        self.actual_robot = actual_robot(robot, reality)
+        self._reality, self.actual_robot = reality, actual_robot(robot, reality)
         """The numbers of the robot as they are."""
         self._numbers_crc = crc_of_numbers(robot, reality)
         self.model = build_model(scenario, reality)
@@ -59,8 +59,7 @@ class Physics:
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
         self._assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
-        self.downhill: Floats = self._assumed.downhill
-        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
+        self._plumb_line = PlumbLine(self._assumed.downhill)
         self.actual_downhill: Floats = downhill_of(model)
         """The same of the floor as it is."""
         self.mass_kg = self._assumed.mass_kg
@@ -74,9 +73,7 @@ class Physics:
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
         self._upright = cos(radians(robot.fall.tilt_deg))
-        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
-        data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
-        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
+        data.qpos[:] = standing_qpos(scenario, trunk, box)
         self._places = trunk, box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
@@ -90,6 +87,11 @@ class Physics:
         self.tick = 0
         self.fallen = False
         self.perception = Perception(reality, data.qpos)
+
+    @property
+    def downhill(self) -> Floats:
+        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
+        return self._plumb_line.downhill
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
@@ -111,6 +113,7 @@ class Physics:
         landing = None if until is None else self._landing(until, commands)
         began = self._moment()
         self._gusts.begin_run(self.tick)
+        speed = self.data.qvel[:3].copy()
         controls = planned.copy()
         qpos, sensors = self._simulate(controls, landing)
         alarm = None if watch is None else watch.alarm(*self._sensors.motion(sensors))
@@ -128,6 +131,7 @@ class Physics:
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         require_sound(self._warnings, qpos, self.tick)
+        self._plumb_line.feel(*self._sensors.imu(sensors), self.data.qvel[:3] - speed)
         self.perception.take(self.tick - len(qpos) + 1, qpos)
         steps = self._sensors.steps(sensors)
         return TickLog(
@@ -158,7 +162,7 @@ class Physics:
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
         allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
-        lag = self._joint_sensors[0], commands.positions_rad, allowed_rad
+        lag = *self._joint_sensors[:2], commands.positions_rad, allowed_rad
         return Landing(touchdown, self._sensors.loads, holds, lag)
 
     def _simulate(
@@ -294,7 +298,3 @@ class Physics:
         """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, and all that is on its way."""
         under_way = self._delay.as_bytes() + self.perception.as_bytes()
         return crc_of_state(self.model, self.data, under_way, self._numbers_crc)
-
-
-def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
-    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)

@@ -43,6 +43,10 @@ class Sensors:
         last = readings[:, -1]
         return last[:, self.of["com"]], last[:, self.of["com_velocity"]], self.tips_m(last)
 
+    def imu(self, readings: Floats) -> tuple[Floats, Floats]:
+        """Accelerations at all steps, (n, steps, 3), and attitudes at the last steps of ticks, (n, 4), of the IMU."""
+        return readings[..., self.of["imu_acceleration"]], readings[:, -1, self.of["imu_orientation"]]
+
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""
         forces: Floats = -readings[..., self._floor_forces].reshape(*readings.shape[:-1], len(LEGS), 3)

@@ -180,7 +180,7 @@ class RoughGait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     from_m: BodyDistance = 0.01
     """A foot that stands this much above or below the level floor makes it rough."""
-    missed_m: BodyDistance = 0.03
+    missed_m: BodyDistance = 0.05
     """So does a foot that comes down this far from its place. It then steps once more."""
     step_height_m: BodyLength = 0.08
     """How high a foot is lifted above the highest one."""
@@ -212,10 +212,16 @@ class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The divergent component of its motion is at most this far from the plan, beyond the usual; else it trots."""
     more_m: BodyDistance = 0.02
     """How much more is allowed after a trot."""
-    most_m: BodyDistance = 0.12
+    late_m: BodyDistance = 0.01
+    """How much more is allowed for each tick by which motions are later than planned."""
+    most_m: BodyDistance = 0.15
     """The most that is ever allowed."""
+    small_m: BodyDistance = 0.025
+    """Without a larger deviation nothing is late."""
+    forget_ticks: Ticks = 100
+    """Time constant with which it allows less again."""
     adapt_ticks: Ticks = 100
-    """Time constant with which it learns how far it usually is from its plans, and allows less again."""
+    """Time constant with which it learns how far it usually is from its plans."""
     step_ticks: Ticks = 9
     """Time of one step of two feet."""
     step_height_m: BodyLength = 0.07
