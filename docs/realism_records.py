@@ -11,5 +11,8 @@ SCENARIO: Final = (
     settings.Gusts,
     settings.FloorTiles,
     settings.PoseSensor,
+    settings.ImuSensor,
+    settings.JointEncoders,
+    settings.FootForceSensors,
 )
-OUTCOME: Final = (stepping.Perceived, reality.Reality, reality.Sensed)
+OUTCOME: Final = (stepping.Perceived, reality.Reality, reality.Sensed, reality.Senses)

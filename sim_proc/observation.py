@@ -7,7 +7,7 @@ import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import rpy_from_quaternion
-from legpush.messages.stepping import BoxState, Imu, PathProgress, PushReport, Trace, TrunkState, WorldState
+from legpush.messages.stepping import BoxState, Imu, PathProgress, Perceived, PushReport, Trace, TrunkState, WorldState
 from legpush.scene.conventions import BOX_QPOS, JOINT_QPOS, TRUNK_QPOS
 from sim_proc.control.plant import TickLog
 from sim_proc.measures.motion import Measured
@@ -16,8 +16,14 @@ from sim_proc.model.world import JOINT_QVEL
 from sim_proc.physics.physics import Physics
 
 
-def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, push: PushReport | None) -> WorldState:
-    """The present state of the world, after `n_footsteps` steps of the robot."""
+def world_state(
+    physics: Physics,
+    n_footsteps: int,
+    path: PathProgress | None,
+    push: PushReport | None,
+    perceived: Perceived | None,
+) -> WorldState:
+    """The present state of the world, after `n_footsteps` steps of the robot, and what is known of it."""
     qpos, qvel = physics.data.qpos, physics.data.qvel
     trunk, box = qpos[TRUNK_QPOS], qpos[BOX_QPOS]
     return WorldState(
@@ -31,7 +37,7 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
         joint_positions_rad=_plain(qpos[JOINT_QPOS]),
         joint_velocities_rad_s=_plain(qvel[JOINT_QVEL]),
         tips_m=_plain(physics.tips_m()),
-        foot_forces_n=_plain(np.linalg.norm(physics.floor_forces_n() + physics.box_forces_n(), axis=1)),
+        foot_forces_n=_plain(np.linalg.norm(physics.foot_forces_n(), axis=1)),
         imu=Imu(
             orientation_wxyz=_plain(physics.sensor("imu_orientation")),
             angular_velocity_rad_s=_plain(physics.sensor("imu_angular_velocity")),
@@ -43,7 +49,7 @@ def world_state(physics: Physics, n_footsteps: int, path: PathProgress | None, p
         path=path,
         push=push,
         appeared=physics.appeared,
-        perceived=physics.perception.perceived(qpos, physics.tick),
+        perceived=perceived,
     )
 
 

@@ -1,9 +1,12 @@
-"""How robot and box are perceived: poses that are measured with noise, at a rate, late, and not always."""
+"""How robot and box are perceived: poses that are measured with noise, at a rate, late, and not always.
+
+All looks at the box are filtered."""
 
 import struct
 from dataclasses import dataclass
+from itertools import count
 from math import ceil, cos, radians, sin
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -12,13 +15,26 @@ from legpush.geometry import Pose2
 from legpush.messages.stepping import BoxState, Perceived
 from legpush.realism.reality import BOX_STREAM, LOCALIZATION_STREAM, Reality, Sensed
 from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, TRUNK_QPOS
+from legpush.scene.scenario import Box
+from sim_proc.box_filter import BoxFilter, places
 
 ROUNDING_TICKS: Final = 1e-6
 """A time this close above a whole number of ticks counts as that number."""
 
 
+class Fix(NamedTuple):
+    """A pose of the trunk in the world that was measured."""
+
+    tick: int
+    given_tick: int
+    """From when on it is known."""
+    pose: Pose2
+
+
 @dataclass(frozen=True, kw_only=True)
-class _Measurement:
+class Measurement:
+    """The pose of a body that was measured."""
+
     tick: int
     """When it was made."""
     given_tick: int
@@ -27,6 +43,13 @@ class _Measurement:
     """Position and quaternion of the body then, (7,)."""
     error: Pose2
     """What the noise adds to x, y and heading."""
+    n_moving: int
+    """Number of ticks up to then in which the body may have moved."""
+
+    @property
+    def seen(self) -> Pose2:
+        """What was measured, projected to the floor."""
+        return planar(_turned(self.true, self.error))
 
 
 class PoseSensor:
@@ -36,25 +59,27 @@ class PoseSensor:
         """Measure the pose of tick 0, (7,), which is known at once."""
         self._sensed, self._seed, self._stream = sensed, seed, stream
         self._period_ticks = 1.0 / (sensed.rate_hz * CONTROL_PERIOD_S)
+        self.late_ticks = ceil(sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
+        """Age of a measurement when it becomes known."""
         self._n_made = 0
         """Number of measurements that were made, or lost."""
         self._next_tick = 0
-        self._coming: list[_Measurement] = []
+        self._coming: list[Measurement] = []
         """Those that are not known yet, the oldest first."""
-        self.known = self._measured(0, first, late_ticks=0)
+        self.known = self._measured(0, first, late_ticks=0, n_moving=0)
         """The last one that is known."""
         self._count()
 
-    def take(self, first_tick: int, poses: Floats) -> None:
-        """Measure at the ends of ticks from `first_tick` on, when the body was at `poses`, (n, 7)."""
-        late_ticks = ceil(self._sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
-        for tick, true in enumerate(poses, first_tick):
-            if tick >= self._next_tick:
-                if not self._is_lost():
-                    self._coming.append(self._measured(tick, true, late_ticks))
-                self._count()
-            while self._coming and self._coming[0].given_tick <= tick:
-                self.known = self._coming.pop(0)
+    def pass_tick(self, tick: int, true: Floats, n_moving: int = 0) -> bool:
+        """Measure at the end of a tick, when the body is at `true`, (7,); returns whether something new is known."""
+        if tick >= self._next_tick:
+            if not self._is_lost():
+                self._coming.append(self._measured(tick, true, self.late_ticks, n_moving))
+            self._count()
+        is_new = False
+        while self._coming and self._coming[0].given_tick <= tick:
+            self.known, is_new = self._coming.pop(0), True
+        return is_new
 
     def _count(self) -> None:
         self._n_made += 1
@@ -64,20 +89,22 @@ class PoseSensor:
         generator = np.random.default_rng([self._seed, self._stream, self._n_made, 1])
         return bool(generator.random() < self._sensed.dropouts)
 
-    def _measured(self, tick: int, true: Floats, late_ticks: int) -> _Measurement:
+    def _measured(self, tick: int, true: Floats, late_ticks: int, n_moving: int) -> Measurement:
         sensed = self._sensed
         x, y, turn = np.random.default_rng([self._seed, self._stream, self._n_made]).standard_normal(3).tolist()
-        return _Measurement(
+        return Measurement(
             tick=tick,
             given_tick=tick + late_ticks,
             true=true.copy(),
             error=Pose2(x_m=sensed.noise_m * x, y_m=sensed.noise_m * y, yaw_rad=radians(sensed.noise_deg) * turn),
+            n_moving=n_moving,
         )
 
     def as_bytes(self) -> bytes:
         """All that later measurements depend on, but the seed."""
         rows = [
-            struct.pack("<2q10d", one.tick, one.given_tick, *one.true, one.error.x_m, one.error.y_m, one.error.yaw_rad)
+            struct.pack("<3q", one.tick, one.given_tick, one.n_moving)
+            + struct.pack("<10d", *one.true, one.error.x_m, one.error.y_m, one.error.yaw_rad)
             for one in (self.known, *self._coming)
         ]
         return struct.pack("<2q", self._n_made, self._next_tick) + b"".join(rows)
@@ -86,41 +113,64 @@ class PoseSensor:
 class Perception:
     """What is known of robot and box. Where that is exact, truth is given."""
 
-    def __init__(self, reality: Reality, qpos: Floats) -> None:
-        """Begin at tick 0 with `qpos` (26,)."""
+    def __init__(self, reality: Reality, qpos: Floats, box: Box) -> None:
+        """Begin at tick 0 with `qpos` (26,), beside a box whose size is known."""
 
         def sensor(sensed: Sensed, stream: int, columns: slice) -> PoseSensor | None:
             return None if sensed.exact else PoseSensor(sensed, reality.seed, stream, qpos[columns])
 
         self._box = sensor(reality.box_pose, BOX_STREAM, BOX_QPOS)
         self._trunk = sensor(reality.localization, LOCALIZATION_STREAM, TRUNK_QPOS)
+        self._fixes: list[Fix] = []
+        """Localizations that became known in the ticks that were taken last."""
+        self._filter = None if self._box is None else BoxFilter(box, reality.box_pose, self._box.known.seen)
 
     @property
     def exact(self) -> bool:
         """Whether everything is known as it is."""
         return self._box is None and self._trunk is None
 
-    def take(self, first_tick: int, qpos: Floats) -> None:
-        """Measure at the ends of ticks from `first_tick` on, with `qpos` (n, 26)."""
-        if self._box is not None:
-            self._box.take(first_tick, qpos[:, BOX_QPOS])
+    def take(self, first_tick: int, qpos: Floats, tips_m: Floats) -> None:
+        """Measure at the ends of ticks from `first_tick` on, with `qpos` (n, 26) and feet at `tips_m` (n, 4, 3)."""
+        if self._box is not None and self._filter is not None:
+            for tick, true, tips in zip(count(first_tick), qpos[:, BOX_QPOS], places(tips_m), strict=False):
+                self._filter.pass_tick(tips)
+                if self._box.pass_tick(tick, true, self._filter.n_moving):
+                    self._filter.look(self._box.known.seen, self._box.known.n_moving)
         if self._trunk is not None:
-            self._trunk.take(first_tick, qpos[:, TRUNK_QPOS])
+            self._fixes = []
+            for tick, true in enumerate(qpos[:, TRUNK_QPOS], first_tick):
+                if self._trunk.pass_tick(tick, true):
+                    self._fixes.append(_fix(self._trunk.known))
 
     def box(self, qpos: Floats) -> Floats:
         """Position and quaternion of the box as it is known, (7,), from the true `qpos` (26,)."""
-        if self._box is None:
+        if self._box is None or self._filter is None:
             pose: Floats = qpos[BOX_QPOS]
             return pose
-        known = self._box.known
-        return _turned(known.true, known.error)
+        true, known = self._box.known.true, self._filter.pose
+        at = planar(true)
+        off = Pose2(x_m=known.x_m - at.x_m, y_m=known.y_m - at.y_m, yaw_rad=known.yaw_rad - at.yaw_rad)
+        return _turned(true, off)
+
+    def box_tick(self, tick: int) -> int:
+        """When the box was measured, if it is known at a tick."""
+        return tick if self._box is None else self._box.known.tick
+
+    def first_fix(self) -> Fix | None:
+        """The first localization of the robot; None if it is always known where it is."""
+        return None if self._trunk is None else _fix(self._trunk.known)
+
+    def fixes(self) -> tuple[list[Fix], int]:
+        """Localizations that became known in the ticks that were taken last, and their age in ticks then."""
+        return (self._fixes, 0) if self._trunk is None else (self._fixes, self._trunk.late_ticks)
 
     def place_of_world(self) -> Pose2 | None:
         """Pose of the world's frame, as the robot is located in it, in the true one; None if they are the same."""
         if self._trunk is None:
             return None
         known = self._trunk.known
-        return planar(known.true) @ planar(_turned(known.true, known.error)).inverse()
+        return planar(known.true) @ known.seen.inverse()
 
     def perceived(self, qpos: Floats, tick: int) -> Perceived | None:
         """What is known at a tick, from the true `qpos` (26,); None if everything is known as it is."""
@@ -132,12 +182,17 @@ class Perception:
             trunk=trunk if place is None else place.inverse() @ trunk,
             trunk_tick=tick if self._trunk is None else self._trunk.known.tick,
             box=BoxState(position_m=tuple(box[:3]), orientation_wxyz=tuple(box[3:])),
-            box_tick=tick if self._box is None else self._box.known.tick,
+            box_tick=self.box_tick(tick),
         )
 
     def as_bytes(self) -> bytes:
         """All that later perception depends on, but the seed."""
-        return b"".join(sensor.as_bytes() for sensor in (self._box, self._trunk) if sensor is not None)
+        parts = self._box, self._filter, self._trunk
+        return b"".join(part.as_bytes() for part in parts if part is not None)
+
+
+def _fix(measured: Measurement) -> Fix:
+    return Fix(tick=measured.tick, given_tick=measured.given_tick, pose=measured.seen)
 
 
 def planar(pose: Floats) -> Pose2:

@@ -1,7 +1,7 @@
 """The simulator: carries out motions one by one and reports their outcomes. Without a motion nothing moves."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
@@ -20,6 +20,10 @@ from sim_proc.measures.motion import Meter
 from sim_proc.observation import trace, world_state
 from sim_proc.physics.contacts import require_apart
 from sim_proc.physics.physics import Physics
+from sim_proc.physics.senses import OwnSenses
+
+if TYPE_CHECKING:
+    from sim_proc.estimated_robot import EstimatedRobot
 
 SETTLE_TICKS: Final = 25
 """How long robot and box stand before an episode begins, until the floor carries them."""
@@ -72,8 +76,10 @@ class SimulatedEpisode:
         self._meter = Meter(self.physics.actual_robot, self.physics.actual_downhill)
         self._meter.measure([Posture(self.physics).stand(SETTLE_TICKS)], n_footsteps=0)
         self.physics.begin()
-        self._steps = Steps(Posture(self.physics))
-        self._pusher = Pusher(self._steps, reset.scenario.box)
+        self._estimated = _estimated(self.physics)
+        self._steps = Steps(Posture(self._estimated or self.physics))
+        self.pusher = Pusher(self._steps, reset.scenario.box)
+        """Carries out its pushes."""
         self._walk: PathWalk | None = None
         self._push: PushReport | None = None
         self._n_footsteps = 0
@@ -104,7 +110,7 @@ class SimulatedEpisode:
             MotionError: The present state does not allow the motion.
         """
         self._begin_motion(pushing=push.leg)
-        done = self._pusher.cycle(push, weights)
+        done = self.pusher.cycle(push, weights)
         self._walk = None
         self._push = PushReport(leg=push.leg, touched=done.peak_force_n > 0.0, peak_force_n=done.peak_force_n)
         return self.outcome(done.logs, with_trace=with_trace)
@@ -145,9 +151,13 @@ class SimulatedEpisode:
                 n_unexpected_steps=contacts.n_steps,
                 unexpected=contacts.found(),
             )
+        estimated = self._estimated
+        perceived = (
+            estimated.perceived() if estimated else physics.perception.perceived(physics.data.qpos, physics.tick)
+        )
         return Outcome(
-            world=world_state(physics, self._steps.n_footsteps, path, self._push),
-            state_crc=physics.state_crc(),
+            world=world_state(physics, self._steps.n_footsteps, path, self._push, perceived),
+            state_crc=physics.state_crc(estimated.as_bytes() if estimated else b""),
             trace=trace(logs, physics.tick, measured) if with_trace else None,
             measures=None if measured is None else measured.measures,
             reality=self._told_once(),
@@ -157,3 +167,12 @@ class SimulatedEpisode:
         """What the seed drew, in the outcome of the reset, if it differs from what is assumed and known."""
         reality, self._reality = self._reality, None
         return None if reality is None or reality.ideal else reality
+
+
+def _estimated(physics: Physics) -> "EstimatedRobot | None":
+    """The robot as its own sensors tell it; None if they are exact. Only estimates need compiled functions."""
+    if not isinstance(physics.senses, OwnSenses):
+        return None
+    from sim_proc.estimated_robot import EstimatedRobot
+
+    return EstimatedRobot(physics, physics.senses)

@@ -18,6 +18,7 @@ from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import World
 from legpush.messages.stepping import Reset
 from legpush.runs.reasons import REASONS
+from legpush.scene.pushing.bounds import cannot_push
 from legpush.scene.scenario import Scenario
 
 
@@ -49,6 +50,7 @@ def run_mission(
     try:
         actor.step(Reset(scenario=scenario, seed=seed))
         has_begun = True
+        _require_light_enough(actor)
         if actor.standing_at() is None:
             _walk_to_handover(actor, walker, route)
         handover_distance_m = actor.box_distance_m()
@@ -76,6 +78,17 @@ def run_mission(
         n_replans=planner.n_replans,
         error=error,
     )
+
+
+def _require_light_enough(actor: Actor) -> None:
+    """Check that the robot can move the box of its scenario, if the box has to move.
+
+    Raises:
+        MissionEndedError: It cannot.
+    """
+    why = cannot_push(actor.scenario)
+    if why is not None and not actor.box_error().within(actor.scenario.goal):
+        raise MissionEndedError("too_heavy", why)
 
 
 def _judge(actor: Actor) -> None:

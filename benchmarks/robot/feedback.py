@@ -20,7 +20,7 @@ from benchmarks.robot.motions import Done, curved_walk, pushes, straight_walk
 from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.robot import RobotSpec
-from sim_proc.physics.plumb_line import PlumbLine
+from sim_proc.estimation.plumb_line import PlumbLine
 
 MASS_KG: Final = 1.0
 """Of the box that is pushed."""

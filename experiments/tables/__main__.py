@@ -18,6 +18,7 @@ from experiments.rows import RESULTS
 from experiments.tables import (
     circles,
     handover,
+    heavy_boxes,
     learning,
     learning_pictures,
     mass_sweep,
@@ -47,6 +48,7 @@ from legpush.files import write_whole
 TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "circles": circles.texts,
     "handover": handover.texts,
+    "heavy_boxes": heavy_boxes.texts,
     "learning": learning.texts,
     "learns": learns.texts,
     "mass_sweep": mass_sweep.texts,
@@ -68,6 +70,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
 PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "circles": circles.pictures,
     "handover": handover.pictures,
+    "heavy_boxes": heavy_boxes.pictures,
     "learning": learning_pictures.pictures,
     "mass_sweep": mass_sweep.pictures,
     "push_curves": push_pictures.pictures,

@@ -138,14 +138,17 @@ def _edges(support_feet_m: Floats) -> list[_Edge]:
     return edges
 
 
-def foot_forces(feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_m_s2: Floats, mass_kg: float) -> Floats:
+def foot_forces(
+    feet_m: Floats, load_share: Floats, zmp_m: Floats, acceleration_m_s2: Floats, mass_kg: float | Floats
+) -> Floats:
     """Ground reaction forces (n, 4, 3) of feet (n, 4, 3) that keep the ZMP (n, 2) and accelerate the robot (n, 2).
 
     On a slope the acceleration is relative to free fall along the floor.
 
     The vertical forces carry the weight and balance about the ZMP with the least norm, weighted by `load_share` (n, 4)
-    (Eq. 9). The force that pushing the box takes is small beside the weight, and is left to the servos. The feet share
-    the horizontal force in proportion to their vertical forces.
+    (Eq. 9). The feet share the horizontal force in proportion to their vertical forces. The force that pushing a light
+    box takes is small beside the weight, and is left to the servos. `mass_kg` is one number, or one for each tick,
+    (n, 1).
     """
     n = len(zmp_m)
     balance = np.ones((n, 3, 4))

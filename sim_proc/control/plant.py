@@ -36,6 +36,11 @@ class StepLog:
     joint_torques_n_m: Floats
     """Torques of the servos, (n, s, 12)."""
 
+    def forces_on_box_n(self, leg: int) -> Floats:
+        """Mean force of a foot on the box in each tick, (n, 3)."""
+        forces: Floats = -self.box_forces_n[:, :, leg].mean(axis=1)
+        return forces
+
 
 def joined_steps(logs: Sequence[StepLog]) -> StepLog:
     """The steps of motions that followed one another."""
@@ -114,8 +119,9 @@ def joined(logs: Sequence[TickLog]) -> TickLog:
 class Plant(Protocol):
     """A robot beside a box, which control can measure and move: simulated here, hardware elsewhere. World frame."""
 
-    fallen: bool
-    """Whether the robot has fallen. A fallen robot cannot be moved any more."""
+    @property
+    def fallen(self) -> bool:
+        """Whether the robot has fallen. A fallen robot cannot be moved any more."""
 
     @property
     def robot(self) -> RobotSpec:
@@ -155,6 +161,9 @@ class Plant(Protocol):
 
     def com_m(self) -> Floats:
         """Centre of mass of the robot, (3,)."""
+
+    def push_forces_n(self, log: TickLog, leg: int) -> Floats:
+        """Forces of a foot on the box as the foot feels them, means over each tick of the last run, (n, 3)."""
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes.

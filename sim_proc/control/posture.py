@@ -9,6 +9,7 @@ from legpush.scene.conventions import CONTROL_PERIOD_S, JOINTS
 from sim_proc.control.balance import foot_forces
 from sim_proc.control.joint_commands import interpolated, knots, ramped
 from sim_proc.control.plant import Plant, TickLog, Touchdown
+from sim_proc.control.push_force import PushForce, pushing_forces
 from sim_proc.control.swing import minimum_jerk
 from sim_proc.control.watch import Watch
 from sim_proc.gravity import GRAVITY_M_S2
@@ -119,12 +120,14 @@ class Posture:
         acceleration_m_s2: Floats,
         until: Touchdown | None = None,
         watch: Watch | None = None,
+        push: PushForce | None = None,
     ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
 
         It ends early at a touchdown, and where the robot is too far from its plan.
 
-        `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet.
+        `load_share` (n, 4), `zmp_m` (n, 2) and `acceleration_m_s2` (n, 2) give the forces of the feet, and `push` the
+        force of one of them on the box.
 
         Joint targets come from inverse kinematics. Their velocities, and the torques of the planned foot forces and of
         the planned motion, are fed forward. A correction by measured feet is spread over the first ticks.
@@ -136,7 +139,8 @@ class Posture:
         joints = self._inverse(trunks, from_world, np.concatenate([self.feet_m[None], feet_m]), heights)
         present, planned, from_world = joints[0].ravel(), joints[1:], from_world[1:]
         against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
-        forces = foot_forces(feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg)
+        balance = feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg
+        forces = foot_forces(*balance) if push is None else pushing_forces(*balance, push)
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
         torques = -np.einsum("nlij,nli->nlj", self._kinematics.jacobian(planned, SIDE), forces).reshape(n, 12)
         planned = planned.reshape(n, 12)

@@ -2,11 +2,13 @@
 
 A front foot moves along a Bezier curve into the box and back. Then every foot steps to its marker at the box: its
 corner of the foot rectangle of a robot that stands ready for the next push.
+
+A heavy box is pushed more slowly along the same curve, and the force that it takes is fed forward to all feet.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, radians, sqrt
+from math import cos, hypot, radians, sin, sqrt
 from typing import Final
 
 import numpy as np
@@ -16,19 +18,28 @@ from legpush.errors import MotionError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import LEGS, FrontLeg, Leg
-from legpush.scene.faces import PUSHABLE, pushed_box, pushed_com_m, pushed_pose
+from legpush.scene.faces import PUSHABLE, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import Face
+from legpush.scene.pushing.bounds import contact_height_m
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box
 from sim_proc.control.gait import PathWalk, in_world, require_within_reach, swing_to
 from sim_proc.control.plant import TickLog
+from sim_proc.control.push_force import PushForce
+from sim_proc.control.resistance import Resistance
 from sim_proc.control.step import Step, Swing, rest
 from sim_proc.control.steps import Steps
+from sim_proc.control.stroke import heavy_force, heavy_ticks, heavy_way
 from sim_proc.control.swing import bezier, control_points, gentle_stop, landing_swing
+from sim_proc.gravity import GRAVITY_M_S2
 
 RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", "RL"), "FR": ("RL", "FL", "RR")}
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
+MIRRORED: Final = np.array([1.0, -1.0, 1.0])
+"""Signs by which a vector becomes its mirror image."""
+CURVE: Final = np.linspace(0.0, 1.0, 201)
+"""Parameters at which a curve is searched for the place where the foot meets the box."""
 
 
 def contact_point(robot: RobotSpec, box: Box, box_pose: Pose2, face: Face, leg: FrontLeg, depth_m: float) -> Floats:
@@ -38,21 +49,6 @@ def contact_point(robot: RobotSpec, box: Box, box_pose: Pose2, face: Face, leg: 
     rear = -sqrt(length**2 / 4 - side**2) if box.shape == "cylinder" else -length / 2
     x, y = pushed_pose(box_pose, face).apply([[rear + depth_m - robot.legs.foot_radius_m, side]])[0]
     return np.array([x, y, contact_height_m(robot, box, face)])
-
-
-def contact_height_m(robot: RobotSpec, box: Box, face: Face) -> float:
-    """Height of the contact point: within reach of the leg, and low enough that a sliding box does not tip.
-
-    Friction with the floor holds a sliding box back by the same share of its weight whatever its mass. The box tips
-    over its front edge if it is pushed above the distance from its centre of mass to that edge, along the push, divided
-    by the friction coefficient with the floor.
-    """
-    length, _, height = pushed_box(box, face).size_m
-    to_edge_m = length / 2 - pushed_com_m(box, face)[0]
-    motion = robot.pushing
-    tips_m = motion.tip_share * to_edge_m / box.friction
-    reach_m = motion.reach_height_share * robot.stance.height_m
-    return max(min(motion.contact_height_share * height, tips_m, reach_m), 2 * robot.legs.foot_radius_m)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +67,8 @@ class Pusher:
         self._steps = steps
         self._robot = steps.posture.plant.robot
         self._box = box
+        self.resistance = Resistance(box)
+        """What holds the box back, as felt up to now."""
 
     def cycle(self, push: Push, weights: Sequence[float]) -> PushLog:
         """Push, return the foot, and step to the box. Stop early at a fall, and where a foot finds no floor.
@@ -94,15 +92,17 @@ class Pusher:
         expected = Pose2(x_m=push.depth_m, y_m=0.0, yaw_rad=0.0)
         goal = contact_point(robot, self._box, plant.box_pose(), push.face, push.leg, push.depth_m)
         here = posture.feet_m[:, :2].mean(axis=0)
+        force = self._force(push.leg, pose.yaw_rad, float(goal[2]))
         ahead = [
-            self._push_step(push.leg, here, posture.yaw_rad),
+            self._push_step(push.leg, here, posture.yaw_rad, force),
             *self._return_steps(push.leg, behind_box(box, pose @ expected, robot.station_m))[:2],
         ]
-        swing = self._bezier_swing(push, weights, goal)
+        swing = self._bezier_swing(push, weights, goal, None if force is None else pose.yaw_rad)
         planned = self._steps.require_reach("the curve of a push", ahead, swing)
         logs = [self._steps.take_step(ahead, swing, lands=False, planned=planned)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen and not self._steps.captured:
+            self._feel(push.leg, pose.yaw_rad, logs[0], 0 if force is None else robot.pushing.unload_ticks)
             follow = self._return_steps(push.leg, self._next_station(push.face))
             for index, step in enumerate(follow[:-1]):
                 ticks = step.swing_ticks
@@ -160,16 +160,39 @@ class Pusher:
                 break
         return logs
 
-    def _push_step(self, leg: FrontLeg, here: Floats, yaw_rad: float) -> Step:
+    def _force(self, leg: FrontLeg, yaw_rad: float, height_m: float) -> PushForce | None:
+        """The planned force of a push in a direction; None for a light box, which position alone moves.
+
+        It is limited to a share of what the friction of the standing feet can bear: a box that needs more may be one
+        that does not move at all.
+        """
+        motion, felt_n = self._robot.pushing, self.resistance.force_n
+        weight_n = self._steps.posture.plant.mass_kg * GRAVITY_M_S2
+        size_n = float(np.hypot(felt_n[0], felt_n[1]))
+        if felt_n[0] < motion.heavy_share * weight_n:
+            return None
+        most_n = motion.most_force_share * self._robot.legs.foot_friction * weight_n
+        force_n = _turned(felt_n * _mirror(leg), yaw_rad) * min(most_n / size_n, 1.0)
+        return PushForce(leg=LEGS.index(leg), force_n=np.outer(heavy_force(motion), force_n), height_m=height_m)
+
+    def _feel(self, leg: FrontLeg, yaw_rad: float, log: TickLog, n_unloading: int) -> None:
+        """Let the resistance learn from the step of a push, but for its last ticks, in which the force goes."""
+        plant = self._steps.posture.plant
+        forces_n = plant.push_forces_n(log, LEGS.index(leg))[: len(log.qpos) - n_unloading]
+        self.resistance.feel(_turned(forces_n, -yaw_rad) * _mirror(leg))
+
+    def _push_step(self, leg: FrontLeg, here: Floats, yaw_rad: float, force: PushForce | None) -> Step:
+        motion = self._robot.pushing
         return Step(
             leg=leg,
-            shift_ticks=self._robot.pushing.shift_ticks,
-            swing_ticks=self._robot.pushing.push_ticks,
+            shift_ticks=motion.shift_ticks,
+            swing_ticks=motion.push_ticks if force is None else heavy_ticks(motion),
             target_m=self._steps.posture.feet_m[LEGS.index(leg), :2].copy(),
             nominal_xy_m=here,
             end_velocity_m_s=np.zeros(2),
             end_yaw_rad=yaw_rad,
-            margin_m=self._robot.pushing.margin_m,
+            margin_m=motion.margin_m if force is None else motion.heavy_margin_m,
+            push=force,
         )
 
     def _return_steps(self, pushing: FrontLeg, to: Pose2) -> list[Step]:
@@ -196,12 +219,19 @@ class Pusher:
             )
         return [*steps, rest(self._robot.gait, to.xy(), to.yaw_rad)]
 
-    def _bezier_swing(self, push: Push, weights: Sequence[float], goal_m: Floats) -> Swing:
-        floor_m, push_ticks = self._robot.legs.foot_radius_m, self._robot.pushing.push_ticks
+    def _bezier_swing(
+        self, push: Push, weights: Sequence[float], goal_m: Floats, slowly_along_rad: float | None
+    ) -> Swing:
+        """The curve of the foot to its goal; slowly from the box on if it is heavy, with the direction of the push."""
+        floor_m, motion = self._robot.legs.foot_radius_m, self._robot.pushing
 
         def curve(start_m: Floats) -> Floats:
             points = control_points(start_m, goal_m, weights, push.locus, floor_m)
-            return bezier(points, gentle_stop(push_ticks))
+            if slowly_along_rad is None:
+                return bezier(points, gentle_stop(motion.push_ticks))
+            to_goal_m = _turned(goal_m - bezier(points, CURVE), -slowly_along_rad)[:, 0]
+            meets = CURVE[int(np.argmax(to_goal_m <= push.depth_m))]
+            return bezier(points, heavy_way(motion, float(meets)))
 
         return curve
 
@@ -214,3 +244,15 @@ class Pusher:
             return landing_swing(start_m, end_m, 0.0, return_ticks, gait)
 
         return curve
+
+
+def _turned(vectors: Floats, yaw_rad: float) -> Floats:
+    """Vectors, (..., 3), turned about the vertical."""
+    c, s = cos(yaw_rad), sin(yaw_rad)
+    turned: Floats = vectors @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return turned
+
+
+def _mirror(leg: FrontLeg) -> Floats:
+    """Signs by which a vector of one leg becomes that of FL, and back, (3,)."""
+    return np.ones(3) if leg == "FL" else MIRRORED

@@ -9,6 +9,7 @@ from legpush.arrays import Floats
 from legpush.scene.conventions import Leg
 from legpush.scene.robot_motion import Gait
 from sim_proc.control.balance import ComPlan
+from sim_proc.control.push_force import PushForce
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +29,8 @@ class Step:
     end_yaw_rad: float
     margin_m: float
     """Wanted distance of the ZMP inside the support polygon while the leg is up."""
+    push: PushForce | None = None
+    """What the foot in the air does to the box, at the ticks of the swing."""
 
     @property
     def n_ticks(self) -> int:

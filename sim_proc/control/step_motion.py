@@ -9,14 +9,14 @@ from typing import Final
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.scene.conventions import LEGS, Leg
+from legpush.geometry import wrap_angle
+from legpush.scene.conventions import CONTROL_PERIOD_S, LEGS, Leg
 from sim_proc.control.balance import ComPlan, plan_com, shifted_reference, triangle_margin
 from sim_proc.control.feedback.deviation import Deviation
 from sim_proc.control.feedback.terrain import Terrain
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.posture import Posture
 from sim_proc.control.step import Planned, Step, Swing
-from sim_proc.control.turning import turn
 from sim_proc.gravity import GRAVITY_M_S2
 
 SHIFT_WEIGHT: Final = 0.02
@@ -90,6 +90,7 @@ class StepMotion:
             plan.acceleration_m_s2[:n],
             until,
             watch if watched else None,
+            None if step.push is None else step.push.after(step.shift_ticks),
         )
         if not log.left_plan:
             self._deviation.learn(watch)
@@ -181,3 +182,29 @@ class StepMotion:
 def _ramp(start: float, end: float, n_ticks: int) -> Floats:
     """Values at the ends of `n_ticks` ticks in which they go evenly from `start` to `end`, (n,), not to be changed."""
     return np.linspace(start, end, n_ticks + 1)[1:]
+
+
+def turn(start_rad: float, start_rate_rad_s: float, end_rad: float, n_ticks: int) -> tuple[Floats, Floats]:
+    """A cubic from the present yaw and rate to `end_rad`, (n,), and its rates, (n,), the last of which is the mean."""
+    duration = n_ticks * CONTROL_PERIOD_S
+    change = wrap_angle(end_rad - start_rad)
+    (start, middle, end), (start_rate, middle_rate, end_rate) = _hermite(n_ticks)
+    rate = change / duration
+    start_slope, end_slope = start_rate_rad_s * duration, rate * duration
+    yaw = start_rad + start_slope * start + change * middle + end_slope * end
+    yaw_rate = start_slope * start_rate + change * 6 * middle_rate + end_slope * end_rate
+    return yaw, yaw_rate / duration
+
+
+@lru_cache
+def _hermite(n_ticks: int) -> tuple[list[Floats], list[Floats]]:
+    """The cubic Hermite basis of start slope, change and end slope at the ends of ticks, (n,) each, and its slopes.
+
+    That of the change is divided by 6.
+    """
+    u = np.arange(1, n_ticks + 1) / n_ticks
+    square, cube = u**2, u**3
+    return (
+        [u - 2 * square + cube, 3 * square - 2 * cube, cube - square],
+        [1 - 4 * u + 3 * square, u - square, 3 * square - 2 * u],
+    )

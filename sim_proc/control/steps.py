@@ -198,7 +198,7 @@ class Steps(StepMotion):
         """
         posture, gait = self.posture, self._gait
         curve = search_swing(posture.feet_m[LEGS.index(leg)], gait)
-        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve))
+        search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve), push=None)
         step, plan = self._plan([search, *ahead[1:]])
         until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False, blocked_tick=0)
         logs = [self._move(step, plan, lambda _: curve, until)]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from legpush.arrays import Floats
-from legpush.scene.conventions import BOX_QPOS
+from legpush.scene.conventions import BOX_QPOS, LEGS
 from sim_proc.headless import mujoco
 
 
@@ -18,6 +18,14 @@ class AssumedBody:
         self.downhill = downhill_of(model)
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
         self.mass_kg = float(model.body_subtreemass[self._trunk])
+
+    def moments(self) -> tuple[Floats, Floats]:
+        """Mass, and mass times centre in its own frame, of the trunk, (4,), and of the links of the legs, (12, 4)."""
+        model = self.model
+        links = [model.body(f"{leg}_{part}").id for leg in LEGS for part in ("hip", "upper", "lower")]
+        mass = model.body_mass[:, None]
+        rows = np.concatenate([mass, mass * model.body_ipos], axis=1)
+        return rows[self._trunk], rows[links]
 
     def com_m(self, qpos: Floats) -> Floats:
         """Centre of mass of the robot in a posture `qpos` (26,), (3,)."""

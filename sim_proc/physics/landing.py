@@ -12,27 +12,40 @@ from sim_proc.control.plant import Touchdown
 BLOCKED_SHARE: Final = 0.25
 """A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
 
-MOVES_RAD_S: Final = 0.1
-"""A joint that is faster moves on: it is only late, as after a command that comes late."""
+STILL_RAD: Final = 2e-3
+"""A joint that turns farther in a tick moves on: it is only late, as after a command that comes late."""
 
-Lag = tuple[slice, slice, Floats, Floats]
+Lag = tuple[slice, Floats, Floats]
 
 
 class Landing:
     """Watches the force sensor of a foot while a run goes on, and stops its leg if it moves fast at touchdown."""
 
-    def __init__(self, touchdown: Touchdown, forces: slice, holds: Floats, joints: Lag) -> None:
+    def __init__(
+        self,
+        touchdown: Touchdown,
+        forces: slice,
+        holds: Floats,
+        joints: Lag,
+        *,
+        least_n: float = 0.0,
+        late_steps: int = 0,
+    ) -> None:
         """Watch for a touchdown.
 
         `forces` are the columns of the sensors with the vertical forces of the feet on their surroundings, and `holds`
         (n, steps, 12) are the controls that hold the joints in the places of all steps. `joints` are the columns of the
-        measured joint angles and speeds, the planned angles (n, steps, 12), and how far the joints may stay behind
-        them, (12,).
+        measured joint angles, the planned angles (n, steps, 12), and how far the joints may stay behind them, (12,).
+
+        Sensors that are `late_steps` old are compared with what was planned then. A smaller force than `least_n` is no
+        touchdown.
         """
+        self._force_n = max(touchdown.force_n, least_n)
         self._touchdown, self._forces, self._holds = touchdown, forces, holds
         self._force = forces.start + forces.step * touchdown.leg
         """Column of the vertical force of the foot."""
-        self._measured, self._speeds, self._positions, self._allowed_rad = joints
+        self._measured, positions, self._allowed_rad = joints
+        self._positions = _earlier(positions, late_steps) if late_steps else positions
         self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
 
     def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterable[Floats]:
@@ -57,7 +70,7 @@ class Landing:
         return tick + 1 if tick < touchdown.landing_tick else n_ticks
 
     def _stopping(self, tick: int, controls: Floats, sensors: Floats) -> Iterator[Floats]:
-        force_n, column = self._touchdown.force_n, self._force
+        force_n, column = self._force_n, self._force
         yield controls[0]
         for step in range(1, len(controls)):
             if -sensors.item(step - 1, column) >= force_n:
@@ -75,7 +88,7 @@ class Landing:
         """Whether the foot touched down in a tick with sensors (steps, n)."""
         if tick < self._touchdown.first_tick:
             return False
-        is_down = (-sensors[:, self._force] >= self._touchdown.force_n).any()
+        is_down = (-sensors[:, self._force] >= self._force_n).any()
         return bool(is_down) or self._is_blocked(tick, sensors)
 
     def _is_blocked(self, tick: int, sensors: Floats) -> bool:
@@ -83,7 +96,8 @@ class Landing:
         if tick < self._touchdown.blocked_tick:
             return False
         behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
-        still = np.abs(sensors[:, self._speeds][:, self._joints]) < MOVES_RAD_S
+        measured = sensors[:, self._measured][:, self._joints]
+        still = np.abs(measured[-1] - measured[0]) < STILL_RAD
         return bool((behind > self._allowed_rad[self._joints]).any() and still.all())
 
     def not_down(self, tick: int, sensors: Floats) -> int | None:
@@ -93,3 +107,10 @@ class Landing:
         down: Flags = -sensors[-1, self._forces] >= self._touchdown.force_n
         down[[self._touchdown.leg, *self._touchdown.carried]] = True
         return None if down.all() else int(np.argmin(down))
+
+
+def _earlier(planned: Floats, n_steps: int) -> Floats:
+    """What was planned some steps before, from what is planned for all steps of a run, (n, steps, 12)."""
+    rows = planned.reshape(-1, planned.shape[-1])
+    earlier: Floats = rows[np.maximum(np.arange(len(rows)) - n_steps, 0)].reshape(planned.shape)
+    return earlier

@@ -1,7 +1,6 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
-from collections.abc import Iterable, Sequence
-from math import cos, radians
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -16,6 +15,7 @@ from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.watch import Watch
+from sim_proc.estimation.plumb_line import PlumbLine
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
 from sim_proc.model.actual import actual_robot
@@ -31,9 +31,9 @@ from sim_proc.physics.gusts import GustSchedule
 from sim_proc.physics.inverse_dynamics import InverseDynamics
 from sim_proc.physics.landing import BLOCKED_SHARE, Landing
 from sim_proc.physics.moment import Moment
-from sim_proc.physics.plumb_line import PlumbLine
+from sim_proc.physics.senses import senses_of
 from sim_proc.physics.sensors import Sensors
-from sim_proc.physics.soundness import require_sound
+from sim_proc.physics.soundness import Falls, require_sound
 from sim_proc.physics.start import standing_qpos
 from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
@@ -58,23 +58,23 @@ class Physics:
         self._ticks, self._warnings = Ticks(model, data, forces=reality.has_gusts), data.warning.number
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
-        self._assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
-        self._plumb_line = PlumbLine(self._assumed.downhill)
+        self.assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
+        self._plumb_line = PlumbLine(self.assumed.downhill)
         self.actual_downhill: Floats = downhill_of(model)
         """The same of the floor as it is."""
-        self.mass_kg = self._assumed.mass_kg
+        self.mass_kg = self.assumed.mass_kg
         self._sensors = sensors = Sensors(model)
         self._joint_sensors = sensors.joint_positions, sensors.joint_velocities, sensors.joint_torques
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
         self._limits = ActuatorLimits(self.actual_robot)
-        self._dynamics = InverseDynamics(self._assumed.model, robot)
+        self._dynamics = InverseDynamics(self.assumed.model, robot)
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
-        self._upright = cos(radians(robot.fall.tilt_deg))
+        self._falls = Falls(robot)
         data.qpos[:] = standing_qpos(scenario, trunk, box)
-        self._places = trunk, box
+        self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
         self._gusts = GustSchedule(reality, self._trunk_body)
@@ -86,7 +86,9 @@ class Physics:
         mujoco.mj_forward(model, data)
         self.tick = 0
         self.fallen = False
-        self.perception = Perception(reality, data.qpos)
+        self.perception = Perception(reality, data.qpos, scenario.box)
+        self.senses = senses_of(reality, sensors, model, data)
+        """The robot's own sensors."""
 
     @property
     def downhill(self) -> Floats:
@@ -115,6 +117,7 @@ class Physics:
         self._gusts.begin_run(self.tick)
         speed = self.data.qvel[:3].copy()
         controls = planned.copy()
+        self.senses.begin_run(self.tick, len(controls))
         qpos, sensors = self._simulate(controls, landing)
         alarm = None if watch is None else watch.alarm(*self._sensors.motion(sensors))
         if alarm is not None and alarm + 1 < len(qpos):
@@ -132,8 +135,9 @@ class Physics:
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         require_sound(self._warnings, qpos, self.tick)
         self._plumb_line.feel(*self._sensors.imu(sensors), self.data.qvel[:3] - speed)
-        self.perception.take(self.tick - len(qpos) + 1, qpos)
-        steps = self._sensors.steps(sensors)
+        steps, felt = self._sensors.steps(sensors), self.senses.of_tick(len(qpos) - 1, sensors)
+        self.perception.take(self.tick - len(qpos) + 1, qpos, steps.tips_m[:, -1])
+        self.senses.end_run(len(qpos))
         return TickLog(
             qpos=qpos,
             tips_m=steps.tips_m[:, -1],
@@ -142,8 +146,8 @@ class Physics:
             com_m=steps.com_m[:, -1],
             ctrl=controls[: len(qpos)],
             steps=steps,
-            touched_down=landing is not None and landing.touched_down(len(qpos) - 1, sensors[-1]),
-            not_down=None if landing is None else landing.not_down(len(qpos) - 1, sensors[-1]),
+            touched_down=landing is not None and landing.touched_down(len(qpos) - 1, felt),
+            not_down=None if landing is None else landing.not_down(len(qpos) - 1, felt),
             left_plan=alarm is not None,
         )
 
@@ -162,8 +166,8 @@ class Physics:
     def _landing(self, touchdown: Touchdown, commands: JointCommands) -> Landing:
         holds = commands.positions_rad + self._compliances * commands.torques_n_m
         allowed_rad = BLOCKED_SHARE * self._compliances * self._limits.peak_n_m
-        lag = *self._joint_sensors[:2], commands.positions_rad, allowed_rad
-        return Landing(touchdown, self._sensors.loads, holds, lag)
+        senses, lag = self.senses, (self.senses.joints, commands.positions_rad, allowed_rad)
+        return Landing(touchdown, senses.forces, holds, lag, least_n=senses.least_touch_n, late_steps=senses.late_steps)
 
     def _simulate(
         self, controls: Floats, landing: Landing | None, *, stepwise: bool = False, limited: bool = False
@@ -180,7 +184,7 @@ class Physics:
             self._gusts.blow(self.data, self.tick)
             if stepwise or (landing is not None and landing.may_stop(k)):
                 ticks = slice(k, k + 1)
-                planned = controls[k] if landing is None else landing.controls(k, controls[k], sensors[k])
+                planned = controls[k] if landing is None else self.senses.meanwhile(landing, k, controls[k], sensors)
                 self._run_steps(self._delay.one_by_one(planned), sensors[k], limited=limited)
                 qpos[k] = self.data.qpos
             else:
@@ -190,20 +194,18 @@ class Physics:
                 qpos[ticks] = self._ticks.run(self.model, self._delay.of_ticks(controls[ticks]), sensors[ticks])
             k = ticks.stop
             self.tick += k - ticks.start
+            self.senses.feel(ticks.start * COMMANDS_PER_TICK, sensors[ticks].reshape(-1, sensors.shape[-1]))
             if self._waiting.next_tick <= self.tick:
                 self._let_appear(self.tick)
             for tick, row in enumerate(qpos[ticks, :6].tolist(), ticks.start):
-                if self._is_fallen(row):
+                if self._falls.include(row):
                     self.fallen = True
                     return qpos[: tick + 1], sensors[: tick + 1]
-            if np.count_nonzero(self._warnings) or (landing is not None and landing.ends(k - 1, sensors[k - 1])):
+            if np.count_nonzero(self._warnings):
+                break
+            if landing is not None and landing.ends(k - 1, self.senses.of_tick(k - 1, sensors)):
                 break
         return qpos[:k], sensors[:k]
-
-    def _is_fallen(self, qpos: Sequence[float]) -> bool:
-        """Whether the trunk leans too far or is too low, from the first numbers of `qpos`."""
-        _, _, height_m, _, x, y = qpos
-        return 1 - 2 * (x * x + y * y) < self._upright or height_m < self.robot.fall_height_m
 
     def _run_steps(self, controls: Iterable[Floats], sensors: Floats, *, limited: bool) -> None:
         """Run one tick step by step with controls (steps, 12), fill in the sensors of its steps, and watch contacts."""
@@ -232,7 +234,7 @@ class Physics:
         data.qvel[:], data.time = 0.0, 0.0
         mujoco.mj_forward(self.model, data)
         self.tick = 0
-        self.perception = Perception(self._reality, data.qpos)
+        self.perception = Perception(self._reality, data.qpos, self._box)
 
     def alter(self, scenario: Scenario) -> None:
         """Go on with a scenario that differs from the present one only in mass or friction of the box."""
@@ -250,8 +252,7 @@ class Physics:
 
     def sensor(self, name: str) -> Floats:
         """A copy of the reading of a sensor of the model."""
-        values: Floats = self.data.sensordata[self._sensors.of[name]].copy()
-        return values
+        return np.array(self.data.sensordata[self._sensors.of[name]])
 
     def body_state(self) -> BodyState:
         """The motion of trunk, feet and centre of mass."""
@@ -259,28 +260,25 @@ class Physics:
 
     def joints_rad(self) -> Floats:
         """Joint angles, (12,)."""
-        joints: Floats = self.data.qpos[JOINT_QPOS].copy()
-        return joints
+        return np.array(self.data.qpos[JOINT_QPOS])
 
     def tips_m(self) -> Floats:
         """Centres of the foot spheres, (4, 3)."""
-        tips: Floats = self.data.site_xpos[self._tip_sites]
-        return tips
+        return np.array(self.data.site_xpos[self._tip_sites])
 
-    def floor_forces_n(self) -> Floats:
-        """Forces of the floor on the feet, (4, 3)."""
-        return self._sensors.floor_forces_n(self.data.sensordata)
+    def foot_forces_n(self) -> Floats:
+        """Forces of floor and box on the feet, (4, 3)."""
+        return self._sensors.foot_forces_n(self.data.sensordata)
 
-    def box_forces_n(self) -> Floats:
-        """Forces of the box on the feet, (4, 3)."""
-        return self._sensors.box_forces_n(self.data.sensordata)
+    def push_forces_n(self, log: TickLog, leg: int) -> Floats:
+        """Forces of a foot on the box as the foot feels them, means over each tick of a run that just ended, (n, 3)."""
+        return self.senses.push_forces_n(self.tick - len(log.qpos), log.steps.forces_on_box_n(leg))
 
     def com_m(self) -> Floats:
         """Centre of mass of the robot as control takes it to be, (3,)."""
         if not self._reality.as_assumed:
-            return self._assumed.com_m(self.data.qpos)
-        com: Floats = self.data.subtree_com[self._trunk_body].copy()
-        return com
+            return self.assumed.com_m(self.data.qpos)
+        return np.array(self.data.subtree_com[self._trunk_body])
 
     def box_pose(self) -> Pose2:
         """Pose of the box as it is perceived, projected to the floor."""
@@ -294,7 +292,7 @@ class Physics:
         """Pose of the trunk, projected to the floor."""
         return planar(self.data.qpos[TRUNK_QPOS])
 
-    def state_crc(self) -> int:
-        """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, and all that is on its way."""
-        under_way = self._delay.as_bytes() + self.perception.as_bytes()
-        return crc_of_state(self.model, self.data, under_way, self._numbers_crc)
+    def state_crc(self, more: bytes = b"") -> int:
+        """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, all that is on its way, and more."""
+        under_way = self._delay.as_bytes() + self.perception.as_bytes() + self.senses.as_bytes()
+        return crc_of_state(self.model, self.data, under_way + more, self._numbers_crc)

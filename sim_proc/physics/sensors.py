@@ -57,6 +57,10 @@ class Sensors:
         forces: Floats = -readings[..., self._box_forces].reshape(*readings.shape[:-1], len(LEGS), 3)
         return forces
 
+    def foot_forces_n(self, readings: Floats) -> Floats:
+        """Forces of floor and box on the feet, (..., 4, 3), from all readings, (..., n)."""
+        return self.floor_forces_n(readings) + self.box_forces_n(readings)
+
     def steps(self, readings: Floats) -> StepLog:
         """The measurements in the readings (ticks, steps, n) of physics steps."""
         return StepLog(

@@ -41,7 +41,7 @@ from legpush.messages.stepping import (
 )
 from legpush.messages.telemetry import Copies, Copy, Fact, Origin, Published, Reward, RewardTerm, Status, Taken
 from legpush.realism.reality import drawn_reality
-from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
+from legpush.realism.settings import FloorTiles, FootForceSensors, Gusts, ImuSensor, JointEncoders, PoseSensor, Realism
 from legpush.scene.footprints import Footprint
 from legpush.scene.occupancy import OccupancyGrid
 from legpush.scene.plan_settings import Smoothing
@@ -88,6 +88,10 @@ REALISM = Realism(
     floor=FloorTiles(height_m=0.02, size_m=0.25),
     box_pose=PoseSensor(noise_m=0.01, noise_deg=1.0, rate_hz=10.0, latency_s=0.05, dropouts=0.02),
     localization=PoseSensor(noise_m=0.02, noise_deg=1.0, rate_hz=2.0, latency_s=0.0, dropouts=(0.0, 0.1)),
+    imu=ImuSensor(gyro_noise_rad_s=0.0035, gyro_bias_rad_s=(0.0, 0.002), accelerometer_noise_m_s2=0.06),
+    encoders=JointEncoders(noise_rad=0.0005),
+    foot_forces=FootForceSensors(noise_n=4.0, bias_n=(0.0, 5.0)),
+    sensor_latency_s=0.02,
 )
 RESET = Reset(scenario=SCENARIO, seed=3)
 QUERY = TrunkPathQuery(

@@ -9,7 +9,15 @@ from msgspec import inspect
 from msgspec.structs import replace
 
 from legpush.bounds import LEAST_LENGTH_M, MAX_LENGTH_M
-from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
+from legpush.realism.settings import (
+    FloorTiles,
+    FootForceSensors,
+    Gusts,
+    ImuSensor,
+    JointEncoders,
+    PoseSensor,
+    Realism,
+)
 from legpush.scene.reference import Arcs, Sine, Straight
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Box, Rectangle
@@ -17,6 +25,8 @@ from legpush.scene.solid import steps_to_surface
 from tests.robots import scaled_robot
 
 T = TypeVar("T")
+REALISM = Realism, Gusts, FloorTiles, PoseSensor, ImuSensor, JointEncoders, FootForceSensors
+"""Records with intervals."""
 
 
 def records(kind: type[T]) -> st.SearchStrategy[T]:
@@ -61,7 +71,7 @@ def _of(info: inspect.Type) -> st.SearchStrategy[Any]:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_sine)
         case inspect.StructType(cls=cls, fields=fields) if cls is Arcs:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(_arcs)
-        case inspect.StructType(cls=cls, fields=fields) if cls in (Realism, Gusts, FloorTiles, PoseSensor):
+        case inspect.StructType(cls=cls, fields=fields) if cls in REALISM:
             return st.fixed_dictionaries({field.name: _of(field.type) for field in fields}).map(partial(_stated, cls))
         case inspect.StructType():
             return st.builds(info.cls, **{field.name: _of(field.type) for field in info.fields})

@@ -11,11 +11,14 @@ BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/measures
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
     "control/feedback/capture.py": {"PAIRS", "BESIDE", "ALONG_SHARE"},
-    "control/feedback/deviation.py": {"LATE_TICKS"},
+    "control/feedback/deviation.py": {"LATE_TICKS", "CLEAR_SHARE"},
     "control/feedback/terrain.py": {"ALONG_FROM", "ALONG_UNTIL", "SLOW_TICKS"},
     "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
+    "control/push_cycle.py": {"MIRRORED", "CURVE"},
+    "control/resistance.py": {"GAIN", "STRUCK_TICKS"},
     "control/step_motion.py": {"SHIFT_WEIGHT", "LAST_SHARE", "LIFTED_SHARE", "CAUTION"},
+    "control/stroke.py": {"RISE_SHARE"},
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
     "kinematics/leg.py": {"SIDE", "LEAST_DROP_M", "LARGEST_DIRECTION_RAD"},
@@ -47,9 +50,9 @@ OF_NO_ROBOT = {
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
     "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
     "physics/gusts.py": {"NEVER", "ROUNDING_TICKS"},
-    "physics/landing.py": {"BLOCKED_SHARE", "MOVES_RAD_S"},
+    "physics/landing.py": {"BLOCKED_SHARE", "STILL_RAD"},
     "physics/physics.py": {"PARKED_M"},
-    "physics/plumb_line.py": {"ADAPTS_S", "DOUBT", "BELIEF"},
+    "physics/senses.py": {"CHUNK_TICKS", "FIRST_CHUNK"},
 }
 """Numbers there that hold for every robot: weights, shares, signs, colours, and numbers of box, room and physics."""
 MAKE_THE_DEFAULT = {"shared/legpush/scene/scenario.py", "shared/legpush/scenarios/file.py"}

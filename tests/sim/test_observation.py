@@ -89,7 +89,7 @@ def test_on_a_slope_the_margin_is_that_of_the_point_where_the_plumb_line_ends() 
 def test_the_state_of_the_world_is_that_of_the_physics(at_the_box: Scenario) -> None:
     physics = Physics(at_the_box, at_the_box.start.pose(), at_the_box.box.pose.pose())
     physics.data.qvel[:3] = [0.1, 0.2, 0.3]
-    world = world_state(physics, 8, None, None)
+    world = world_state(physics, 8, None, None, None)
     assert (world.tick, world.n_footsteps, world.fallen, world.path, world.push) == (0, 8, False, None, None)
     assert world.trunk.linear_velocity_m_s == (0.1, 0.2, 0.3)
     assert world.trunk.position_m == tuple(physics.data.qpos[:3])

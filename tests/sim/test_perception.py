@@ -9,8 +9,11 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from legpush.arrays import Floats
-from legpush.realism.reality import EXACT, Reality
-from sim_proc.perception import Perception, planar
+from legpush.realism.reality import BOX_STREAM, EXACT, Reality
+from legpush.scenarios.file import load_scenario
+from sim_proc.perception import Perception, PoseSensor, planar
+
+BOX = load_scenario("push").box
 
 
 def qpos_at(tick: int) -> Floats:
@@ -21,11 +24,16 @@ def qpos_at(tick: int) -> Floats:
     return qpos
 
 
+def at_the_box(qpos: Floats) -> Floats:
+    """Feet (n, 4, 3) in the middle of the box, so that they may move it all the time."""
+    return np.repeat(qpos[:, None, 19:22], 4, axis=1)
+
+
 def run(reality: Reality, n_ticks: int) -> list[tuple[float, int]]:
     """Perceived x of the box, and when it was measured, after each tick."""
-    perception, found = Perception(reality, qpos_at(0)), []
+    perception, found = Perception(reality, qpos_at(0), BOX), []
     for tick in range(1, n_ticks + 1):
-        perception.take(tick, qpos_at(tick)[None])
+        perception.take(tick, qpos_at(tick)[None], at_the_box(qpos_at(tick)[None]))
         seen = perception.perceived(qpos_at(tick), tick)
         assert seen is not None
         found.append((seen.box.position_m[0], seen.box_tick))
@@ -33,8 +41,8 @@ def run(reality: Reality, n_ticks: int) -> list[tuple[float, int]]:
 
 
 def test_exact_perception_gives_the_truth_and_has_no_state() -> None:
-    perception = Perception(Reality(), qpos_at(0))
-    perception.take(1, qpos_at(1)[None])
+    perception = Perception(Reality(), qpos_at(0), BOX)
+    perception.take(1, qpos_at(1)[None], at_the_box(qpos_at(1)[None]))
     assert perception.perceived(qpos_at(1), 1) is None
     assert perception.place_of_world() is None
     assert perception.as_bytes() == b""
@@ -56,8 +64,10 @@ def test_lost_measurements_leave_the_last_one() -> None:
 
 
 def test_noise_has_its_standard_deviation_and_no_bias() -> None:
-    found = run(Reality(seed=3, box_pose=replace(EXACT, noise_m=0.01)), 1000)
-    errors = np.array([x - (5.0 + 0.02 * tick) for x, tick in found])
+    sensor, errors = PoseSensor(replace(EXACT, noise_m=0.01), 3, BOX_STREAM, qpos_at(0)[19:]), np.empty(1000)
+    for tick, _ in enumerate(errors):
+        sensor.pass_tick(tick + 1, qpos_at(tick + 1)[19:])
+        errors[tick] = sensor.known.seen.x_m - (5.0 + 0.02 * sensor.known.tick)
     assert errors.std() == pytest.approx(0.01, rel=0.1)
     assert abs(errors.mean()) < 0.001
 
@@ -68,18 +78,20 @@ def test_runs_may_be_split_anywhere(split: int, seed: int) -> None:
     sensed = replace(EXACT, noise_m=0.01, noise_deg=1.0, rate_hz=7.0, latency_s=0.05, dropouts=0.3)
     reality = Reality(seed=seed, box_pose=sensed, localization=replace(sensed, rate_hz=2.0))
     rows = np.array([qpos_at(tick) for tick in range(1, 61)])
-    whole, parts = Perception(reality, qpos_at(0)), Perception(reality, qpos_at(0))
-    whole.take(1, rows)
-    parts.take(1, rows[:split])
-    parts.take(1 + split, rows[split:])
+    tips = at_the_box(rows)
+    tips[::2] += 1.0
+    whole, parts = Perception(reality, qpos_at(0), BOX), Perception(reality, qpos_at(0), BOX)
+    whole.take(1, rows, tips)
+    parts.take(1, rows[:split], tips[:split])
+    parts.take(1 + split, rows[split:], tips[split:])
     assert whole.as_bytes() == parts.as_bytes()
 
 
 def test_between_localizations_the_robot_measures_its_own_motion() -> None:
-    perception = Perception(Reality(seed=1, localization=replace(EXACT, noise_m=0.02, rate_hz=2.0)), qpos_at(0))
+    perception = Perception(Reality(seed=1, localization=replace(EXACT, noise_m=0.02, rate_hz=2.0)), qpos_at(0), BOX)
     offsets = []
     for tick in range(1, 76):
-        perception.take(tick, qpos_at(tick)[None])
+        perception.take(tick, qpos_at(tick)[None], at_the_box(qpos_at(tick)[None]))
         seen = perception.perceived(qpos_at(tick), tick)
         assert seen is not None
         offsets.append((round(seen.trunk.x_m - 0.01 * tick, 9), round(seen.trunk.y_m, 9)))
@@ -91,7 +103,7 @@ def test_between_localizations_the_robot_measures_its_own_motion() -> None:
 
 
 def test_a_turned_pose_keeps_height_and_tilt() -> None:
-    perception = Perception(Reality(seed=2, box_pose=replace(EXACT, noise_deg=5.0)), qpos_at(0))
+    perception = Perception(Reality(seed=2, box_pose=replace(EXACT, noise_deg=5.0)), qpos_at(0), BOX)
     seen = perception.box(qpos_at(0))
     assert seen[2] == 0.2
     assert planar(seen).yaw_rad != 0.0

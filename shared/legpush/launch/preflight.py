@@ -18,9 +18,11 @@ from legpush.processes.child import TAIL_LINES, describe_exit
 from legpush.processes.environment import child_environment
 from legpush.processes.start_program import Program, program_command
 from legpush.runs.folder import SCENARIO_FILE, journals
+from legpush.runs.reasons import REASONS
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import dump_scenario, write_scenario
 from legpush.scene.plan_settings import steering_fault
+from legpush.scene.pushing.bounds import cannot_push
 from legpush.scene.scenario import Scenario
 
 CHECK: Final[Program] = "agent_proc.programs.check_mission"
@@ -31,13 +33,15 @@ def check_mission(options: RunOptions, scenario: Scenario, folder: Path, program
     """Check that the mission can begin.
 
     Raises:
-        ConfigError: The folder cannot be written to, the planner cannot steer so, or the policy, the push map or the
-            recording to continue cannot be used.
+        ConfigError: The folder cannot be written to, the robot cannot push the box, the planner cannot steer so, or the
+            policy, the push map or the recording to continue cannot be used.
         OtherVersionError: The folder has the mission of another version, whose scenarios were written otherwise.
         LegpushError: The check itself failed.
     """
     require_writable_folder(folder, "--out")
     _require_this_version(folder, scenario)
+    if heavy := cannot_push(scenario):
+        raise ConfigError(f"{scenario.name}: {heavy}; {REASONS['too_heavy'].remedy}")
     if options.planner_command is None and (fault := steering_fault(scenario.planning)):
         raise ConfigError(f"{fault} (`planning` of the scenario, --planner, --steering, --turning-radius-m)")
     if policy_kind(options.policy) == "own" and options.push_map is None and not programs.agent_flags:

@@ -48,6 +48,18 @@ MAX_LATENCY_S: Final = 10.0
 """Oldest measurement that is still given: some gait cycles."""
 MAX_DROPOUTS: Final = 0.95
 """Largest share of measurements that are lost: one of twenty still comes."""
+MAX_GYRO_NOISE_RAD_S: Final = 1.0
+MAX_GYRO_BIAS_RAD_S: Final = 0.5
+"""Angular velocity that a gyroscope reads too much, in each sample and always: beyond, the robot knows no heading."""
+MAX_ACCELEROMETER_NOISE_M_S2: Final = 10.0
+MAX_ACCELEROMETER_BIAS_M_S2: Final = 2.0
+"""Acceleration that an accelerometer reads too much: as much as gravity in a sample, a fifth of it always."""
+MAX_ENCODER_NOISE_RAD: Final = 0.05
+"""Noise of a joint angle, 3 degrees: beyond, the foot is anywhere within the length of a foot."""
+MAX_FORCE_ERROR_N: Final = 100.0
+"""Force that a foot feels too much, more than it carries while the robot stands."""
+MAX_SENSOR_LATENCY_S: Final = 0.2
+"""Oldest reading of the robot's own sensors: a quarter of a gait cycle."""
 
 MotorStrength = Annotated[float, Meta(ge=LEAST_STRENGTH, le=MAX_STRENGTH)]
 JointFriction = Annotated[float, Meta(ge=0.0, le=MAX_JOINT_FRICTION_N_M)]
@@ -69,6 +81,13 @@ NoiseDeg = Annotated[float, Meta(ge=0.0, le=MAX_NOISE_DEG)]
 Rate = Annotated[float, Meta(ge=LEAST_RATE_HZ, le=MAX_RATE_HZ)]
 Latency = Annotated[float, Meta(ge=0.0, le=MAX_LATENCY_S)]
 Dropouts = Annotated[float, Meta(ge=0.0, le=MAX_DROPOUTS)]
+GyroNoise = Annotated[float, Meta(ge=0.0, le=MAX_GYRO_NOISE_RAD_S)]
+GyroBias = Annotated[float, Meta(ge=0.0, le=MAX_GYRO_BIAS_RAD_S)]
+AccelerometerNoise = Annotated[float, Meta(ge=0.0, le=MAX_ACCELEROMETER_NOISE_M_S2)]
+AccelerometerBias = Annotated[float, Meta(ge=0.0, le=MAX_ACCELEROMETER_BIAS_M_S2)]
+EncoderNoise = Annotated[float, Meta(ge=0.0, le=MAX_ENCODER_NOISE_RAD)]
+ForceError = Annotated[float, Meta(ge=0.0, le=MAX_FORCE_ERROR_N)]
+SensorLatency = Annotated[float, Meta(ge=0.0, le=MAX_SENSOR_LATENCY_S)]
 
 T = TypeVar("T")
 Item: TypeAlias = T | Annotated[tuple[T, ...], Meta(min_length=2, max_length=2)] | None

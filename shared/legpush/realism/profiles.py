@@ -5,7 +5,16 @@ from typing import Any, Final
 import msgspec
 from msgspec import Struct
 
-from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Profile, Realism
+from legpush.realism.settings import (
+    FloorTiles,
+    FootForceSensors,
+    Gusts,
+    ImuSensor,
+    JointEncoders,
+    PoseSensor,
+    Profile,
+    Realism,
+)
 
 IDEAL: Final = Realism(
     motor_strength=1.0,
@@ -24,6 +33,10 @@ IDEAL: Final = Realism(
     floor=FloorTiles(height_m=0.0, size_m=0.25),
     box_pose=PoseSensor(noise_m=0.0, noise_deg=0.0, rate_hz=50.0, latency_s=0.0, dropouts=0.0),
     localization=PoseSensor(noise_m=0.0, noise_deg=0.0, rate_hz=50.0, latency_s=0.0, dropouts=0.0),
+    imu=ImuSensor(gyro_noise_rad_s=0.0, gyro_bias_rad_s=0.0, accelerometer_noise_m_s2=0.0, accelerometer_bias_m_s2=0.0),
+    encoders=JointEncoders(noise_rad=0.0),
+    foot_forces=FootForceSensors(noise_n=0.0, bias_n=0.0),
+    sensor_latency_s=0.0,
 )
 """Everything is as assumed. `foot_friction` is that of the robot, and there is one gust."""
 REAL: Final = Realism(
@@ -35,6 +48,12 @@ REAL: Final = Realism(
     foot_friction=(0.6, 1.0),
     box_pose=PoseSensor(noise_m=0.01, noise_deg=1.0, rate_hz=10.0, latency_s=0.05, dropouts=0.02),
     localization=PoseSensor(noise_m=0.02, noise_deg=1.0, rate_hz=2.0),
+    imu=ImuSensor(
+        gyro_noise_rad_s=0.0035, gyro_bias_rad_s=0.002, accelerometer_noise_m_s2=0.06, accelerometer_bias_m_s2=0.05
+    ),
+    encoders=JointEncoders(noise_rad=0.0005),
+    foot_forces=FootForceSensors(noise_n=4.0, bias_n=5.0),
+    sensor_latency_s=0.02,
 )
 """What differs in the profile `real`. Its sources are in `docs/realism.md`."""
 PROFILES: Final[dict[Profile, Realism]] = {"ideal": IDEAL, "real": REAL}

@@ -9,11 +9,17 @@ from msgspec import Struct
 
 from legpush.fields import Seed
 from legpush.realism.bounds import (
+    AccelerometerBias,
+    AccelerometerNoise,
     CommandLatency,
     ComOffset,
     Direction,
     Dropouts,
+    EncoderNoise,
     FootFriction,
+    ForceError,
+    GyroBias,
+    GyroNoise,
     HiddenSlope,
     JointFriction,
     Latency,
@@ -23,6 +29,7 @@ from legpush.realism.bounds import (
     Payload,
     Place,
     Rate,
+    SensorLatency,
     TileHeight,
     TileSide,
 )
@@ -34,8 +41,12 @@ GUSTS_STREAM: Final = 2
 TILES_STREAM: Final = 3
 BOX_STREAM: Final = 4
 LOCALIZATION_STREAM: Final = 5
+IMU_STREAM: Final = 6
+ENCODER_STREAM: Final = 7
+FORCE_STREAM: Final = 8
+PUSH_STREAM: Final = 9
 """Streams of random numbers beside that of the start, so that one item changes nothing about the others."""
-N_ITEMS: Final = 25
+N_ITEMS: Final = 33
 """Random numbers of an episode's items, in the order in which they are drawn; new ones go to the end."""
 
 
@@ -55,6 +66,27 @@ class Sensed(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 EXACT: Final = Sensed(noise_m=0.0, noise_deg=0.0, rate_hz=50.0, latency_s=0.0, dropouts=0.0)
+
+
+class Senses(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot feels its own motion in one episode, see `ImuSensor`, `JointEncoders` and `FootForceSensors`."""
+
+    gyro_noise_rad_s: GyroNoise = 0.0
+    gyro_bias_rad_s: GyroBias = 0.0
+    accelerometer_noise_m_s2: AccelerometerNoise = 0.0
+    accelerometer_bias_m_s2: AccelerometerBias = 0.0
+    encoder_noise_rad: EncoderNoise = 0.0
+    force_noise_n: ForceError = 0.0
+    force_bias_n: ForceError = 0.0
+    latency_s: SensorLatency = 0.0
+
+    @property
+    def exact(self) -> bool:
+        """Whether the motion is always known as it is."""
+        return self == FELT_EXACTLY
+
+
+FELT_EXACTLY: Final = Senses()
 
 
 class Gust(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -88,22 +120,20 @@ class Reality(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tile_size_m: TileSide = 0.25
     box_pose: Sensed = EXACT
     localization: Sensed = EXACT
+    senses: Senses = FELT_EXACTLY
 
     @property
     def as_assumed(self) -> bool:
         """Whether the physics is what control assumes, apart from gusts and from what is perceived."""
-        return (
-            msgspec.structs.replace(
-                self, seed=0, gusts=IDEAL.gusts, box_pose=EXACT, localization=EXACT, command_latency_s=0.0
-            )
-            == AS_ASSUMED
-        )
+        perceived = {"box_pose": EXACT, "localization": EXACT, "senses": FELT_EXACTLY}
+        alike = msgspec.structs.replace(self, seed=0, gusts=IDEAL.gusts, command_latency_s=0.0, **perceived)
+        return alike == AS_ASSUMED
 
     @property
     def ideal(self) -> bool:
         """Whether everything is as assumed, and perceived exactly."""
-        exact = self.box_pose.exact and self.localization.exact and self.command_latency_s == 0.0
-        return self.as_assumed and exact and not self.has_gusts
+        exact = self.box_pose.exact and self.localization.exact and self.senses.exact
+        return self.as_assumed and exact and self.command_latency_s == 0.0 and not self.has_gusts
 
     @property
     def has_gusts(self) -> bool:
@@ -165,6 +195,17 @@ def drawn_reality(realism: Realism, seed: int) -> Reality:
     share = next(shares)
     if whole.foot_friction is not None:
         reality = msgspec.structs.replace(reality, foot_friction=_at(whole.foot_friction, share))
+    senses = Senses(
+        gyro_noise_rad_s=number(whole.imu.gyro_noise_rad_s),
+        gyro_bias_rad_s=number(whole.imu.gyro_bias_rad_s),
+        accelerometer_noise_m_s2=number(whole.imu.accelerometer_noise_m_s2),
+        accelerometer_bias_m_s2=number(whole.imu.accelerometer_bias_m_s2),
+        encoder_noise_rad=number(whole.encoders.noise_rad),
+        force_noise_n=number(whole.foot_forces.noise_n),
+        force_bias_n=number(whole.foot_forces.bias_n),
+        latency_s=number(whole.sensor_latency_s),
+    )
+    reality = msgspec.structs.replace(reality, senses=senses)
     return msgspec.structs.replace(reality, **_without_what_does_not_matter(reality))
 
 

@@ -7,15 +7,21 @@ from msgspec import Struct
 
 from legpush.bounds import Distance, Turn
 from legpush.realism.bounds import (
+    AccelerometerBias,
+    AccelerometerNoise,
     CommandLatency,
     ComOffset,
     Direction,
     Dropouts,
+    EncoderNoise,
     FootFriction,
+    ForceError,
     GustDuration,
     GustEvery,
     GustForce,
     GustStart,
+    GyroBias,
+    GyroNoise,
     HiddenSlope,
     Item,
     JointFriction,
@@ -26,6 +32,7 @@ from legpush.realism.bounds import (
     Payload,
     Place,
     Rate,
+    SensorLatency,
     TileHeight,
     TileSide,
 )
@@ -133,6 +140,59 @@ class PoseSensor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         _require_rising(self)
 
 
+class ImuSensor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Gyroscope and accelerometer in the middle of the trunk, which give a sample in each physics step of 2 ms."""
+
+    gyro_noise_rad_s: Item[GyroNoise] = None
+    """Standard deviation of each sample, for each axis."""
+    gyro_bias_rad_s: Item[GyroBias] = None
+    """Standard deviation of what each axis reads too much throughout an episode."""
+    accelerometer_noise_m_s2: Item[AccelerometerNoise] = None
+    """Standard deviation of each sample, for each axis."""
+    accelerometer_bias_m_s2: Item[AccelerometerBias] = None
+    """Standard deviation of what each axis reads too much throughout an episode."""
+
+    def __post_init__(self) -> None:
+        """Check that intervals rise.
+
+        Raises:
+            ValueError: One does not.
+        """
+        _require_rising(self)
+
+
+class JointEncoders(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Angles of the joints, read in each physics step."""
+
+    noise_rad: Item[EncoderNoise] = None
+    """Standard deviation of each reading."""
+
+    def __post_init__(self) -> None:
+        """Check that intervals rise.
+
+        Raises:
+            ValueError: One does not.
+        """
+        _require_rising(self)
+
+
+class FootForceSensors(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Vertical forces of the feet, read in each physics step."""
+
+    noise_n: Item[ForceError] = None
+    """Standard deviation of each reading."""
+    bias_n: Item[ForceError] = None
+    """Standard deviation of what each foot reads too much throughout an episode."""
+
+    def __post_init__(self) -> None:
+        """Check that intervals rise.
+
+        Raises:
+            ValueError: One does not.
+        """
+        _require_rising(self)
+
+
 class Realism(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What the robot is not told. Planner, control and agent go on assuming what the rest of the scenario says.
 
@@ -173,7 +233,13 @@ class Realism(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     box_pose: PoseSensor = PoseSensor()
     """How the pose of the box in the world is perceived, by control and agent."""
     localization: PoseSensor = PoseSensor()
-    """How the robot is located in the world. From one measurement to the next it measures its own motion exactly."""
+    """How the robot is located in the world. From one measurement to the next it measures its own motion."""
+    imu: ImuSensor = ImuSensor()
+    """With noise, bias or latency of any sensor of the robot itself, its motion is estimated from all of them."""
+    encoders: JointEncoders = JointEncoders()
+    foot_forces: FootForceSensors = FootForceSensors()
+    sensor_latency_s: Item[SensorLatency] = None
+    """From a reading of imu, encoders and foot forces until it is given, in whole physics steps of 2 ms."""
 
     def __post_init__(self) -> None:
         """Check that places have a mass, and a direction its slope.

@@ -7,6 +7,7 @@ Reason = Literal[
     "success",
     "fell",
     "box_tipped",
+    "too_heavy",
     "no_path",
     "stuck",
     "missed_station",
@@ -53,6 +54,12 @@ REASONS: Final[dict[Reason, Note]] = {
         keys=("box.size_m", "box.com_offset_m", "box.friction", "pushing.faces"),
         remedy="lower the height in `box.size_m` or the centre of mass (`box.com_offset_m`), lower `box.friction`, or "
         "leave the narrow faces out of `pushing.faces`",
+    ),
+    "too_heavy": Note(
+        meaning="The box takes more force than the robot can push with, which is told before the robot walks.",
+        keys=("box.mass_kg", "box.friction", "robot.legs.foot_friction", "robot.joints.hip_y.max_torque_n_m"),
+        remedy="lower `box.mass_kg` or `box.friction`, or let a robot push that can do more: "
+        "`robot.legs.foot_friction`, `robot.joints.hip_y.max_torque_n_m`",
     ),
     "no_path": Note(
         meaning="The planner found no path of the robot or of the box.",

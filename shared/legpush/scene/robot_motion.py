@@ -166,7 +166,19 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     shift_ticks: Ticks = 14
     """Time to shift the weight before the push."""
     push_ticks: Ticks = 48
-    """Time of the push."""
+    """Time of the push of a light box."""
+    heavy_share: Unit = 0.03
+    """A box is heavy if it takes more than this share of the robot's weight to slide it. With 1, none is."""
+    most_force_share: Unit = 0.5
+    """Largest force that is planned for a push, as a share of what the friction of the feet can bear."""
+    heavy_margin_m: BodyDistance = 0.09
+    """Wanted distance of the zero-moment point inside the support polygon in the push of a heavy box."""
+    approach_ticks: Ticks = 20
+    """Time in which the foot comes up to a heavy box and rests at it."""
+    press_ticks: Ticks = 44
+    """Time in which it presses the box ahead."""
+    unload_ticks: Ticks = 10
+    """Time in which the force goes before the foot returns."""
     return_ticks: Ticks = 18
     """Time to return the foot to the floor."""
     restep_shift_ticks: Ticks = 8
@@ -203,7 +215,7 @@ class RoughGait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When the robot gives up a plan that it has been thrown off, and how it then steps until it stands.
+    """How far the robot may be from its plan. Beyond that it takes capture steps until it stands.
 
     It trots: two diagonal feet stand while the other two step to where they can stop the trunk (capture steps).
     """

@@ -14,6 +14,9 @@ from sim_proc.gravity import GRAVITY_M_S2
 LATE_TICKS: Final = 8
 """Largest delay that is looked for."""
 
+CLEAR_SHARE: Final = 0.8
+"""A delay is believed if it leaves at most this share of the mean squared deviation."""
+
 
 class Deviation:
     """Learns from one motion after another. A payload or an unknown slope deviates all the time, a gust only once."""
@@ -58,9 +61,15 @@ class Deviation:
         if self.late_ticks > 0 or float(np.abs(watch.deviations_m).max()) > self._capture.small_m:
             errors = [watch.reached_m - self._late(late, n_ticks) for late in range(LATE_TICKS + 1)]
             self._errors_m2 = kept * self._errors_m2 + np.array([float((error**2).mean()) for error in errors])
-            self.late_ticks = int(np.argmin(self._errors_m2))
+            best = int(np.argmin(self._errors_m2))
+            self.late_ticks = best if self._errors_m2[best] < CLEAR_SHARE * self._errors_m2[0] else 0
         self._usual_m = kept * self._usual_m + (1 - kept) * watch.deviations_m.mean(axis=0)
 
     def allow_more(self) -> None:
-        """Allow more for a while, because capture steps have just been taken: they must not go on for ever."""
+        """Allow more for a while, because capture steps have just been taken: they must not go on for ever.
+
+        What was learned before is forgotten, since a push from outside may have taught it.
+        """
         self._more_m += self._capture.more_m
+        self._usual_m, self._before_m = np.zeros(2), self._before_m[:0]
+        self._errors_m2[:], self.late_ticks = 0.0, 0

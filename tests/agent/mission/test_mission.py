@@ -179,6 +179,29 @@ def test_a_fall_with_the_box_at_its_goal_is_no_success() -> None:
     assert (result.success, result.reason) == (False, "fell")
 
 
+def test_a_box_that_the_robot_cannot_push_ends_the_mission_before_it_walks() -> None:
+    scenario = make_scenario()
+    heavy = replace(scenario, box=replace(scenario.box, mass_kg=80.0))
+    world = FakeWorld()
+
+    result = run(world, heavy)
+
+    assert (result.success, result.reason) == (False, "too_heavy")
+    assert "takes at least" in result.detail
+    assert "`box.mass_kg`" in result.remedy
+    assert len(world.motions(Reset)) == 1
+    assert not world.motions(Walk) + world.motions(Push) + world.queries()
+
+
+def test_a_heavy_box_that_is_at_its_goal_needs_no_push() -> None:
+    scenario = make_scenario()
+    there = replace(
+        scenario, box=replace(scenario.box, mass_kg=80.0), goal=replace(scenario.goal, pose=scenario.box.pose)
+    )
+
+    assert run(FakeWorld(), there).reason == "success"
+
+
 def test_a_box_that_tips_over_ends_the_mission_even_at_its_goal() -> None:
     class TippingWorld(FakeWorld):
         def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:

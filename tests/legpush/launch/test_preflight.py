@@ -51,6 +51,10 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     [
         ({"policy": "nosuch"}, r"Expected a policy \(fixed, scripted, variable.*got 'nosuch'"),
         ({"policy": "empty"}, r"empty/card\.json"),
+        (
+            {"box_mass_kg": 80.0},
+            r"push: the box of 80 kg .* at least \d+ N .*lower `box\.mass_kg`",
+        ),
         ({"policy": "json:loads"}, r"json:loads: the factory raised TypeError: loads\(\) missing 1 required"),
         ({"policy": "nowhere:make"}, "Expected module:factory that can be imported, got 'nowhere:make'"),
         ({"policy": "mine:breaks"}, "mine:breaks: the factory raised KeyError: 'no model here'"),

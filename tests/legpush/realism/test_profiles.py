@@ -3,7 +3,7 @@
 from msgspec.structs import asdict
 
 from legpush.realism.profiles import IDEAL, REAL, stated
-from legpush.realism.settings import PoseSensor, Realism
+from legpush.realism.settings import FootForceSensors, ImuSensor, JointEncoders, PoseSensor, Realism
 
 
 def test_the_real_profile_has_the_numbers_that_its_page_tells() -> None:
@@ -12,6 +12,11 @@ def test_the_real_profile_has_the_numbers_that_its_page_tells() -> None:
     assert realism.com_x_m == realism.com_y_m == realism.com_z_m == (-0.02, 0.02)
     assert realism.box_pose == PoseSensor(noise_m=0.01, noise_deg=1.0, rate_hz=10.0, latency_s=0.05, dropouts=0.02)
     assert realism.localization == PoseSensor(noise_m=0.02, noise_deg=1.0, rate_hz=2.0, latency_s=0.0, dropouts=0.0)
+    assert realism.imu == ImuSensor(
+        gyro_noise_rad_s=0.0035, gyro_bias_rad_s=0.002, accelerometer_noise_m_s2=0.06, accelerometer_bias_m_s2=0.05
+    )
+    assert (realism.encoders, realism.sensor_latency_s) == (JointEncoders(noise_rad=0.0005), 0.02)
+    assert realism.foot_forces == FootForceSensors(noise_n=4.0, bias_n=5.0)
     assert (realism.gusts, realism.floor) == (IDEAL.gusts, IDEAL.floor)
 
 
@@ -26,5 +31,6 @@ def test_everything_has_a_number_but_the_friction_of_the_robot_and_the_time_betw
         whole = stated(profile)
         missing = [name for name, value in asdict(whole).items() if value is None]
         assert missing == (["foot_friction"] if profile.profile == "ideal" else [])
-        nested = (whole.gusts, whole.floor, whole.box_pose, whole.localization)
+        seen = (whole.box_pose, whole.localization)
+        nested = (whole.gusts, whole.floor, *seen, whole.imu, whole.encoders, whole.foot_forces)
         assert [name for part in nested for name, value in asdict(part).items() if value is None] == ["every_s"]

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import asdict, replace
 
-from legpush.realism.reality import AS_ASSUMED, Reality, drawn_reality
-from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
+from legpush.realism.reality import AS_ASSUMED, Reality, Senses, drawn_reality
+from legpush.realism.settings import FloorTiles, FootForceSensors, Gusts, ImuSensor, PoseSensor, Realism
 
 SEEDS = st.integers(0, 2**32 - 1)
 WIDE = Realism(
@@ -23,6 +23,9 @@ WIDE = Realism(
     uphill_deg=(0.0, 360.0),
     command_latency_s=(0.0, 0.06),
     floor=FloorTiles(height_m=(0.01, 0.05), size_m=(0.2, 0.4)),
+    imu=ImuSensor(gyro_bias_rad_s=(0.0, 0.002)),
+    foot_forces=FootForceSensors(noise_n=(2.0, 4.0), bias_n=5.0),
+    sensor_latency_s=(0.0, 0.04),
     box_pose=PoseSensor(noise_m=(0.0, 0.02), noise_deg=(0.0, 2.0), rate_hz=(5.0, 20.0)),
 )
 
@@ -49,6 +52,10 @@ def test_every_draw_lies_in_its_interval_and_a_seed_draws_the_same_again(seed: i
     assert 0.01 <= reality.tile_height_m <= 0.05
     assert 5.0 <= reality.box_pose.rate_hz <= 20.0
     assert reality.localization.exact
+    assert 0.0 <= reality.senses.gyro_bias_rad_s <= 0.002
+    assert 2.0 <= reality.senses.force_noise_n <= 4.0
+    assert reality.senses.force_bias_n == 5.0
+    assert 0.0 <= reality.senses.latency_s <= 0.04
 
 
 @given(seed=SEEDS, name=st.sampled_from(["motor_strength", "payload_kg", "command_latency_s", "foot_friction"]))
@@ -82,3 +89,10 @@ def test_gusts_repeat_with_numbers_of_their_own() -> None:
     assert all(50.0 <= gust.force_n <= 150.0 for gust in found)
     assert drawn_reality(Realism(gusts=Gusts(force_n=10.0, duration_s=0.2)), 0).gust_begins_s(1, 0.0) is None
     assert Reality().gust_begins_s(0, 0.0) is None
+
+
+def test_what_the_robot_feels_makes_the_world_no_other_one_but_it_is_not_ideal() -> None:
+    reality = drawn_reality(Realism(sensor_latency_s=0.02), 0)
+    assert reality.senses == Senses(latency_s=0.02)
+    assert reality.as_assumed
+    assert not reality.ideal

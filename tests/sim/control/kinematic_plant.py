@@ -71,6 +71,9 @@ class KinematicPlant:
             com_velocity_m_s=still,
         )
 
+    def push_forces_n(self, log: TickLog, leg: int) -> Floats:
+        return log.steps.forces_on_box_n(leg)
+
     def joints_rad(self) -> Floats:
         return self._joints.ravel().copy()
 

@@ -18,9 +18,10 @@ from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, FRONT_LEGS, LE
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import behind_box
 from legpush.scene.names import BoxShape, Face
+from legpush.scene.pushing.bounds import contact_height_m
 from legpush.scene.scenario import PoseDeg, Scenario
 from sim_proc.control.posture import Posture
-from sim_proc.control.push_cycle import Pusher, contact_height_m, contact_point
+from sim_proc.control.push_cycle import Pusher, contact_point
 from sim_proc.control.steps import Steps
 from sim_proc.simulator import Simulator
 from tests.robots import ROBOT

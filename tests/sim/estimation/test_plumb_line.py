@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from legpush.arrays import Floats
-from sim_proc.physics.plumb_line import ADAPTS_S, DOUBT, PlumbLine
+from sim_proc.estimation.plumb_line import ADAPTS_S, DOUBT, PlumbLine
 
 LEVEL = np.zeros(2)
 N_TICKS = 20

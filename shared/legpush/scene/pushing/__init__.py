@@ -1,0 +1,1 @@
+"""What pushing a box takes of a robot."""

@@ -1,0 +1,1 @@
+"""The motion of the robot, estimated from what its own sensors read."""

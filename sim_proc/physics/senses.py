@@ -1,0 +1,218 @@
+"""What the robot's own sensors read: too much or too little, with noise, and late."""
+
+from collections.abc import Iterable, Iterator
+from math import sqrt
+from typing import Final
+
+import numpy as np
+
+from legpush.arrays import Floats
+from legpush.realism.reality import ENCODER_STREAM, FORCE_STREAM, IMU_STREAM, PUSH_STREAM, Reality
+from sim_proc.control.joint_commands import COMMANDS_PER_TICK
+from sim_proc.estimation.readings import ACCELERATION, FORCES, GYRO, JOINTS, N_READINGS
+from sim_proc.headless import mujoco
+from sim_proc.model.world import PHYSICS_STEP_S
+from sim_proc.physics.landing import Landing
+from sim_proc.physics.sensors import Sensors
+
+CHUNK_TICKS: Final = 64
+"""Ticks whose noise comes from one generator: the chunk that a tick is in says which one, however runs are split."""
+FIRST_CHUNK: Final = 2
+"""Number of the chunk of tick 0 in its stream. The robot stands in the chunk before; numbers without one are biases."""
+STREAMS: Final = (
+    (IMU_STREAM, slice(GYRO.start, ACCELERATION.stop)),
+    (ENCODER_STREAM, JOINTS),
+    (FORCE_STREAM, FORCES),
+)
+"""Streams of random numbers, and the columns of the readings that they disturb."""
+
+
+class ExactSenses:
+    """Sensors that read what is, at once: a row of readings is that of all sensors of the model."""
+
+    late_steps = 0
+    """Age of a reading when it is given."""
+    least_touch_n = 0.0
+    """Least force by which a foot is known to be down."""
+
+    def __init__(self, sensors: Sensors) -> None:
+        self.forces, self.joints = sensors.loads, sensors.joint_positions
+        """Columns of the vertical forces of the feet on their surroundings, and of the joint angles."""
+
+    def begin_run(self, tick: int, n_ticks: int) -> None:
+        """Begin a run of at most `n_ticks` after `tick`."""
+
+    def feel(self, step: int, sensors: Floats) -> None:
+        """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
+
+    def end_run(self, n_ticks: int) -> None:
+        """End the run after `n_ticks`."""
+
+    def of_tick(self, tick: int, sensors: Floats) -> Floats:
+        """Readings in a tick of the run, (steps, n), from all sensors (ticks, steps, nsensordata)."""
+        rows: Floats = sensors[tick]
+        return rows
+
+    def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterable[Floats]:
+        """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
+        return landing.controls(tick, planned, sensors[tick])
+
+    def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
+        """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3)."""
+        del tick
+        return forces_n
+
+    def as_bytes(self) -> bytes:
+        """All that later readings depend on, but the seed."""
+        return b""
+
+
+class OwnSenses:
+    """IMU, encoders and foot forces of an episode, run by run. The rows of its readings are the physics steps."""
+
+    forces, joints = FORCES, JOINTS
+    """Columns of the vertical forces of the feet on their surroundings, and of the joint angles."""
+    least_touch_n = 30.0
+    """Least force by which a foot is known to be down. Our choice: a foot in the air seldom reads as much."""
+
+    def __init__(self, reality: Reality, sensors: Sensors, first: Floats, gravity_m_s2: Floats) -> None:
+        """Before anything has moved, the sensors read `first`, all sensors of the model."""
+        felt = reality.senses
+        self._gravity_m_s2 = gravity_m_s2.copy()
+        self._velocity, self._orientation = sensors.of["imu_velocity"], sensors.of["imu_orientation"]
+        self._seed = reality.seed
+        self._sources = (
+            (GYRO, sensors.of["imu_angular_velocity"]),
+            (JOINTS, sensors.joint_positions),
+            (FORCES, sensors.loads),
+        )
+        """Columns of the readings, and those of the sensors of the model."""
+        self.late_steps = round(felt.latency_s / PHYSICS_STEP_S)
+        """Age of a reading when it is given."""
+        self._deviations, biases = np.zeros(N_READINGS), np.zeros(N_READINGS)
+        for columns, noise, bias in (
+            (GYRO, felt.gyro_noise_rad_s, felt.gyro_bias_rad_s),
+            (ACCELERATION, felt.accelerometer_noise_m_s2, felt.accelerometer_bias_m_s2),
+            (JOINTS, felt.encoder_noise_rad, 0.0),
+            (FORCES, felt.force_noise_n, felt.force_bias_n),
+        ):
+            self._deviations[columns], biases[columns] = noise, bias
+        for stream, columns in STREAMS:
+            biases[columns] *= np.random.default_rng([self._seed, stream]).standard_normal(columns.stop - columns.start)
+        self._biases = biases
+        self._chunks: dict[int, Floats] = {}
+        """Noise of the present chunks of ticks."""
+        self._true = np.empty((self.late_steps, N_READINGS))
+        """What a row of sensors without delay would have read: some steps before the run, and the run itself."""
+        self._velocities_m_s = first[None, self._velocity].copy()
+        """Of the IMU in the world: in the step before the run, and in those of the run itself, (1 + steps, 3)."""
+        self._read(np.repeat(first[None], self.late_steps, axis=0), np.zeros((self.late_steps, 3)), self._true)
+        self._errors = np.empty((0, N_READINGS))
+        self.last = np.empty((0, COMMANDS_PER_TICK, N_READINGS))
+        """Readings of the last run, (ticks, steps, N_READINGS)."""
+        self.tare_n = np.zeros(len(range(N_READINGS)[FORCES]))
+        """What the foot forces are known to read too much, (4,)."""
+
+    def begin_run(self, tick: int, n_ticks: int) -> None:
+        """Begin a run of at most `n_ticks` after `tick`."""
+        self._errors = self._biases + self._deviations * self._noise(tick, n_ticks)
+        past = self._true[: self.late_steps]
+        self._true = np.empty((self.late_steps + n_ticks * COMMANDS_PER_TICK, N_READINGS))
+        self._true[: self.late_steps] = past
+        self._velocities_m_s = np.concatenate([self._velocities_m_s[:1], np.empty((n_ticks * COMMANDS_PER_TICK, 3))])
+
+    def feel(self, step: int, sensors: Floats) -> None:
+        """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
+        n = len(sensors)
+        self._velocities_m_s[step + 1 : step + 1 + n] = sensors[:, self._velocity]
+        changes = np.diff(self._velocities_m_s[step : step + 1 + n], axis=0)
+        self._read(sensors, changes, self._true[self.late_steps + step :][:n])
+
+    def _read(self, sensors: Floats, changes_m_s: Floats, rows: Floats) -> None:
+        """Fill in what sensors without error and delay read, (n, N_READINGS), from all sensors (n, nsensordata) and the
+        changes of velocity in the steps before them, (n, 3)."""
+        for columns, source in self._sources:
+            rows[:, columns] = sensors[:, source]
+        w, x, y, z = sensors[:, self._orientation].T
+        force = (changes_m_s / PHYSICS_STEP_S - self._gravity_m_s2).T
+        # v' = v - 2 w (u x v) + 2 u x (u x v) turns into the frame of the trunk, with u = (x, y, z).
+        cross = y * force[2] - z * force[1], z * force[0] - x * force[2], x * force[1] - y * force[0]
+        rows[:, ACCELERATION.start] = force[0] - 2 * w * cross[0] + 2 * (y * cross[2] - z * cross[1])
+        rows[:, ACCELERATION.start + 1] = force[1] - 2 * w * cross[1] + 2 * (z * cross[0] - x * cross[2])
+        rows[:, ACCELERATION.start + 2] = force[2] - 2 * w * cross[2] + 2 * (x * cross[1] - y * cross[0])
+
+    def of_tick(self, tick: int, sensors: Floats) -> Floats:
+        """Readings in a tick of the run, (steps, N_READINGS). Foot forces are without their tare."""
+        del sensors
+        return self._tared(self.readings(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK))
+
+    def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterator[Floats]:
+        """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
+        readings, step = self.of_tick(tick, sensors), tick * COMMANDS_PER_TICK
+        given = iter(landing.controls(tick, planned, readings))
+        for k in range(COMMANDS_PER_TICK):
+            if k > 0 and self.late_steps < COMMANDS_PER_TICK:
+                self.feel(step + k - 1, sensors[tick, k - 1 : k])
+                readings[k - 1] = self._tared(self.readings(step + k - 1, 1))[0]
+            yield next(given)
+
+    def readings(self, step: int, n: int) -> Floats:
+        """Readings in `n` steps of the run from `step` on, (n, N_READINGS)."""
+        steps = slice(step, step + n)
+        given: Floats = self._true[steps] + self._errors[steps]
+        return given
+
+    def _tared(self, readings: Floats) -> Floats:
+        readings[:, FORCES] -= self.tare_n
+        return readings
+
+    def so_far(self, n_ticks: int) -> Floats:
+        """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
+        return self.readings(0, n_ticks * COMMANDS_PER_TICK).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+
+    def end_run(self, n_ticks: int) -> None:
+        """End the run after `n_ticks`."""
+        n = n_ticks * COMMANDS_PER_TICK
+        self.last = self.so_far(n_ticks)
+        self._true = self._true[n : n + self.late_steps].copy()
+        self._velocities_m_s = self._velocities_m_s[n : n + 1].copy()
+
+    def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
+        """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3).
+
+        The foot is in the air before, so that its sensor is tared, along all three axes.
+        """
+        deviation_n = float(self._deviations[FORCES].max()) / sqrt(COMMANDS_PER_TICK)
+        ticks = range(tick, tick + len(forces_n))
+        noise = [np.random.default_rng([self._seed, PUSH_STREAM, each]).standard_normal(3) for each in ticks]
+        felt: Floats = forces_n + deviation_n * np.array(noise)
+        return felt
+
+    def as_bytes(self) -> bytes:
+        """All that later readings depend on, but the seed."""
+        return b"".join(array.tobytes() for array in (self._true, self._velocities_m_s, self.tare_n))
+
+    def _noise(self, tick: int, n_ticks: int) -> Floats:
+        """Standard normal numbers for the steps of `n_ticks` after `tick`, (steps, N_READINGS)."""
+        first, last = tick // CHUNK_TICKS, (tick + n_ticks - 1) // CHUNK_TICKS
+        self._chunks = {k: self._chunks[k] if k in self._chunks else self._chunk(k) for k in range(first, last + 1)}
+        begin = (tick - first * CHUNK_TICKS) * COMMANDS_PER_TICK
+        noise: Floats = np.concatenate(list(self._chunks.values()))[begin : begin + n_ticks * COMMANDS_PER_TICK]
+        return noise
+
+    def _chunk(self, chunk: int) -> Floats:
+        noise = np.zeros((CHUNK_TICKS * COMMANDS_PER_TICK, N_READINGS))
+        for stream, columns in STREAMS:
+            if self._deviations[columns].any():
+                generator = np.random.default_rng([self._seed, stream, FIRST_CHUNK + chunk])
+                noise[:, columns] = generator.standard_normal((len(noise), columns.stop - columns.start))
+        return noise
+
+
+def senses_of(
+    reality: Reality, sensors: Sensors, model: mujoco.MjModel, data: mujoco.MjData
+) -> ExactSenses | OwnSenses:
+    """The robot's own sensors in an episode that begins with `data`."""
+    if reality.senses.exact:
+        return ExactSenses(sensors)
+    return OwnSenses(reality, sensors, data.sensordata, model.opt.gravity)

@@ -1,0 +1,74 @@
+"""Pushes of heavy boxes: slow, and with the force that they take."""
+
+from math import degrees
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from legpush.arrays import Floats
+from legpush.messages.stepping import Push, Reset
+from legpush.scene.conventions import FrontLeg
+from legpush.scene.scenario import Scenario
+from sim_proc.control.posture import Posture
+from sim_proc.control.push_cycle import Pusher
+from sim_proc.control.steps import Steps
+from sim_proc.simulator import Simulator
+from tests.robots import ROBOT
+from tests.sim.control.kinematic_plant import KinematicPlant
+
+
+def heavy(scenario: Scenario, mass_kg: float) -> Scenario:
+    """The box with another mass."""
+    return replace(scenario, box=replace(scenario.box, mass_kg=mass_kg))
+
+
+def first_torques(scenario: Scenario, leg: FrontLeg) -> tuple[Floats, Pusher]:
+    """Torques that are commanded in the push of a plant without physics, (n, 12), and what has pushed."""
+    plant = KinematicPlant(scenario.start.pose(), scenario.box)
+    pusher = Pusher(Steps(Posture(plant)), scenario.box)
+    log = pusher.cycle(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05), (0.5, 0.5)).logs[0]
+    return log.steps.joint_torques_n_m[:, -1], pusher
+
+
+def test_a_heavy_box_is_pushed_as_deep_as_a_light_one_but_more_slowly(at_the_box: Scenario) -> None:
+    heavy_box = heavy(at_the_box, 20.0).box
+    plant = KinematicPlant(at_the_box.start.pose(), heavy_box)
+    push = Pusher(Steps(Posture(plant)), heavy_box).cycle(Push(w1=0.5, w2=0.5, leg="FR", depth_m=0.05), (0.5, 0.5))
+    assert plant.box_pose().x_m - at_the_box.box.pose.x_m == pytest.approx(0.05, abs=1e-3)
+    motion = ROBOT.pushing
+    slower = motion.approach_ticks + motion.press_ticks + motion.unload_ticks - motion.push_ticks
+    light, _ = first_torques(at_the_box, "FR")
+    assert len(push.logs[0].qpos) == len(light) + slower
+
+
+def test_only_the_push_of_a_heavy_box_has_a_force_and_its_mirror_image_for_the_other_leg(at_the_box: Scenario) -> None:
+    light, _ = first_torques(at_the_box, "FL")
+    left, pusher = first_torques(heavy(at_the_box, 20.0), "FL")
+    right, _ = first_torques(heavy(at_the_box, 20.0), "FR")
+    hips_left, hips_right = left[:, [1, 4, 7, 10]], right[:, [4, 1, 10, 7]]
+    np.testing.assert_allclose(hips_left, hips_right, atol=1e-6)
+    assert np.abs(left[:, 1]).max() > np.abs(light[:, 1]).max() + 15.0
+    # The plant without physics pushes back with 1 N: the next push knows it.
+    assert pusher.resistance.force_n[0] == pytest.approx((0.5 * 20.0 * 9.81 + 1.0) / 2, abs=0.2)
+
+
+def test_the_force_of_a_push_is_bounded_by_what_the_feet_can_bear(at_the_box: Scenario) -> None:
+    bounded, _ = first_torques(heavy(at_the_box, 1000.0), "FL")
+    usual, _ = first_torques(heavy(at_the_box, 20.0), "FL")
+    assert np.abs(bounded[:, 1]).max() < 2.5 * np.abs(usual[:, 1]).max()
+
+
+def test_pushes_of_a_box_of_20_kg_move_it_and_keep_the_robot_on_its_feet(at_the_box: Scenario) -> None:
+    simulator = Simulator()
+    before = simulator.perform(Reset(scenario=heavy(at_the_box, 20.0), seed=0), with_trace=False)
+    roll_deg = 0.0
+    legs: tuple[FrontLeg, ...] = ("FL", "FR", "FL")
+    for leg in legs:
+        after = simulator.perform(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05), with_trace=True)
+        assert after.measures is not None
+        assert after.trace is not None
+        assert after.measures.n_outside_support == 0
+        roll_deg = max(roll_deg, degrees(np.abs(after.trace.roll_pitch_rad).max()))
+    assert after.world.box.position_m[0] - before.world.box.position_m[0] > 0.08
+    assert roll_deg < 1.8
