@@ -110,6 +110,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         robot_body.Knee,
         robot_motion.Stance,
         robot_motion.Gait,
+        robot_motion.RoughGait,
         robot_motion.PushMotion,
         robot_motion.Capture,
         robot_motion.FallLimits,

@@ -59,7 +59,7 @@ class EstimatedRobot:
     @property
     def downhill(self) -> Floats:
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
-        return self._physics.downhill
+        return self._physics.assumed.downhill
 
     @property
     def fallen(self) -> bool:
@@ -154,7 +154,11 @@ class _WatchedEstimate(Watch):
     def __init__(self, robot: EstimatedRobot, until: Touchdown | None, watch: Watch) -> None:
         self._robot, self._until, self._watch = robot, until, watch
 
-    def alarm(self, com_m: Floats, com_velocity_m_s: Floats) -> int | None:
-        """The first tick after which the motion is estimated to be too far from the plan, if it is."""
+    def alarm(self, com_m: Floats, com_velocity_m_s: Floats, tips_m: Floats) -> int | None:
+        """The first tick after which the motion is estimated to be too far from the plan, if it is.
+
+        Whether a foot slips off an edge within a run is not estimated.
+        """
         del com_velocity_m_s
-        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until))
+        unknown = np.full_like(tips_m, np.inf)
+        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until), unknown)

@@ -22,6 +22,10 @@ from legpush.scene.scenario import Box, Goal, PoseDeg, Room, Scenario
 from sim_proc.simulator import Simulator
 
 ROOM_M: Final = 16.0
+START_M: Final = 5.0
+"""Where a straight walk begins, along the room."""
+MAX_CYCLES: Final = 60
+"""A walk of more gait cycles does not arrive."""
 LENGTHS_M: Final = (4.0, 6.0)
 """Shortest and longest walk."""
 BENDS_RAD: Final = 0.9
@@ -62,10 +66,23 @@ def curved_walk(seed: int, robot: RobotSpec | None = None, realism: Realism = AS
     step_m = np.diff(at_m, prepend=0.0)
     x_m, y_m = (ROOM_M / 2 + np.cumsum(step_m * along) for along in (np.cos(yaw), np.sin(yaw)))
     path = [Pose2(x_m=x, y_m=y, yaw_rad=a) for x, y, a in np.stack([x_m, y_m, yaw], axis=1).tolist()]
-    start = PoseDeg(x_m=path[0].x_m, y_m=path[0].y_m, yaw_deg=float(np.degrees(heading)))
+    return _walked(path, heading, seed, robot, realism, length_m)
+
+
+def straight_walk(length_m: float, robot: RobotSpec | None = None, realism: Realism = AS_IT_IS) -> Done:
+    """Walk straight ahead on an open floor."""
+    at_m = np.append(np.arange(0.0, length_m, SPACING_M), length_m).tolist()
+    path = [Pose2(x_m=START_M + x, y_m=ROOM_M / 2, yaw_rad=0.0) for x in at_m]
+    return _walked(path, 0.0, 0, robot, realism, length_m)
+
+
+def _walked(
+    path: Sequence[Pose2], heading_rad: float, seed: int, robot: RobotSpec | None, realism: Realism, length_m: float
+) -> Done:
+    start = PoseDeg(x_m=path[0].x_m, y_m=path[0].y_m, yaw_deg=float(np.degrees(heading_rad)))
     corner = PoseDeg(x_m=1.0, y_m=1.0, yaw_deg=0.0)
     scenario = Scenario(
-        name="curved_walk",
+        name="walk",
         room=Room(size_m=(ROOM_M, ROOM_M)),
         start=start,
         box=Box(pose=corner),
@@ -76,7 +93,7 @@ def curved_walk(seed: int, robot: RobotSpec | None = None, realism: Realism = AS
     world = LocalWorld(Simulator())
     began = world.step(Reset(scenario=scenario, seed=seed))
     outcomes = [world.step(Follow(waypoints=tuple(path)))]
-    while _goes_on(outcomes[-1]):
+    while _goes_on(outcomes[-1]) and len(outcomes) < MAX_CYCLES + 1:
         try:
             outcomes.append(world.step(Walk()))
         except MotionError:  # a foot found no floor

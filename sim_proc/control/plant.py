@@ -69,6 +69,8 @@ class Touchdown:
     """Tick of the run from which on the force counts. Before, the foot is lifted."""
     landing_tick: int
     """Tick of the run in which the planned landing begins. From then on the run goes on to its end."""
+    blocked_tick: int
+    """Tick of the run from which on a leg that something else stops is down, too, such as an edge under its shank."""
     stops_leg: bool
     """Whether the leg stops within a physics step, because the foot moves fast, and does not go on to the end of the
     tick."""

@@ -25,7 +25,9 @@ class Posture:
         self.plant = plant
         robot = plant.robot
         self._kinematics = LegKinematics(robot)
-        self._height_m = robot.stance.height_m
+        self._height_m = self.height_goal_m = robot.stance.height_m
+        """Commanded height of the trunk, and the one that it is brought to."""
+        self._climb_m = robot.rough.climb_m_s * CONTROL_PERIOD_S
         self._max_speeds_rad_s = np.array(len(SIDE) * [joint.max_speed_rad_s for joint in robot.joints.in_order()])
         self._press_m = robot.gait.press_m
         self._uncorrected: Floats = 1.0 - minimum_jerk(robot.gait.reanchor_ticks)
@@ -46,8 +48,10 @@ class Posture:
         """From the trunk to the centre of mass as last measured, world frame, (2,)."""
         self.measure()
 
-    def measure(self) -> None:
+    def measure(self, *, heights: bool = False) -> None:
         """Replace the commanded feet by the measured ones, and move the commanded trunk along with them.
+
+        Their heights are replaced with `heights`, where they are not nearly the same.
 
         Feet roll and settle by a few millimetres, and legs whose commands ignore it push against each other. The planar
         motion that best fits the commanded feet onto the measured ones is applied to the commanded trunk.
@@ -62,6 +66,9 @@ class Posture:
         self.trunk_xy_m = centre_m + np.array([[c, -s], [s, c]]) @ (self.trunk_xy_m - centre_c)
         self.yaw_rad += turn
         self.feet_m[:, :2] = measured
+        if heights:
+            for leg, height_m in enumerate(self.feet_m[:, 2].tolist()):
+                self.put_down(leg, height_m)
         self.com_offset_m = plant.com_m()[:2] - plant.trunk_pose().xy()
         self.com_state[0] = self.trunk_xy_m + self.com_offset_m
 
@@ -81,7 +88,8 @@ class Posture:
             MotionError: The limits of the joints, with the robot's margin, do not allow it.
         """
         feet = np.repeat(curve_m[:, None], len(SIDE), axis=1)
-        tips_h = self._tips_h(trunk_xy_m, _rotations(-yaw_rad), feet)[:, leg]
+        heights = np.full(len(feet), self._height_m)
+        tips_h = self._tips_h(trunk_xy_m, _rotations(-yaw_rad), feet, heights)[:, leg]
         require_reach(
             self._kinematics,
             what,
@@ -127,7 +135,8 @@ class Posture:
         n = len(yaw_rad)
         from_world = _rotations(-np.append(self.yaw_rad, yaw_rad))
         trunks = np.concatenate([self.trunk_xy_m[None], trunk_xy_m])
-        joints = self._inverse(trunks, from_world, np.concatenate([self.feet_m[None], feet_m]))
+        heights = self._heights_m(n)
+        joints = self._inverse(trunks, from_world, np.concatenate([self.feet_m[None], feet_m]), heights)
         present, planned, from_world = joints[0].ravel(), joints[1:], from_world[1:]
         against_fall = acceleration_m_s2 - GRAVITY_M_S2 * self.plant.downhill
         balance = feet_m, load_share, zmp_m, against_fall, self.plant.mass_kg
@@ -148,6 +157,7 @@ class Posture:
             motion.velocities_rad_s[last + 1],
         )
         self._joint_torques_n_m = torques[last]
+        self._height_m = float(heights[last + 1])
         self.trunk_xy_m, self.yaw_rad, self.feet_m = trunk_xy_m[last].copy(), float(yaw_rad[last]), feet_m[last].copy()
         if until is not None and until.stops_leg and log.touched_down and last < until.landing_tick:
             self._stop_leg(until.leg)
@@ -197,15 +207,24 @@ class Posture:
         self._joint_velocities_rad_s[joints] = 0.0
         self.feet_m[leg] = self.plant.tips_m()[leg]
 
-    def _inverse(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
-        """Joint angles, (n, 4, 3), of trunks (n, 2) with rotations (n, 2, 2) into their frames, and feet (n, 4, 3)."""
-        return self._kinematics.inverse(self._tips_h(trunk_xy_m, from_world, feet_m), SIDE, saturate=True)
+    def _heights_m(self, n_ticks: int) -> Floats:
+        """Heights of the trunk now and at the ends of ticks, (n + 1,), which go evenly to the goal."""
+        change_m, farthest_m = self.height_goal_m - self._height_m, self._climb_m * np.arange(n_ticks + 1)
+        heights: Floats = self._height_m + np.clip(change_m, -farthest_m, farthest_m)
+        return heights
 
-    def _tips_h(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats) -> Floats:
+    def _inverse(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats, heights_m: Floats) -> Floats:
+        """Joint angles, (n, 4, 3), of trunks (n, 2) at heights (n,) with rotations (n, 2, 2) into their frames.
+
+        The feet are at `feet_m` (n, 4, 3).
+        """
+        return self._kinematics.inverse(self._tips_h(trunk_xy_m, from_world, feet_m, heights_m), SIDE, saturate=True)
+
+    def _tips_h(self, trunk_xy_m: Floats, from_world: Floats, feet_m: Floats, heights_m: Floats) -> Floats:
         """Feet in their hip frames, (n, 4, 3)."""
         tips_b = feet_m.copy()
         tips_b[:, :, :2] -= trunk_xy_m[:, None]
-        tips_b[:, :, 2] -= self._height_m
+        tips_b[:, :, 2] -= heights_m[:, None]
         tips_b[:, :, :2] = np.einsum("nij,nlj->nli", from_world, tips_b[:, :, :2])
         return tips_b - self._kinematics.hips_b
 

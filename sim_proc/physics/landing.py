@@ -12,6 +12,9 @@ from sim_proc.control.plant import Touchdown
 BLOCKED_SHARE: Final = 0.25
 """A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
 
+STILL_RAD: Final = 2e-3
+"""A joint that turns farther in a tick moves on: it is only late, as after a command that comes late."""
+
 Lag = tuple[slice, Floats, Floats]
 
 
@@ -90,10 +93,12 @@ class Landing:
 
     def _is_blocked(self, tick: int, sensors: Floats) -> bool:
         """Whether a slow leg is stopped by something that its foot does not feel, such as an edge under the shank."""
-        if self._touchdown.stops_leg:
+        if tick < self._touchdown.blocked_tick:
             return False
         behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
-        return bool((behind > self._allowed_rad[self._joints]).any())
+        measured = sensors[:, self._measured][:, self._joints]
+        still = np.abs(measured[-1] - measured[0]) < STILL_RAD
+        return bool((behind > self._allowed_rad[self._joints]).any() and still.all())
 
     def not_down(self, tick: int, sensors: Floats) -> int | None:
         """The leg whose foot is not down at the end of a tick after which another foot is to be lifted."""

@@ -1,7 +1,6 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 from collections.abc import Iterable
-from math import cos, sin
 from typing import Final
 
 import numpy as np
@@ -16,9 +15,9 @@ from sim_proc.control.body_state import BodyState
 from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Knots
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.watch import Watch
+from sim_proc.estimation.plumb_line import PlumbLine
 from sim_proc.headless import mujoco
 from sim_proc.kinematics.actuator_limits import ActuatorLimits
-from sim_proc.kinematics.leg import LegKinematics
 from sim_proc.model.actual import actual_robot
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.world import JOINT_QVEL, build_model
@@ -35,6 +34,7 @@ from sim_proc.physics.moment import Moment
 from sim_proc.physics.senses import senses_of
 from sim_proc.physics.sensors import Sensors
 from sim_proc.physics.soundness import Falls, require_sound
+from sim_proc.physics.start import standing_qpos
 from sim_proc.physics.state_crc import STATE, crc_of_numbers, crc_of_state
 from sim_proc.physics.ticks import Ticks
 
@@ -49,8 +49,7 @@ class Physics:
         """Stand the robot at `trunk` and the box at `box`, at rest, in a world as `reality` has it."""
         self.robot = robot = scenario.robot
         """The numbers of the robot, as control knows them."""
-        self._reality = reality
-        self.actual_robot = actual_robot(robot, reality)
+        self._reality, self.actual_robot = reality, actual_robot(robot, reality)
         """The numbers of the robot as they are."""
         self._numbers_crc = crc_of_numbers(robot, reality)
         self.model = build_model(scenario, reality)
@@ -60,8 +59,7 @@ class Physics:
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
         self.assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
-        self.downhill: Floats = self.assumed.downhill
-        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
+        self._plumb_line = PlumbLine(self.assumed.downhill)
         self.actual_downhill: Floats = downhill_of(model)
         """The same of the floor as it is."""
         self.mass_kg = self.assumed.mass_kg
@@ -75,9 +73,7 @@ class Physics:
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
         self._falls = Falls(robot)
-        data.qpos[TRUNK_QPOS] = [trunk.x_m, trunk.y_m, robot.stance.height_m, *_yaw_quaternion(trunk.yaw_rad)]
-        data.qpos[JOINT_QPOS] = LegKinematics(robot).standing_joints_rad().ravel()
-        data.qpos[BOX_QPOS] = [box.x_m, box.y_m, scenario.box.size_m[2] / 2, *_yaw_quaternion(box.yaw_rad)]
+        data.qpos[:] = standing_qpos(scenario, trunk, box)
         self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
         self._delay = CommandDelay(reality.command_latency_s, data.ctrl)
@@ -93,6 +89,11 @@ class Physics:
         self.perception = Perception(reality, data.qpos, scenario.box)
         self.senses = senses_of(reality, sensors, model, data)
         """The robot's own sensors."""
+
+    @property
+    def downhill(self) -> Floats:
+        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
+        return self._plumb_line.downhill
 
     def inverse_dynamics_n_m(self, motion: Knots, yaw_rad: Floats) -> Floats:
         """Torques at all knots but the first, (n, 12): what a motion of the joints takes."""
@@ -114,10 +115,11 @@ class Physics:
         landing = None if until is None else self._landing(until, commands)
         began = self._moment()
         self._gusts.begin_run(self.tick)
+        speed = self.data.qvel[:3].copy()
         controls = planned.copy()
         self.senses.begin_run(self.tick, len(controls))
         qpos, sensors = self._simulate(controls, landing)
-        alarm = None if watch is None else watch.alarm(*self._sensors.com(sensors))
+        alarm = None if watch is None else watch.alarm(*self._sensors.motion(sensors))
         if alarm is not None and alarm + 1 < len(qpos):
             self._go_back(began)
             planned = planned[: alarm + 1]
@@ -132,6 +134,7 @@ class Physics:
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         require_sound(self._warnings, qpos, self.tick)
+        self._plumb_line.feel(*self._sensors.imu(sensors), self.data.qvel[:3] - speed)
         steps, felt = self._sensors.steps(sensors), self.senses.of_tick(len(qpos) - 1, sensors)
         self.perception.take(self.tick - len(qpos) + 1, qpos, steps.tips_m[:, -1])
         self.senses.end_run(len(qpos))
@@ -293,7 +296,3 @@ class Physics:
         """CRC-32 of the numbers of robot and episode, MuJoCo's integration state, all that is on its way, and more."""
         under_way = self._delay.as_bytes() + self.perception.as_bytes() + self.senses.as_bytes()
         return crc_of_state(self.model, self.data, under_way + more, self._numbers_crc)
-
-
-def _yaw_quaternion(yaw_rad: float) -> tuple[float, float, float, float]:
-    return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)

@@ -35,9 +35,17 @@ class Sensors:
         loads: Floats = -readings[..., self.loads]
         return loads
 
-    def com(self, readings: Floats) -> tuple[Floats, Floats]:
-        """Centre of mass and its velocity at the last steps of ticks, (n, 3) each, from readings (n, steps, m)."""
-        return readings[:, -1, self.of["com"]], readings[:, -1, self.of["com_velocity"]]
+    def motion(self, readings: Floats) -> tuple[Floats, Floats, Floats]:
+        """Centre of mass, (n, 3), its velocity, and tips, (n, 4, 3), at the last steps of ticks.
+
+        `readings` are those of all steps, (n, steps, m).
+        """
+        last = readings[:, -1]
+        return last[:, self.of["com"]], last[:, self.of["com_velocity"]], self.tips_m(last)
+
+    def imu(self, readings: Floats) -> tuple[Floats, Floats]:
+        """Accelerations at all steps, (n, steps, 3), and attitudes at the last steps of ticks, (n, 4), of the IMU."""
+        return readings[..., self.of["imu_acceleration"]], readings[:, -1, self.of["imu_orientation"]]
 
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""

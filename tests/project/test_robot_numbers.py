@@ -11,11 +11,13 @@ BODY_AND_MOTION = ("sim_proc/control", "sim_proc/kinematics", "sim_proc/measures
 OF_NO_ROBOT = {
     "control/balance.py": {"JERK_WEIGHT", "END_WEIGHT"},
     "control/feedback/capture.py": {"PAIRS", "BESIDE", "ALONG_SHARE"},
+    "control/feedback/deviation.py": {"LATE_TICKS", "CLEAR_SHARE"},
+    "control/feedback/terrain.py": {"ALONG_FROM", "ALONG_UNTIL", "SLOW_TICKS"},
     "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
     "control/push_cycle.py": {"MIRRORED", "CURVE"},
     "control/resistance.py": {"GAIN", "STRUCK_TICKS"},
-    "control/steps.py": {"SHIFT_WEIGHT", "LAST_SHARE", "LIFTED_SHARE", "CAUTION"},
+    "control/step_motion.py": {"SHIFT_WEIGHT", "LAST_SHARE", "LIFTED_SHARE", "CAUTION"},
     "control/stroke.py": {"RISE_SHARE"},
     "control/swing.py": {"LOCUS_RANGE_RAD", "APEX_SHARE", "SETTLED_SHARE"},
     "kinematics/actuator_limits.py": {"SLACK_N_M"},
@@ -48,7 +50,7 @@ OF_NO_ROBOT = {
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
     "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
     "physics/gusts.py": {"NEVER", "ROUNDING_TICKS"},
-    "physics/landing.py": {"BLOCKED_SHARE"},
+    "physics/landing.py": {"BLOCKED_SHARE", "STILL_RAD"},
     "physics/physics.py": {"PARKED_M"},
     "physics/senses.py": {"CHUNK_TICKS", "FIRST_CHUNK"},
 }
@@ -71,7 +73,18 @@ def assigned_numbers(path: Path) -> Iterator[str]:
 
 def makes_a_default_robot(path: Path) -> bool:
     """Whether a module calls `RobotSpec` or one of its parts without arguments."""
-    parts = ("RobotSpec", "Trunk", "Legs", "Joints", "Stance", "Gait", "PushMotion", "Capture", "FallLimits")
+    parts = (
+        "RobotSpec",
+        "Trunk",
+        "Legs",
+        "Joints",
+        "Stance",
+        "Gait",
+        "RoughGait",
+        "PushMotion",
+        "Capture",
+        "FallLimits",
+    )
     calls = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call))
     return any(isinstance(call.func, ast.Name) and call.func.id in parts and not call.keywords for call in calls)
 

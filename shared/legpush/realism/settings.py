@@ -103,7 +103,7 @@ class FloorTiles(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     height_m: Item[TileHeight] = None
     """Height of the highest tile; the seed draws that of each tile from 0 up to this. At most the step height of the
-    robot, `robot.gait.step_height_m`."""
+    robot, `robot.rough.step_height_m`."""
     size_m: Item[TileSide] = None
     """Side of a tile."""
 

@@ -17,11 +17,11 @@ def realism_faults(scenario: Scenario) -> Iterator[str]:
     realism = stated(scenario.realism)
     if realism.floor.height_m is None or realism.floor.size_m is None:
         return
-    height_m, step_m = interval(realism.floor.height_m)[1], scenario.robot.gait.step_height_m
+    height_m, step_m = interval(realism.floor.height_m)[1], scenario.robot.rough.step_height_m
     if height_m > step_m:
         yield (
             f"at `realism.floor.height_m`: expected at most the step height of the robot, {step_m:g} m "
-            f"(`robot.gait.step_height_m`), got {height_m:g} m"
+            f"(`robot.rough.step_height_m`), got {height_m:g} m"
         )
     if height_m > 0.0:
         side_m, (width_m, depth_m) = interval(realism.floor.size_m)[0], scenario.room.size_m

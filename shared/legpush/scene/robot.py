@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from legpush.scene.conventions import JOINTS
 from legpush.scene.robot_body import Joints, Legs, Trunk
-from legpush.scene.robot_motion import Capture, FallLimits, Gait, PushMotion, Stance
+from legpush.scene.robot_motion import Capture, FallLimits, Gait, PushMotion, RoughGait, Stance
 
 
 class RobotSpec(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -20,6 +20,7 @@ class RobotSpec(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     joints: Joints = Joints()
     stance: Stance = Stance()
     gait: Gait = Gait()
+    rough: RoughGait = RoughGait()
     pushing: PushMotion = PushMotion()
     capture: Capture = Capture()
     fall: FallLimits = FallLimits()

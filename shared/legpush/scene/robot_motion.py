@@ -187,6 +187,33 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Time of each of these steps."""
 
 
+class RoughGait(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot steps where its feet have found that the floor is not level."""
+
+    from_m: BodyDistance = 0.01
+    """A foot that stands this much above or below the level floor makes it rough."""
+    missed_m: BodyDistance = 0.05
+    """So does a foot that comes down this far from its place. It then steps once more."""
+    step_height_m: BodyLength = 0.08
+    """How high a foot is lifted above the highest one."""
+    near_m: BodyDistance = 0.02
+    """From this height above the highest foot on it comes down slowly, until it feels the floor."""
+    descent_m_s: LandingSpeed = 0.25
+    """How fast it does."""
+    below_m: BodyDistance = 0.04
+    """How far below the lowest foot its swing ends. From there on it looks for the floor."""
+    flight_ticks: Ticks = 16
+    """Time of the swing before the slow descent."""
+    back_m: BodyDistance = 0.06
+    """How much nearer a foot steps if an edge holds its leg."""
+    slip_m: BodyDistance = 0.012
+    """A standing foot that sinks by this much has slipped off an edge. Then a foot in the air is put down at once."""
+    reflex_m_s: LandingSpeed = 0.5
+    """How fast."""
+    climb_m_s: LandingSpeed = 0.1
+    """How fast the trunk follows the mean height of the feet."""
+
+
 class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far the robot may be from its plan. Beyond that it takes capture steps until it stands.
 
@@ -197,10 +224,16 @@ class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The divergent component of its motion is at most this far from the plan, beyond the usual; else it trots."""
     more_m: BodyDistance = 0.02
     """How much more is allowed after a trot."""
-    most_m: BodyDistance = 0.12
+    late_m: BodyDistance = 0.01
+    """How much more is allowed for each tick by which motions are later than planned."""
+    most_m: BodyDistance = 0.15
     """The most that is ever allowed."""
+    small_m: BodyDistance = 0.025
+    """Without a larger deviation nothing is late."""
+    forget_ticks: Ticks = 100
+    """Time constant with which it allows less again."""
     adapt_ticks: Ticks = 100
-    """Time constant with which it learns how far it usually is from its plans, and allows less again."""
+    """Time constant with which it learns how far it usually is from its plans."""
     step_ticks: Ticks = 9
     """Time of one step of two feet."""
     step_height_m: BodyLength = 0.07

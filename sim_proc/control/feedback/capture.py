@@ -30,14 +30,16 @@ ALONG_SHARE: Final = 0.9
 class CaptureTrot:
     """Trots on the spot until the trunk is stopped."""
 
-    def __init__(self, posture: Posture) -> None:
-        """Move the robot that has this posture."""
+    def __init__(self, posture: Posture, *, uneven: bool = False) -> None:
+        """Move the robot that has this posture, on a floor that may be uneven."""
+        self._uneven = uneven
         self._posture = posture
         robot = posture.plant.robot
         self._numbers, self._touchdown_m = robot.capture, robot.touchdown_m
         self._stance, self._corners_b = robot.stance, robot.stance.foot_rectangle_b()
         self._per_speed_s = sqrt(robot.stance.com_height_m / GRAVITY_M_S2)
         self._carried_n = posture.plant.mass_kg * GRAVITY_M_S2 / 2
+        self._contact_n = robot.gait.contact_share * posture.plant.mass_kg * GRAVITY_M_S2
         self.n_footsteps = 0
 
     def run(self, lifted: int | None) -> list[TickLog]:
@@ -75,24 +77,29 @@ class CaptureTrot:
         yaw_rad = atan2(state.rotation[1, 0], state.rotation[0, 0])
         trunk = Pose2(x_m=float(state.position_m[0]), y_m=float(state.position_m[1]), yaw_rad=yaw_rad)
         from_world = trunk.inverse()
-        standing = [leg for leg in range(len(LEGS)) if leg not in swinging]
-        ground_m = float(from_m[standing, 2].mean())
+        standing = [leg for leg in range(len(LEGS)) if leg not in swinging or self._is_down(leg, state, u)]
+        ground_m = float(from_m[[leg for leg in range(len(LEGS)) if leg not in swinging], 2].mean())
         velocity_b = Pose2(x_m=0.0, y_m=0.0, yaw_rad=-yaw_rad).apply(state.velocity_m_s[None, :2])[0]
         feet_b, forces = np.empty((4, 3)), np.zeros((4, 3))
         tips_b, begun_b = from_world.apply(state.tips_m[:, :2]), from_world.apply(from_m[:, :2])
         share, sunk = float(quintic(np.minimum(u / ALONG_SHARE, 1.0))), float(quintic(np.array(u)))
-        for leg in swinging:
+        followed = CONTROL_PERIOD_S * (1 - numbers.brake_share)
+        for leg in range(len(LEGS)):
+            if leg in standing:
+                feet_b[leg, :2] = tips_b[leg] - velocity_b * followed
+                feet_b[leg, 2] = state.tips_m[leg, 2] if self._uneven else ground_m
+                forces[leg, 2] = self._carried_n if leg not in swinging else 0.0
+                continue
             target_b = self._target_b(leg, velocity_b, tips_b) + velocity_b * left_s
             feet_b[leg, :2] = begun_b[leg] + share * (target_b - begun_b[leg]) - velocity_b * CONTROL_PERIOD_S
             rise_m = numbers.step_height_m * 16 * u**2 * (1 - u) ** 2
             feet_b[leg, 2] = ground_m + rise_m + (1 - sunk) * (from_m[leg, 2] - ground_m)
-        followed = CONTROL_PERIOD_S * (1 - numbers.brake_share)
-        for leg in standing:
-            feet_b[leg, :2] = tips_b[leg] - velocity_b * followed
-            feet_b[leg, 2] = ground_m
-            forces[leg, 2] = self._carried_n
         feet_b[:, 2] -= ground_m - self._touchdown_m + self._stance.height_m
         return self._posture.react(feet_b, forces)
+
+    def _is_down(self, leg: int, state: BodyState, u: float) -> bool:
+        """Whether a foot that has come a share `u` of its step stands on something higher than expected."""
+        return self._uneven and u > 0.5 and bool(state.loads_n[leg] > self._contact_n)
 
     def _target_b(self, leg: int, velocity_b: Floats, tips_b: Floats) -> Floats:
         """Where a foot is to land, (2,), seen from the trunk at that time: within reach, and apart from its neighbour.

@@ -9,7 +9,7 @@ from legpush.scenarios.file import dump_scenario, load_scenario, override, scena
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"realism.floor.height_m": 0.06}, "realism.floor.height_m.*step height of the robot, 0.05 m.*got 0.06 m"),
+        ({"realism.floor.height_m": 0.09}, "realism.floor.height_m.*step height of the robot, 0.08 m.*got 0.09 m"),
         ({"realism.floor.height_m": [0.01, 0.2]}, "realism.floor.height_m.*got 0.2 m"),
         ({"realism.floor.height_m": 0.02, "realism.floor.size_m": 0.05}, "realism.floor.size_m.*5000 tiles"),
         ({"realism.gusts.force_n": 100.0}, "realism.gusts.*duration_s"),

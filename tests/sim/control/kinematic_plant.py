@@ -105,7 +105,7 @@ class KinematicPlant:
                 break
             if watch is not None and self.n_ticks == self._thrown_at_tick:
                 thrown = np.full((tick + 1, 3), 9.0)
-                left_plan = watch.alarm(thrown, np.zeros_like(thrown)) is not None
+                left_plan = watch.alarm(thrown, np.zeros_like(thrown), np.zeros((tick + 1, 4, 3))) is not None
                 break
             if until is not None and tick >= until.first_tick:
                 touched_down = bool(rows[-1][2][until.leg, 2] >= until.force_n)

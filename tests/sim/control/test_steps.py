@@ -12,7 +12,8 @@ from legpush.scene.scenario import Box, PoseDeg
 from sim_proc.control.gait import swing_to
 from sim_proc.control.posture import Posture
 from sim_proc.control.step import Step
-from sim_proc.control.steps import CAUTION, Steps
+from sim_proc.control.step_motion import CAUTION
+from sim_proc.control.steps import Steps
 from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
 

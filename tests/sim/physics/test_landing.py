@@ -135,7 +135,14 @@ def test_a_run_ends_with_the_first_tick_in_which_a_touchdown_counts(
     physics, _ = walker()
     commands = held(np.repeat(physics.joints_rad()[None], 9, axis=0))
     until = Touchdown(
-        leg=0, force_n=20.0, first_tick=first_tick, landing_tick=landing_tick, lift_tick=0, carried=(), stops_leg=False
+        leg=0,
+        force_n=20.0,
+        first_tick=first_tick,
+        landing_tick=landing_tick,
+        lift_tick=0,
+        carried=(),
+        blocked_tick=0,
+        stops_leg=False,
     )
     log = physics.run(commands, until)
     assert (len(log.qpos), log.touched_down) == (n_ticks, True)
@@ -144,7 +151,9 @@ def test_a_run_ends_with_the_first_tick_in_which_a_touchdown_counts(
 def test_a_run_goes_on_to_its_end_without_the_force_of_a_touchdown(walker: Walker) -> None:
     physics, _ = walker()
     commands = held(np.repeat(physics.joints_rad()[None], 9, axis=0))
-    until = Touchdown(leg=0, force_n=1e4, first_tick=0, landing_tick=9, lift_tick=0, carried=(), stops_leg=True)
+    until = Touchdown(
+        leg=0, force_n=1e4, first_tick=0, landing_tick=9, lift_tick=0, carried=(), blocked_tick=9, stops_leg=True
+    )
     log = physics.run(commands, until)
     assert (len(log.qpos), log.touched_down) == (9, False)
 
@@ -154,7 +163,9 @@ def test_a_leg_that_moves_fast_stops_within_a_step_of_its_touchdown(walker: Walk
     joints = physics.joints_rad()
     lower = joints.copy()
     lower[2] -= 0.05
-    until = Touchdown(leg=0, force_n=20.0, first_tick=0, landing_tick=1, lift_tick=0, carried=(), stops_leg=True)
+    until = Touchdown(
+        leg=0, force_n=20.0, first_tick=0, landing_tick=1, lift_tick=0, carried=(), blocked_tick=9, stops_leg=True
+    )
     log = physics.run(held(np.stack([lower])), until)
     commanded = log.ctrl[0, :, 2]
     assert log.touched_down
@@ -169,7 +180,14 @@ def test_a_run_ends_before_the_lift_of_a_foot_if_another_one_is_off_the_floor(
     raised = physics.joints_rad()
     raised[2] += 0.1
     until = Touchdown(
-        leg=FIRST, force_n=15.0, first_tick=9, landing_tick=9, lift_tick=5, carried=carried, stops_leg=True
+        leg=FIRST,
+        force_n=15.0,
+        first_tick=9,
+        landing_tick=9,
+        lift_tick=5,
+        carried=carried,
+        blocked_tick=9,
+        stops_leg=True,
     )
     log = physics.run(held(np.repeat(raised[None], 9, axis=0)), until)
     assert (len(log.qpos), log.not_down) == (n_ticks, not_down)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from legpush.geometry import wrap_angle
 from legpush.scene.conventions import CONTROL_PERIOD_S
-from sim_proc.control.turning import turn
+from sim_proc.control.step_motion import turn
 
 ANGLES = st.floats(-pi, pi)
 
