@@ -92,7 +92,7 @@ class EstimatedRobot:
 
     def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats]:
         """The centre of mass and its velocity in the ticks of the present run, (n, 3) each, as they are estimated."""
-        return self._estimator.foresee(self._senses.so_far(n_ticks), self._lifted(n_ticks, until))
+        return self._estimator.foresee(self._senses.readings(n_ticks), self._lifted(n_ticks, until))
 
     def push_forces_n(self, log: TickLog, leg: int) -> Floats:
         """Forces of a foot on the box as the foot feels them, means over each tick of the last run, (n, 3)."""

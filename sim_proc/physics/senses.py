@@ -104,9 +104,13 @@ class OwnSenses:
         """Noise of the present chunks of ticks."""
         self._true = np.empty((self.late_steps, N_READINGS))
         """What a row of sensors without delay would have read: some steps before the run, and the run itself."""
-        self._velocities_m_s = first[None, self._velocity].copy()
-        """Of the IMU in the world: in the step before the run, and in those of the run itself, (1 + steps, 3)."""
-        self._read(np.repeat(first[None], self.late_steps, axis=0), np.zeros((self.late_steps, 3)), self._true)
+        self._moved = np.empty((1, 7))
+        """Velocity and orientation of the IMU in the world: in the step before the run, and in those of the run itself,
+        (1 + steps, 7)."""
+        self._moved[0, :3], self._moved[0, 3:] = first[self._velocity], first[self._orientation]
+        for columns, source in self._sources:
+            self._true[:, columns] = first[source]
+        self._true[:, ACCELERATION] = _specific_forces(np.repeat(self._moved, 2, axis=0), gravity_m_s2)
         self._errors = np.empty((0, N_READINGS))
         self.last = np.empty((0, COMMANDS_PER_TICK, N_READINGS))
         """Readings of the last run, (ticks, steps, N_READINGS)."""
@@ -119,32 +123,20 @@ class OwnSenses:
         past = self._true[: self.late_steps]
         self._true = np.empty((self.late_steps + n_ticks * COMMANDS_PER_TICK, N_READINGS))
         self._true[: self.late_steps] = past
-        self._velocities_m_s = np.concatenate([self._velocities_m_s[:1], np.empty((n_ticks * COMMANDS_PER_TICK, 3))])
+        self._moved = np.concatenate([self._moved[:1], np.empty((n_ticks * COMMANDS_PER_TICK, 7))])
 
     def feel(self, step: int, sensors: Floats) -> None:
         """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
         n = len(sensors)
-        self._velocities_m_s[step + 1 : step + 1 + n] = sensors[:, self._velocity]
-        changes = np.diff(self._velocities_m_s[step : step + 1 + n], axis=0)
-        self._read(sensors, changes, self._true[self.late_steps + step :][:n])
-
-    def _read(self, sensors: Floats, changes_m_s: Floats, rows: Floats) -> None:
-        """Fill in what sensors without error and delay read, (n, N_READINGS), from all sensors (n, nsensordata) and the
-        changes of velocity in the steps before them, (n, 3)."""
+        rows, moved = self._true[self.late_steps + step :][:n], self._moved[step + 1 :][:n]
+        moved[:, :3], moved[:, 3:] = sensors[:, self._velocity], sensors[:, self._orientation]
         for columns, source in self._sources:
             rows[:, columns] = sensors[:, source]
-        w, x, y, z = sensors[:, self._orientation].T
-        force = (changes_m_s / PHYSICS_STEP_S - self._gravity_m_s2).T
-        # v' = v - 2 w (u x v) + 2 u x (u x v) turns into the frame of the trunk, with u = (x, y, z).
-        cross = y * force[2] - z * force[1], z * force[0] - x * force[2], x * force[1] - y * force[0]
-        rows[:, ACCELERATION.start] = force[0] - 2 * w * cross[0] + 2 * (y * cross[2] - z * cross[1])
-        rows[:, ACCELERATION.start + 1] = force[1] - 2 * w * cross[1] + 2 * (z * cross[0] - x * cross[2])
-        rows[:, ACCELERATION.start + 2] = force[2] - 2 * w * cross[2] + 2 * (x * cross[1] - y * cross[0])
 
     def of_tick(self, tick: int, sensors: Floats) -> Floats:
-        """Readings in a tick of the run, (steps, N_READINGS). Foot forces are without their tare."""
+        """Joint angles and foot forces in a tick of the run, (steps, N_READINGS). Forces are without their tare."""
         del sensors
-        return self._tared(self.readings(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK))
+        return self._tared(tick * COMMANDS_PER_TICK, COMMANDS_PER_TICK)
 
     def meanwhile(self, landing: Landing, tick: int, planned: Floats, sensors: Floats) -> Iterator[Floats]:
         """Controls (12,) of the steps of a tick, in which a leg may stop while the sensors of the tick come."""
@@ -153,29 +145,26 @@ class OwnSenses:
         for k in range(COMMANDS_PER_TICK):
             if k > 0 and self.late_steps < COMMANDS_PER_TICK:
                 self.feel(step + k - 1, sensors[tick, k - 1 : k])
-                readings[k - 1] = self._tared(self.readings(step + k - 1, 1))[0]
+                readings[k - 1] = self._tared(step + k - 1, 1)[0]
             yield next(given)
 
-    def readings(self, step: int, n: int) -> Floats:
-        """Readings in `n` steps of the run from `step` on, (n, N_READINGS)."""
-        steps = slice(step, step + n)
-        given: Floats = self._true[steps] + self._errors[steps]
-        return given
+    def readings(self, n_ticks: int) -> Floats:
+        """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
+        n = n_ticks * COMMANDS_PER_TICK
+        self._true[self.late_steps :][:n, ACCELERATION] = _specific_forces(self._moved[: n + 1], self._gravity_m_s2)
+        return (self._true[:n] + self._errors[:n]).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
 
-    def _tared(self, readings: Floats) -> Floats:
+    def _tared(self, step: int, n: int) -> Floats:
+        readings: Floats = self._true[step : step + n] + self._errors[step : step + n]
         readings[:, FORCES] -= self.tare_n
         return readings
-
-    def so_far(self, n_ticks: int) -> Floats:
-        """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
-        return self.readings(0, n_ticks * COMMANDS_PER_TICK).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
 
     def end_run(self, n_ticks: int) -> None:
         """End the run after `n_ticks`."""
         n = n_ticks * COMMANDS_PER_TICK
-        self.last = self.so_far(n_ticks)
+        self.last = self.readings(n_ticks)
         self._true = self._true[n : n + self.late_steps].copy()
-        self._velocities_m_s = self._velocities_m_s[n : n + 1].copy()
+        self._moved = self._moved[n : n + 1].copy()
 
     def push_forces_n(self, tick: int, forces_n: Floats) -> Floats:
         """What a foot feels of its forces on the box in the ticks after `tick`, (n, 3).
@@ -190,7 +179,7 @@ class OwnSenses:
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
-        return b"".join(array.tobytes() for array in (self._true, self._velocities_m_s, self.tare_n))
+        return b"".join(array.tobytes() for array in (self._true, self._moved, self.tare_n))
 
     def _noise(self, tick: int, n_ticks: int) -> Floats:
         """Standard normal numbers for the steps of `n_ticks` after `tick`, (steps, N_READINGS)."""
@@ -207,6 +196,22 @@ class OwnSenses:
                 generator = np.random.default_rng([self._seed, stream, FIRST_CHUNK + chunk])
                 noise[:, columns] = generator.standard_normal((len(noise), columns.stop - columns.start))
         return noise
+
+
+def _specific_forces(moved: Floats, gravity_m_s2: Floats) -> Floats:
+    """What an accelerometer reads in all steps but the first, (n, 3), with velocity and orientation (n + 1, 7) in each.
+
+    It is the change of velocity in the step, without gravity, in the frame of the trunk at the end of the step.
+    """
+    force_x, force_y, force_z = (np.diff(moved[:, :3], axis=0) / PHYSICS_STEP_S - gravity_m_s2).T
+    w, x, y, z = moved[1:, 3:].T
+    # v' = v - 2 w (u x v) + 2 u x (u x v) turns into the frame of the trunk, with u = (x, y, z).
+    cross_x, cross_y, cross_z = y * force_z - z * force_y, z * force_x - x * force_z, x * force_y - y * force_x
+    forces = np.empty((len(moved) - 1, 3))
+    forces[:, 0] = force_x - 2 * w * cross_x + 2 * (y * cross_z - z * cross_y)
+    forces[:, 1] = force_y - 2 * w * cross_y + 2 * (z * cross_x - x * cross_z)
+    forces[:, 2] = force_z - 2 * w * cross_z + 2 * (x * cross_y - y * cross_x)
+    return forces
 
 
 def senses_of(
