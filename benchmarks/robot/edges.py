@@ -31,9 +31,7 @@ def floor_with_edge(edge_m: float, height_m: float) -> Iterator[None]:
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=[START_M + edge_m + half_m, ROOM_M / 2, height_m - THICKNESS_M / 2],
             size=[half_m, ROOM_M / 2, THICKNESS_M / 2],
-            **FLOOR,
-            **contact(friction, priority=1),
-            solref=FOOT_SOLREF,
+            **(FLOOR | contact(friction, priority=1) | {"solref": FOOT_SOLREF}),
         )
         return spec.compile()
 

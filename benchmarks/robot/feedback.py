@@ -46,6 +46,8 @@ class Config:
     tile_seeds: int = 10
     """Number of walks over tiles."""
     first_seed: int = 1200
+    only: str = ""
+    """Only disturbances with this in their names; nothing is written then."""
 
 
 Runs = Iterator[Done]
@@ -145,11 +147,15 @@ def main(config: Config) -> None:
     """Walk and push with each disturbance, with and without feedback."""
     found = {}
     for name, case in cases(config).items():
+        if config.only not in name:
+            continue
         with_it = counted(case(RobotSpec()))
         with patch.object(PlumbLine, "feel"):  # the IMU tells nothing about the slope
             without = counted(case(without_feedback()))
         found[name] = {"with": with_it, "without": without}
         print(name, found[name], flush=True)
+    if config.only:
+        return
     write_report("feedback", {"first_seed": config.first_seed, "disturbances": found})
 
 

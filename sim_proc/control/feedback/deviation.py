@@ -13,9 +13,8 @@ from sim_proc.gravity import GRAVITY_M_S2
 
 LATE_TICKS: Final = 8
 """Largest delay that is looked for."""
-
 CLEAR_SHARE: Final = 0.8
-"""A delay is believed if it leaves at most this share of the mean squared deviation."""
+"""Another delay is believed if it leaves at most this share of the mean squared deviation."""
 
 
 class Deviation:
@@ -62,7 +61,8 @@ class Deviation:
             errors = [watch.reached_m - self._late(late, n_ticks) for late in range(LATE_TICKS + 1)]
             self._errors_m2 = kept * self._errors_m2 + np.array([float((error**2).mean()) for error in errors])
             best = int(np.argmin(self._errors_m2))
-            self.late_ticks = best if self._errors_m2[best] < CLEAR_SHARE * self._errors_m2[0] else 0
+            if self._errors_m2[best] < CLEAR_SHARE * self._errors_m2[self.late_ticks]:
+                self.late_ticks = best
         self._usual_m = kept * self._usual_m + (1 - kept) * watch.deviations_m.mean(axis=0)
 
     def allow_more(self) -> None:
