@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, suppress
 from importlib.resources import as_file, files
+from math import ceil
 from pathlib import Path
 from time import monotonic
 from typing import Final
@@ -27,6 +28,8 @@ N_AT_ONCE: Final = 2
 """The disturbed training and the undisturbed one share the machine."""
 N_SIMULATORS: Final = 2
 ROLLOUT_STEPS: Final = 128
+LEAST_ROLLOUTS: Final = 4
+"""Of a training."""
 PROBE_STEPS: Final = 512
 KILL_EVERY_S: Final = 30.0
 N_LEARNER_KILLS: Final = 10
@@ -41,7 +44,11 @@ class TrainingState(Struct, kw_only=True):
     """How far the trainings are; kept in a file, so that an interrupted soak goes on."""
 
     n_steps: int = 0
-    """Of both trainings; 0 before it is known how many fit into the time."""
+    """Of both trainings of the present round; 0 before it is known how many fit into the time."""
+    finished_steps: list[int] = []
+    """Of the rounds before, which took less time than was asked for."""
+    finished_s: float = 0.0
+    """How long the disturbed trainings of these rounds went on."""
     trained_s: float = 0.0
     """How long the disturbed training has gone on."""
     killed_simulators: int = 0
@@ -55,10 +62,12 @@ class TrainingState(Struct, kw_only=True):
 
 
 class TrainingResult(Struct, frozen=True, kw_only=True):
-    """What came of the disturbed training."""
+    """What came of the disturbed trainings."""
 
     hours: float
     n_steps: int
+    n_rounds: int = 1
+    """Number of pairs of trainings, of which one was disturbed."""
     killed_simulators: int
     killed_learners: int
     same_files: tuple[str, ...]
@@ -67,12 +76,12 @@ class TrainingResult(Struct, frozen=True, kw_only=True):
 
     @property
     def is_same(self) -> bool:
-        """Whether the training ended as the undisturbed one."""
+        """Whether the trainings ended as the undisturbed ones."""
         return not self.different_files
 
 
 class TrainingSoak:
-    """Two trainings in a folder: an undisturbed one, and one with kills."""
+    """Pairs of trainings in a folder, an undisturbed one and one with kills, until the time is over."""
 
     def __init__(
         self, folder: Path, hours: float, seed: int, stop: threading.Event, tell: Callable[[str], None]
@@ -89,7 +98,7 @@ class TrainingSoak:
         self._state = msgspec.json.decode(path.read_bytes(), type=TrainingState) if path.exists() else TrainingState()
 
     def run(self) -> TrainingResult:
-        """Train to the end.
+        """Train until the time is over.
 
         Raises:
             PeerError: A training ended by itself before its end.
@@ -101,25 +110,44 @@ class TrainingSoak:
             began_s = monotonic()
             self._train("probe", PROBE_STEPS)
             rate = PROBE_STEPS / (monotonic() - began_s)
-            n_rollouts = max(4, round(3600.0 * self._hours * rate / N_AT_ONCE / ROLLOUT_STEPS))
+            n_rollouts = max(LEAST_ROLLOUTS, round(3600.0 * self._hours * rate / N_AT_ONCE / ROLLOUT_STEPS))
             state.n_steps = ROLLOUT_STEPS * n_rollouts
             self._save()
-        self._tell(f"two trainings at once, one of them disturbed: {state.n_steps} steps each")
-        self._train_both(state.n_steps)
+        while True:
+            self._tell(f"two trainings at once, one of them disturbed: {state.n_steps} steps each")
+            self._train_both(state.n_steps)
+            self._save()
+            left_s = 3600.0 * self._hours - state.trained_s
+            if left_s <= 0.0 or state.trained_s <= state.finished_s:
+                break
+            per_step_s = (state.trained_s - state.finished_s) / state.n_steps
+            state.finished_steps.append(state.n_steps)
+            state.finished_s = state.trained_s
+            state.n_steps = ROLLOUT_STEPS * max(LEAST_ROLLOUTS, ceil(left_s / per_step_s / ROLLOUT_STEPS))
+            self._save()
         same: list[str] = []
         different: list[str] = []
+        n_rounds = len(state.finished_steps) + 1
         for name in COMPARED:
-            digests = {_digest(self._folder / training / name) for training in ("undisturbed", "disturbed")}
-            (same if len(digests) == 1 else different).append(name)
+            is_same = all(
+                len({_digest(self._place(training, k) / name) for training in ("undisturbed", "disturbed")}) == 1
+                for k in range(n_rounds)
+            )
+            (same if is_same else different).append(name)
         return TrainingResult(
             hours=round(state.trained_s / 3600.0, 3),
-            n_steps=state.n_steps,
+            n_steps=sum(state.finished_steps) + state.n_steps,
+            n_rounds=n_rounds,
             killed_simulators=state.killed_simulators,
             killed_learners=state.killed_learners,
             same_files=tuple(same),
             different_files=tuple(different),
             growth=tuple(state.growth),
         )
+
+    def _place(self, name: str, n_finished: int) -> Path:
+        """Return the folder of a training after so many rounds."""
+        return self._folder / (f"{name}-round-{n_finished + 1}" if n_finished else name)
 
     def _train_both(self, n_steps: int) -> None:
         """Run both trainings to their ends; what ends one of them ends the other."""
@@ -139,7 +167,7 @@ class TrainingSoak:
         self, name: str, n_steps: int, disturb: "Callable[[subprocess.Popen[bytes]], bool] | None" = None
     ) -> None:
         """Run a training to its end, started again for as long as `disturb` kills it."""
-        folder = self._folder / name
+        folder = self._place(name, len(self._state.finished_steps))
         while not (folder / "last").exists():
             with (self._folder / f"{name}.log").open("ab") as log:
                 learner = subprocess.Popen(self._command(folder, n_steps), stdout=log, stderr=subprocess.STDOUT)
@@ -160,8 +188,9 @@ class TrainingSoak:
         if folder.exists():  # it was killed before its first checkpoint
             folder.rename(folder.with_name(f"{folder.name}-{int(folder.stat().st_mtime)}"))
         with as_file(files("legpush.soak") / "training.toml") as profile:
-            flags = ("--profile", str(profile), "--steps", str(n_steps), "--seed", str(self._seed))
-        return (*LEGPUSH, "train", *flags, "--simulators", str(N_SIMULATORS), "--out", str(folder))
+            flags = ("--profile", str(profile), "--steps", str(n_steps))
+        seed = str(self._seed + len(self._state.finished_steps))
+        return (*LEGPUSH, "train", *flags, "--seed", seed, "--simulators", str(N_SIMULATORS), "--out", str(folder))
 
     def _disturb(self, learner: "subprocess.Popen[bytes]") -> bool:
         """Kill a simulator every 30 s, and the learner ten times; returns whether it killed the learner."""
@@ -175,7 +204,8 @@ class TrainingSoak:
                 state.killed_simulators += 1
                 self._save()
         every_s = 3600.0 * self._hours / (N_LEARNER_KILLS + 1)
-        has_checkpoint = (self._folder / "disturbed" / "checkpoint").exists()
+        folder = self._place("disturbed", len(self._state.finished_steps))
+        has_checkpoint = (folder / "checkpoint").exists()
         is_due = state.trained_s >= state.learner_killed_at_s + every_s
         if has_checkpoint and is_due and state.killed_learners < N_LEARNER_KILLS:
             learner.send_signal(signal.SIGKILL)

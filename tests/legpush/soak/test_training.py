@@ -63,6 +63,18 @@ def test_a_training_that_is_killed_and_resumed_is_compared_with_one_left_in_peac
     assert result.n_steps >= 512
 
 
+def test_more_trainings_follow_until_the_time_is_over(tmp_path: Path, trainer: pytest.MonkeyPatch) -> None:
+    result = TrainingSoak(tmp_path, 3.0 / 3600, 0, threading.Event(), lambda text: None).run()
+    assert result.n_rounds >= 2
+    assert result.hours >= 2.9 / 3600
+    assert result.is_same
+    (tmp_path / f"disturbed-round-{result.n_rounds}" / COMPARED[0]).write_text("{}")
+    assert (
+        TrainingSoak(tmp_path, 3.0 / 3600, 0, threading.Event(), lambda text: None).run().different_files
+        == (COMPARED[:1])
+    )
+
+
 def test_other_weights_are_found(tmp_path: Path, trainer: pytest.MonkeyPatch) -> None:
     use(trainer, "folder.name")
     result = soak(tmp_path).run()
