@@ -1,8 +1,8 @@
 """`python -m benchmarks.emulated_processors`: equal bits here and on emulated processors, under the profile.
 
-Canary and whole missions run in one process each, here and under `qemu-x86_64 -cpu MODEL`. What the libraries choose
-without the profile is noted for each, which shows what the profile changes. `docs/numerics.md` says what an
-emulator cannot show.
+Canary, estimator and whole missions run in one process each, here and under `qemu-x86_64 -cpu MODEL`. What the
+libraries choose without the profile is noted for each, which shows what the profile changes. `docs/numerics.md` says
+what an emulator cannot show.
 """
 
 import json
@@ -27,7 +27,8 @@ COMPUTE = """
 import json, sys, msgspec, legpush
 from legpush import canary
 from legpush.numerics.current import current
-crcs = {"canary": canary.compute().crc}
+from benchmarks.robot.estimator_bits import estimator_crc
+crcs = {"canary": canary.compute().crc, "estimator": estimator_crc()}
 for mission in sys.argv[2:]:
     scenario, seed = mission.split(":")
     crcs[mission] = legpush.run(scenario, seed=int(seed), policy=sys.argv[1]).state_crc

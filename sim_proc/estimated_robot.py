@@ -40,6 +40,8 @@ class EstimatedRobot:
         # A reading tells of the beginning of its step.
         self._estimator = Estimator(body, physics.trunk_pose(), still, senses.late_steps + 1)
         self._late_ticks = max(ceil(senses.late_steps / COMMANDS_PER_TICK), 1)
+        self._whole_late_ticks = senses.late_steps // COMMANDS_PER_TICK
+        """Ticks after a lift from which on readings tell of it, and for which they cannot tell of a touchdown."""
         self._state = self._estimator.state()
         fix = physics.perception.first_fix()
         self._map = None if fix is None else MapFilter(fix, self.trunk_pose())
@@ -84,7 +86,8 @@ class EstimatedRobot:
         """Which feet are lifted by plan in the ticks of a run, as far as their readings tell of them, (n, 4)."""
         lifted = np.zeros((n_ticks, len(LEGS)), dtype=np.bool_)
         if until is not None:
-            lifted[until.lift_tick + self._late_ticks : until.first_tick, until.leg] = True
+            first, end = until.lift_tick + self._late_ticks, until.first_tick + self._whole_late_ticks
+            lifted[first:end, until.leg] = True
         return lifted
 
     def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats]:

@@ -8,6 +8,7 @@ import pytest
 
 from experiments.cells.circle import closing_m, fit_circle, fit_sine
 from experiments.cells.close_up import CLOSE_UP
+from experiments.cells.heavy_push import HEAVY_PUSH, STILL_CYCLES
 from experiments.cells.own_estimate import OWN_ESTIMATE
 from experiments.cells.push_curve import PUSH_CURVE
 from experiments.cells.straight_push import STRAIGHT_PUSH
@@ -119,3 +120,22 @@ def test_the_leg_of_a_close_up_has_the_lengths_of_its_links_and_ends_at_the_face
     assert pressed["knee"][0, [0, 2]] == pytest.approx(place["knee"][:, here], abs=1e-3)
     assert np.array(found["press_forces_n"]).reshape(-1, 3)[:, 2].sum() == pytest.approx(31.84 * 9.81, rel=0.05)
     assert pressed["com"].shape == (1, 3)
+
+
+def test_a_box_that_no_push_moves_ends_its_episode_soon_and_is_beyond_the_bound() -> None:
+    found = result(HEAVY_PUSH, seed=20_500, mass_kg=40.0, friction=1.0, force="none")
+
+    assert (found["ending"], found["within"], found["n_cycles"]) == ("stuck", False, STILL_CYCLES)
+    assert found["least_force_n"] > found["most_force_n"]
+    assert set(found) == {column.name for column in HEAVY_PUSH.columns}
+
+
+def test_the_known_friction_is_fed_forward_whatever_the_foot_feels() -> None:
+    known, felt = (
+        result(HEAVY_PUSH, seed=20_500, mass_kg=3.0, friction=0.5, force=force, policy="scripted")
+        for force in ("known", "felt")
+    )
+
+    assert known["within"]
+    assert felt["within"]
+    assert known["state_crc"] != felt["state_crc"]

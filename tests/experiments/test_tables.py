@@ -10,7 +10,7 @@ from benchmarks.report import RESULTS as BENCHMARKS
 from benchmarks.tables.__main__ import PICTURES as BENCHMARK_PICTURES
 from benchmarks.tables.__main__ import TEXTS as BENCHMARK_TEXTS
 from experiments.rows import RESULTS
-from experiments.tables import unseen
+from experiments.tables import heavy_boxes, unseen
 from experiments.tables.__main__ import PICTURES, TEXTS, Config, make
 from experiments.tables.unknown_boxes import _name
 from legpush.errors import ConfigError
@@ -55,6 +55,15 @@ def test_a_case_is_named_by_what_the_trainings_lacked() -> None:
     assert unseen.case_of(usual | {"box.size_m": [0.3, 0.58, 0.4], "box.friction": 0.8}) == (
         "box.friction=0.8 box.size_m=0.3x0.58x0.4"
     )
+
+
+def test_a_robot_that_loses_its_balance_or_rolls_has_rocked() -> None:
+    steady = {"within": True, "n_outside_support": 0, "max_abs_roll_deg": 1.9}
+
+    assert heavy_boxes.kind_of(steady) == "reached"
+    assert heavy_boxes.kind_of(steady | {"n_outside_support": 1}) == "rocks"
+    assert heavy_boxes.kind_of(steady | {"max_abs_roll_deg": 2.1}) == "rocks"
+    assert heavy_boxes.kind_of(steady | {"within": False}) == "not reached"
 
 
 def test_a_box_is_named_by_what_differs_from_the_nominal_one() -> None:
