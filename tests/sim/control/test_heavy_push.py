@@ -59,6 +59,19 @@ def test_the_force_of_a_push_is_bounded_by_what_the_feet_can_bear(at_the_box: Sc
     assert np.abs(bounded[:, 1]).max() < 2.5 * np.abs(usual[:, 1]).max()
 
 
+@pytest.mark.parametrize(("mass_kg", "captures"), [(0.5, True), (20.0, False)])
+def test_the_push_of_a_heavy_box_does_not_end_in_capture_steps(
+    at_the_box: Scenario, mass_kg: float, captures: bool
+) -> None:
+    box = heavy(at_the_box, mass_kg).box
+    n_ticks = []
+    for thrown_at_tick in (None, 40):
+        plant = KinematicPlant(at_the_box.start.pose(), box, thrown_at_tick=thrown_at_tick)
+        push = Pusher(Steps(Posture(plant)), box).cycle(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05), (0.5, 0.5))
+        n_ticks.append(len(push.logs[0].qpos))
+    assert (n_ticks[0] != n_ticks[1]) == captures
+
+
 def test_pushes_of_a_box_of_20_kg_move_it_and_keep_the_robot_on_its_feet(at_the_box: Scenario) -> None:
     simulator = Simulator()
     before = simulator.perform(Reset(scenario=heavy(at_the_box, 20.0), seed=0), with_trace=False)
