@@ -1,6 +1,6 @@
 """`python -m benchmarks.robot.disturbances`: walks and pushes in worlds that are not as they are taken to be.
 
-The controller knows nothing of it. The numbers go to `results/disturbances.json`.
+Control is not told of it. The numbers go to `results/disturbances.json`.
 """
 
 from dataclasses import dataclass

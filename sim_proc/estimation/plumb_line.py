@@ -17,7 +17,7 @@ BELIEF: Final = 0.01
 
 
 class PlumbLine:
-    """Follows the direction of gravity: what the accelerometer reads while the trunk changes its speed by so much."""
+    """Follows the direction of gravity: what the accelerometer reads less the change of the trunk's speed."""
 
     def __init__(self, assumed: Floats) -> None:
         """Take the floor to slope by `assumed` (2,) as long as nothing else is felt."""

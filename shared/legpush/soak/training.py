@@ -146,7 +146,7 @@ class TrainingSoak:
         )
 
     def _place(self, name: str, n_finished: int) -> Path:
-        """Return the folder of a training after so many rounds."""
+        """Return the folder of a training that begins after `n_finished` pairs."""
         return self._folder / (f"{name}-round-{n_finished + 1}" if n_finished else name)
 
     def _train_both(self, n_steps: int) -> None:
