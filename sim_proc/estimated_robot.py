@@ -153,6 +153,11 @@ class _WatchedEstimate(Watch):
 
     def __init__(self, robot: EstimatedRobot, until: Touchdown | None, watch: Watch) -> None:
         self._robot, self._until, self._watch = robot, until, watch
+        self.pressing_n = watch.pressing_n
+
+    def forget(self) -> None:
+        """Take the motion that was looked at last for one that tells nothing of the usual deviation."""
+        self._watch.forget()
 
     def alarm(self, com_m: Floats, com_velocity_m_s: Floats, tips_m: Floats) -> int | None:
         """The first tick after which the motion is estimated to be too far from the plan, if it is.

@@ -50,6 +50,8 @@ class StepMotion:
         """Legs that were searched for the floor in the present step, and found it."""
         self._contact_n = robot.gait.contact_share * posture.plant.mass_kg * GRAVITY_M_S2
         """Load from which on a foot is down."""
+        self._pressing_n = robot.capture.pressing_share * posture.plant.mass_kg * GRAVITY_M_S2
+        """Force on the box from which on its reaction moves the robot."""
         self._terrain = Terrain(robot)
         self._deviation = Deviation(robot.capture, robot.stance.com_height_m)
 
@@ -85,6 +87,7 @@ class StepMotion:
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
         least_m = None if leg is None else self._terrain.least_heights_m(posture.feet_m, leg)
         watch = self._deviation.watch(plan, n, least_m)
+        watch.pressing_n = self._pressing_n
         log = posture.track(
             plan.position_m[:n] - posture.com_offset_m,
             yaw,

@@ -1,5 +1,7 @@
 """Whether the robot moves as planned: its divergent component of motion beside the planned one, tick by tick."""
 
+from math import inf
+
 import numpy as np
 
 from legpush.arrays import Floats
@@ -27,10 +29,16 @@ class Watch:
         """
         self._planned_m, self._per_speed_s, self._least_heights_m = planned_m, per_speed_s, least_heights_m
         self._usual_m, self._allowed_m = usual_m, allowed_m
+        self.pressing_n = inf
+        """A foot that presses the box harder than this moves the robot itself: then there is no alarm."""
         self.reached_m: Floats = np.zeros((0, 2))
         """The divergent component of the motion that was looked at last, (n, 2)."""
         self.deviations_m: Floats = np.zeros((0, 2))
         """How far the motion that was looked at last was from the plan, (n, 2), with its last tick that of an alarm."""
+
+    def forget(self) -> None:
+        """Take the motion that was looked at last for one that tells nothing of the usual deviation."""
+        self.deviations_m = np.zeros((0, 2))
 
     def alarm(self, com_m: Floats, com_velocity_m_s: Floats, tips_m: Floats) -> int | None:
         """The first tick after which a motion is too far from the plan, if it is.

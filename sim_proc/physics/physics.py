@@ -119,7 +119,7 @@ class Physics:
         controls = planned.copy()
         self.senses.begin_run(self.tick, len(controls))
         qpos, sensors = self._simulate(controls, landing)
-        alarm = None if watch is None else watch.alarm(*self._sensors.motion(sensors))
+        alarm = None if watch is None else self._sensors.alarm(watch, sensors)
         if alarm is not None and alarm + 1 < len(qpos):
             self._go_back(began)
             planned = planned[: alarm + 1]

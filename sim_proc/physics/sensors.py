@@ -1,8 +1,11 @@
 """Where the readings of each sensor of the model are among all of them."""
 
+import numpy as np
+
 from legpush.arrays import Floats
 from legpush.scene.conventions import LEGS
 from sim_proc.control.plant import StepLog
+from sim_proc.control.watch import Watch
 from sim_proc.headless import mujoco
 
 
@@ -46,6 +49,20 @@ class Sensors:
     def imu(self, readings: Floats) -> tuple[Floats, Floats]:
         """Accelerations at all steps, (n, steps, 3), and attitudes at the last steps of ticks, (n, 4), of the IMU."""
         return readings[..., self.of["imu_acceleration"]], readings[:, -1, self.of["imu_orientation"]]
+
+    def alarm(self, watch: Watch, readings: Floats) -> int | None:
+        """The first tick after which a motion, (ticks, steps, n), is too far from the plan, if it is.
+
+        A foot that presses the box hard moves the robot as a gust does. Then there is no alarm.
+        """
+        alarm = watch.alarm(*self.motion(readings))
+        if alarm is None:
+            return None
+        pressing_n = np.linalg.norm(self.box_forces_n(readings[alarm]).mean(axis=0), axis=1).max()
+        if pressing_n <= watch.pressing_n:
+            return alarm
+        watch.forget()
+        return None
 
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""

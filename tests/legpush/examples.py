@@ -88,7 +88,12 @@ REALISM = Realism(
     floor=FloorTiles(height_m=0.02, size_m=0.25),
     box_pose=PoseSensor(noise_m=0.01, noise_deg=1.0, rate_hz=10.0, latency_s=0.05, dropouts=0.02),
     localization=PoseSensor(noise_m=0.02, noise_deg=1.0, rate_hz=2.0, latency_s=0.0, dropouts=(0.0, 0.1)),
-    imu=ImuSensor(gyro_noise_rad_s=0.0035, gyro_bias_rad_s=(0.0, 0.002), accelerometer_noise_m_s2=0.06),
+    imu=ImuSensor(
+        gyro_noise_rad_s=0.0035,
+        gyro_bias_rad_s=(0.0, 0.002),
+        accelerometer_noise_m_s2=0.06,
+        accelerometer_bias_m_s2=0.05,
+    ),
     encoders=JointEncoders(noise_rad=0.0005),
     foot_forces=FootForceSensors(noise_n=4.0, bias_n=(0.0, 5.0)),
     sensor_latency_s=0.02,

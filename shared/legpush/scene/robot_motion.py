@@ -222,6 +222,9 @@ class Capture(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     from_m: BodyDistance = 0.06
     """The divergent component of its motion is at most this far from the plan, beyond the usual; else it trots."""
+    pressing_share: Unit = 0.06
+    """While a foot presses the box with more than this share of the robot's weight, it does not trot: the box moves the
+    robot then, and would do so again."""
     more_m: BodyDistance = 0.02
     """How much more is allowed after a trot."""
     late_m: BodyDistance = 0.01

@@ -85,3 +85,15 @@ def test_pushes_of_a_box_of_20_kg_move_it_and_keep_the_robot_on_its_feet(at_the_
         roll_deg = max(roll_deg, degrees(np.abs(after.trace.roll_pitch_rad).max()))
     assert after.world.box.position_m[0] - before.world.box.position_m[0] > 0.08
     assert roll_deg < 1.8
+
+
+def test_a_box_that_is_expected_to_be_light_and_does_not_move_throws_nobody_over(at_the_box: Scenario) -> None:
+    simulator = Simulator()
+    stuck = replace(at_the_box, box=replace(at_the_box.box, mass_kg=40.0, friction=1.0))
+    simulator.perform(Reset(scenario=stuck, seed=1), with_trace=False)
+    assert simulator.episode is not None
+    resistance = simulator.episode.pusher.resistance
+    resistance.force_n = np.array([2.0, 0.0, 0.0])
+    after = simulator.perform(Push(w1=0.5, w2=0.5, leg="FR", depth_m=0.06), with_trace=False)
+    assert not after.world.fallen
+    assert resistance.force_n[0] > 40.0

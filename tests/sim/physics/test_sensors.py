@@ -1,9 +1,11 @@
 """Readings of the sensors by name and by leg, against MuJoCo's own accessors."""
 
 import numpy as np
+import pytest
 
 from legpush.scene.conventions import LEG_JOINTS, LEGS
 from legpush.scene.scenario import Scenario
+from sim_proc.control.watch import Watch
 from sim_proc.headless import mujoco
 from sim_proc.model.world import build_model
 from sim_proc.physics.sensors import Sensors
@@ -28,3 +30,15 @@ def test_columns_hold_what_mujoco_calls_by_the_same_name(at_the_box: Scenario) -
             assert values[0, 0, index] == data.sensor(f"{joint}_{what}").data[0]
     np.testing.assert_array_equal(steps.com_m[0, 0], data.sensor("com").data)
     np.testing.assert_array_equal(steps.com_velocity_m_s[0, 0], data.sensor("com_velocity").data)
+
+
+@pytest.mark.parametrize(("force_n", "expected"), [(0.0, 1), (29.0, 1), (31.0, None)])
+def test_a_foot_that_presses_hard_raises_no_alarm(at_the_box: Scenario, force_n: float, expected: int | None) -> None:
+    sensors = Sensors(build_model(at_the_box))
+    readings = np.zeros((3, 10, max(columns.stop for columns in sensors.of.values())))
+    readings[1:, :, sensors.of["com"].start] = 1.0
+    readings[1, :, sensors.of["FR_box_force"].start] = force_n
+    watch = Watch(np.zeros((3, 2)), 0.2, np.zeros(2), 0.06)
+    watch.pressing_n = 30.0
+    assert sensors.alarm(watch, readings) == expected
+    assert len(watch.deviations_m) == (0 if expected is None else expected + 1)
