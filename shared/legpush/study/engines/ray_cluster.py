@@ -8,7 +8,7 @@ from concurrent.futures import Future
 from contextlib import ExitStack
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any, Final
 
 import msgspec
@@ -27,6 +27,11 @@ listens on all interfaces."""
 OBJECT_STORE_BYTES: Final = 100 * 2**20
 """Room for jobs and answers on this machine; Ray takes a third of the memory by itself."""
 LOOPBACK: Final = "127.0.0.1"
+CLIENT_SERVER_FAILED: Final = "Starting Ray client server failed"
+"""What Ray says when the process of a client ended while it was started."""
+CLIENT_SERVER_TRIES: Final = 3
+CLIENT_SERVER_PAUSE_S: Final = 2.0
+"""A client server starts a process for each client. On a busy machine that process can end before it answers."""
 COUNT_S: Final = 1.0
 """The CPUs of the cluster are counted this often at most."""
 
@@ -213,13 +218,26 @@ def _connect(ray: Any, place: Place, n_workers: int, environment: Mapping[str, s
     else:
         options["address"] = f"ray://{place.address}" if place.as_client else place.address
     try:
-        ray.init(**options)
+        _init(ray, options, n_tries=CLIENT_SERVER_TRIES if place.as_client else 1)
     except (ConnectionError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         where = f"at {place.address}" if place.address else "on this machine"
         raise ConfigError(f"The Ray cluster {where} cannot be used: {_last_line(error)}") from error
     stack.callback(ray.shutdown)
     if place.address is None and (address := ray.get_runtime_context().gcs_address) and not _is_loopback(address):
         raise ConfigError(f"Expected a Ray cluster on {LOOPBACK}, got one at {address}")
+
+
+def _init(ray: Any, options: Mapping[str, Any], n_tries: int) -> None:
+    """Call `ray.init`, and again where a client server could not start a process for this client."""
+    for n in range(1, n_tries + 1):
+        try:
+            ray.init(**options)
+        except RuntimeError as error:
+            if n == n_tries or CLIENT_SERVER_FAILED not in str(error):
+                raise
+            sleep(CLIENT_SERVER_PAUSE_S)
+        else:
+            return
 
 
 def _is_loopback(address: str) -> bool:

@@ -4,14 +4,16 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import nullcontext
 from time import monotonic, sleep
 
 import psutil
 import pytest
 
 from legpush.errors import ConfigError, LegpushError
+from legpush.study.engines import ray_cluster
 from legpush.study.engines.engine import WorkerLostError
-from legpush.study.engines.ray_cluster import Place, RayEngine, read_place
+from legpush.study.engines.ray_cluster import CLIENT_SERVER_FAILED, Place, RayEngine, read_place
 from legpush.study.identity import code_version
 from legpush.study.jobs import Job, Task, decode_answer, encode
 
@@ -52,6 +54,37 @@ def test_places_of_clusters(on: str, place: Place) -> None:
 def test_other_places_are_refused(on: str) -> None:
     with pytest.raises(ConfigError, match=r"Expected ray .* got"):
         read_place(on)
+
+
+class FakeRay:
+    """`ray.init` that fails a number of times."""
+
+    def __init__(self, n_failures: int, says: str) -> None:
+        self.n_failures, self.says, self.n_calls = n_failures, says, 0
+
+    def init(self, **options: object) -> None:
+        self.n_calls += 1
+        if self.n_calls <= self.n_failures:
+            raise RuntimeError(self.says)
+
+
+@pytest.mark.parametrize(
+    ("n_failures", "says", "n_tries", "n_calls", "is_joined"),
+    [
+        (2, f"Traceback\n{CLIENT_SERVER_FAILED}. See ray_client_server_23000.err", 3, 3, True),
+        (3, f"{CLIENT_SERVER_FAILED}.", 3, 3, False),
+        (1, f"{CLIENT_SERVER_FAILED}.", 1, 1, False),
+        (1, "the versions of Ray differ", 3, 1, False),
+    ],
+)
+def test_a_client_server_that_could_not_start_a_process_is_asked_again(
+    monkeypatch: pytest.MonkeyPatch, n_failures: int, says: str, n_tries: int, n_calls: int, is_joined: bool
+) -> None:
+    monkeypatch.setattr(ray_cluster, "CLIENT_SERVER_PAUSE_S", 0.0)
+    fake = FakeRay(n_failures, says)
+    with nullcontext() if is_joined else pytest.raises(RuntimeError):
+        ray_cluster._init(fake, {}, n_tries)
+    assert fake.n_calls == n_calls
 
 
 def test_a_job_is_answered_by_a_worker_with_the_environment_that_was_given(engine: RayEngine) -> None:
