@@ -1,4 +1,4 @@
-"""Brings a box that is near its goal there, move by move; each is chosen anew by where the box came to be."""
+"""Brings a box that is near its goal there, move by move. Each move is chosen from the present pose of the box."""
 
 from math import radians
 from typing import Final
