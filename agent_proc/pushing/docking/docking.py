@@ -17,8 +17,9 @@ from legpush.scene.scenario import Goal
 
 DOCK_RAD: Final = radians(35.0)
 """A box that is turned farther from its goal is not near it."""
-AIM_SHARE: Final = 0.5
-"""Share of the aim's tolerances that a sequence of moves has to end within: pushes scatter."""
+AIM_SHARE: Final = 0.3
+"""Share of the aim's tolerances that a sequence of moves has to end within: pushes scatter, and short ones cost little.
+"""
 MAX_MOVES: Final = 40
 """Most moves of one docking."""
 
@@ -49,11 +50,11 @@ class Docking:
         unreachable: set[Face] = set()
         for n_done in range(MAX_MOVES):
             error = self._actor.box_error()
-            if error.within(aim) or not self._is_near():
-                return error.within(aim)
-            moves = self._moves(aim, unreachable)
-            if not moves:
+            if not self._is_near():
                 return False
+            moves = self._moves(aim, unreachable)
+            if not moves or (error.within(aim) and not all(isinstance(move, DockPush) for move in moves)):
+                return error.within(aim)
             move, n_cycles = moves[0], self._pushes.n_cycles
             self._actor.tell("pushing", None, f"cycle {n_cycles}, box error {error}, {len(moves)} moves to its goal")
             n_pushes = sum(isinstance(each, DockPush) for each in moves)
@@ -67,7 +68,7 @@ class Docking:
                 self._push(move)
             elif not self._walker.change_face(move.face):
                 unreachable.add(move.face)
-        return False
+        return self._actor.box_error().within(aim)
 
     def _is_near(self) -> bool:
         error = self._actor.box_error()

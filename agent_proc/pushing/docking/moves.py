@@ -14,7 +14,7 @@ from legpush.scene.conventions import FRONT_LEGS, FrontLeg
 from legpush.scene.faces import TURN_RAD
 from legpush.scene.names import Face
 
-DEPTHS_M: Final = (0.012, 0.02, 0.03, 0.05, 0.08)
+DEPTHS_M: Final = (0.01, 0.015, 0.02, 0.03, 0.04, 0.06, 0.08)
 """Depths that pushes choose from, beyond the depth that a heavy box loses."""
 DEEPEST_M: Final = 0.12
 """The deepest push whose effect was measured."""

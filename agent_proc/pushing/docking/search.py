@@ -7,21 +7,23 @@ reach: a box cannot be pulled.
 
 import heapq
 from collections.abc import Callable, Mapping, Sequence
-from math import cos, hypot, inf, radians, sin
+from math import cos, hypot, inf, log2, radians, sin
 from typing import Final
 
 from agent_proc.pushing.docking.moves import PUSH_S, DockMove, DockPush, DockWalk, walk_s
-from legpush.geometry import Pose2, wrap_angle
+from legpush.geometry import Pose2
 from legpush.scene.faces import TURN_RAD
 from legpush.scene.names import Face
 
 WEIGHT: Final = 1.5
 """Of the pushes in the lower bound: a sequence may take this many times the time of the quickest one."""
 MAX_NODES: Final = 20_000
-"""Poses that are looked at before the search gives up: about a second. Most searches need less than a thousand."""
+"""Poses that are looked at before the search gives up: about two seconds. Most searches need less than a thousand."""
 CELL_M: Final = 0.004
 CELL_RAD: Final = radians(0.5)
-"""Poses in the same cell count as one."""
+"""Poses in the same cell count as one. This is the least size of a cell."""
+GROWTH: Final = 0.1
+"""Cells double in size wherever this share of the distance to the goal allows it: far away, a rough pose will do."""
 AREA_M: Final = 0.5
 """The box stays within this distance of its goal."""
 
@@ -122,9 +124,13 @@ def _ahead(push: DockPush) -> tuple[float, float]:
     return c * push.x_m + s * push.y_m, c * push.y_m - s * push.x_m
 
 
-def _cell(node: _Node) -> tuple[int, int, int, Face | None]:
+def _cell(node: _Node) -> tuple[int, int, int, int, int, Face | None]:
     x_m, y_m, yaw_rad, face = node
-    return round(x_m / CELL_M), round(y_m / CELL_M), round(wrap_angle(yaw_rad) / CELL_RAD), face
+    cells_m = hypot(x_m, y_m) / CELL_M
+    cells_rad = max(abs(yaw_rad) / CELL_RAD, cells_m / 2)
+    doubled_m, doubled_rad = int(log2(1.0 + GROWTH * cells_m)), int(log2(1.0 + GROWTH * cells_rad))
+    size_m, size_rad = CELL_M * 2**doubled_m, CELL_RAD * 2**doubled_rad
+    return doubled_m, doubled_rad, round(x_m / size_m), round(y_m / size_m), round(yaw_rad / size_rad), face
 
 
 def _moves(came: Mapping[_Node, tuple[_Node, DockMove]], node: _Node) -> tuple[DockMove, ...]:
