@@ -17,6 +17,7 @@ from agent_proc.figures import Figure, own_style, save_png
 from experiments.rows import RESULTS
 from experiments.tables import (
     circles,
+    docking,
     handover,
     heavy_boxes,
     learning,
@@ -47,6 +48,7 @@ from legpush.files import write_whole
 
 TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "circles": circles.texts,
+    "docking": docking.texts,
     "handover": handover.texts,
     "heavy_boxes": heavy_boxes.texts,
     "learning": learning.texts,
