@@ -2,11 +2,10 @@
 
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from importlib.metadata import version
 from typing import Final
 
-from legpush.arguments import parse
+from legpush.arguments import USUAL_OUTPUT, parse
 from legpush.cli.commands import COMMANDS, PROGRAMS, Group, Line, choice_of, find_command
 from legpush.cli.execute import execute
 from legpush.errors import exit_code_of
@@ -14,7 +13,6 @@ from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.numerics import PythonOptions
 from legpush.options.recordings import BranchOptions, ReplayOptions
 from legpush.options.run import RunOptions
-from legpush.options.shell import CompletionOptions
 from legpush.output.guarded_streams import Output, with_guarded_output
 from legpush.output.reply import replying
 from legpush.processes.start_program import start_program, start_python
@@ -56,15 +54,11 @@ def _find_and_run(argv: Sequence[str], output: Output) -> int:
         start_python(line.arguments)
     flags = split_at_dashes(line.arguments)[0] if line.options is PlanCheckOptions else line.arguments
     command = parse(line.options, prog, flags)
-    if isinstance(command, CompletionOptions):
-        with suppress(SystemExit):  # it prints the script, and ends
-            parse(choice_of(COMMANDS), "legpush", ("--tyro-print-completion", command.shell))
-        return 0
     if line.options in PROGRAMS:
         program, *words = PROGRAMS[line.options]
         start_program(program, (*words, *line.arguments))
     output.decides = not _is_mission(command)
-    with replying(command.output):
+    with replying(getattr(command, "output", USUAL_OUTPUT)):
         return execute(command)
 
 

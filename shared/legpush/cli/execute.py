@@ -3,9 +3,11 @@
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import singledispatch
 
+from legpush.arguments import parse
+from legpush.cli.commands import COMMANDS, choice_of
 from legpush.entry.interrupts import hold
 from legpush.errors import ConfigError, one_line, printable
 from legpush.options.bench import ListFaults, SoakOptions
@@ -15,7 +17,7 @@ from legpush.options.numerics import KernelOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.run import RunOptions
 from legpush.options.scenarios import CopyScenario, ListScenarios, ShowScenario, changed_scenario
-from legpush.options.shell import DoctorOptions
+from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
 from legpush.output.reply import document
 from legpush.plugins import why_not_loaded
@@ -203,6 +205,13 @@ def _doctor(command: DoctorOptions) -> int:
     from legpush.doctor.examine import examine
 
     return examine()
+
+
+@execute.register
+def _completion(command: CompletionOptions) -> int:
+    with suppress(SystemExit):  # it prints the script, and ends
+        parse(choice_of(COMMANDS), "legpush", ("--tyro-print-completion", command.shell))
+    return 0
 
 
 @contextmanager
