@@ -18,7 +18,7 @@ export PIP_BUILD_CONSTRAINT := constraints.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run test lint clean
+.PHONY: help run test lint docs clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-6s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -39,6 +39,10 @@ lint: $(VENV)/.test ## Check style, types and import contracts
 	@$(BIN)/mypy
 	@echo '==> import contracts'
 	@$(BIN)/lint-imports
+
+docs: $(VENV)/.test ## Build the documentation site in runs/site
+	@$(BIN)/python -m sphinx -q -W --keep-going -b html -d runs/site-trees docs runs/site
+	@echo 'runs/site/index.html'
 
 clean: ## Remove the virtual environment, caches and builds; runs/ stays
 	rm -rf $(VENV) dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

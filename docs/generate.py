@@ -3,9 +3,10 @@
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
-of endings in `run.md`; the tasks and their terms in `learn.md`; and the claims of the paper in `paper.md`. Everything
-between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
-test fails when a generated part is stale.
+of endings in `run.md`; all commands in `commands.md` and all public names in `api.md`; the tasks and their terms in
+`learn.md`; and the claims of the paper in `paper.md`. Everything between the lines `<!-- generated: NAME -->` and
+`<!-- end -->` of a page is replaced; the rest is written by hand. `llms.txt` lists all pages for programs that read
+them. A test fails when a generated part is stale.
 """
 
 import json
@@ -17,7 +18,17 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import claims, numbers, realism_records, source_tree, study_list, term_tables
+from docs import (
+    claims,
+    command_table,
+    numbers,
+    page_list,
+    public_names,
+    realism_records,
+    source_tree,
+    study_list,
+    term_tables,
+)
 from docs.field_texts import field_texts, flat, texts_below, tree_of
 from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
@@ -34,6 +45,8 @@ MEASURED: Final = DOCS / "measured.md"
 PAPER: Final = DOCS / "paper.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
+COMMANDS: Final = DOCS / "commands.md"
+API: Final = DOCS / "api.md"
 LEARN: Final = DOCS / "learn.md"
 REALISM: Final = DOCS / "realism.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
@@ -139,12 +152,15 @@ def main() -> None:
         (REALISM, measured),
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
+        (COMMANDS, {"commands": command_table.command_tables()}),
+        (API, {"names": public_names.public_names()}),
         (LEARN, term_tables.learn_parts()),
     ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)
     for name, text in schemas().items():
         (SCHEMAS / name).write_text(text)
+    page_list.LLMS.write_text(page_list.llms_text())
 
 
 def filled(text: str, parts: Mapping[str, str]) -> str:

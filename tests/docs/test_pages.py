@@ -19,8 +19,8 @@ from tests.docs.help_texts import help_texts
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = sorted(generate.DOCS.glob("*.md"))
-ALL = [README, *PAGES, ROOT / "SECURITY.md", ROOT / "CHANGELOG.md"]
-CODE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+ALL = [README, *PAGES, *(ROOT / f"{name}.md" for name in ("SECURITY", "CHANGELOG", "CONTRIBUTING"))]
+CODE = re.compile(r"^```([\w{}-]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"`([^`\n]+)`")
 NO_MODULES = {*entry_points().groups, *get_args(Group), *(f"legpush.{name}" for name in legpush.__all__)}
 """Groups of plug-ins and public names, which look like modules."""
@@ -90,11 +90,12 @@ def test_the_links_of_a_page_lead_somewhere(page: Path) -> None:
         assert not anchor or anchor in anchors(linked), target
 
 
-def test_the_readme_links_to_every_page_and_is_short() -> None:
-    text = README.read_text()
+def test_the_beginning_links_to_every_page_and_the_readme_is_short() -> None:
+    index, readme = (generate.DOCS / "index.md").read_text(), README.read_text()
 
-    assert [page.name for page in PAGES if f"(docs/{page.name})" not in text] == []
-    assert len(text.splitlines()) <= 150
+    assert [page.name for page in PAGES if page.stem != "index" and f"({page.name})" not in index] == []
+    assert "(docs/index.md)" in readme
+    assert len(readme.splitlines()) <= 150
 
 
 @pytest.mark.parametrize("page", ALL, ids=lambda page: page.stem)

@@ -33,7 +33,7 @@ PARTS = [
 """Source folder or module, without those in it that are parts themselves, and the extras that its hosts install."""
 BESIDE = [
     ("benchmarks", ("bench",)),
-    ("docs", ("all",)),
+    ("docs", ("all", "docs")),
     ("examples", ()),
     ("experiments", ("all",)),
     ("tests", ("all", "dev")),
