@@ -79,7 +79,12 @@ def _render(command: RenderOptions) -> int:
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
     require_writable_folder(command.run_folder, "DIR")
-    flags = [flag for flag, given in (("--json", command.output.json), ("--quiet", command.output.quiet)) if given]
+    asked = (
+        ("--no-caption", not command.caption),
+        ("--json", command.output.json),
+        ("--quiet", command.output.quiet),
+    )
+    flags = [flag for flag, given in asked if given]
     argv = (*film_arguments(command.run_folder, command.camera), *flags)
     hold()
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
