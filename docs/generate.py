@@ -3,7 +3,8 @@
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
-of endings in `run.md`; the tasks and their terms in `learn.md`; and the claims of the paper in `paper.md`. Everything
+of endings in `run.md`; the tasks and their terms in `learn.md`; the environments in `environment.md`; and the claims
+of the paper in `paper.md`. Everything
 between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. A
 test fails when a generated part is stale.
 """
@@ -17,7 +18,7 @@ from typing import Final
 import msgspec
 from msgspec import inspect
 
-from docs import claims, numbers, realism_records, source_tree, study_list, term_tables
+from docs import claims, environment_tables, numbers, realism_records, source_tree, study_list, term_tables
 from docs.field_texts import field_texts, flat, texts_below, tree_of
 from legpush import bounds, geometry
 from legpush.messages import common, measures, planning, stepping, telemetry
@@ -35,6 +36,7 @@ PAPER: Final = DOCS / "paper.md"
 README: Final = DOCS.parent / "README.md"
 RUN: Final = DOCS / "run.md"
 LEARN: Final = DOCS / "learn.md"
+ENVIRONMENT: Final = DOCS / "environment.md"
 REALISM: Final = DOCS / "realism.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
@@ -140,6 +142,7 @@ def main() -> None:
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
         (LEARN, term_tables.learn_parts()),
+        (ENVIRONMENT, environment_tables.environment_parts()),
     ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)

@@ -37,6 +37,7 @@ LIBRARIES: Final[dict[str, str]] = {
     "pyarrow": "agent",
     "safetensors": "agent",
     "gymnasium": "train",
+    "pygame": "train",
     "stable_baselines3": "train",
     "tensorboard": "train",
     "torch": "train",

@@ -112,6 +112,10 @@ class Camera:
         mujoco.mjr_readPixels(self._pixels, None, self._viewport, self._context)
         return self._pixels[::-1]
 
+    def show(self, film: Film) -> None:
+        """Draw another film of the same scenario and reality from now on."""
+        self._film = film
+
     def close(self) -> None:
         """Release the OpenGL context."""
         self._context.free()

@@ -84,15 +84,15 @@ def timeline_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Timel
     return timeline
 
 
-def film_of(timeline: Timeline, where: str) -> Film:
+def film_of(timeline: Timeline, where: str, *, still: bool = False) -> Film:
     """Prepare a timeline to be filmed.
 
-    While ticks are missing, as in steps without a trace, the film stands still.
+    While ticks are missing, as in steps without a trace, the film stands still. For a `still`, no step needs a trace.
 
     Raises:
         RecordingError: No step of the episode has a trace; names `where` the episode is from.
     """
-    if not np.isfinite(timeline.com_m).any():
+    if not still and not np.isfinite(timeline.com_m).any():
         raise RecordingError(f"{where}: expected an episode recorded with traces, got one without traces")
     ticks = timeline.tick.astype(int)
     rows = np.searchsorted(ticks, np.arange(ticks[0], ticks[-1] + 1), side="right") - 1
