@@ -77,8 +77,8 @@ def _task(name: str, task: TaskConfig) -> list[str]:
         f"| a fall, or a box out of reach | - | {ALWAYS} |",
         "",
         f"Success: the box is within {100 * goal.position_tolerance_m:g} cm and {goal.angle_tolerance_deg:g}° of its "
-        f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, the "
-        f"box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.",
+        f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, "
+        f"the box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.",
         "",
     ]
 

@@ -16,7 +16,14 @@ from legpush.options.export import RenderOptions
 from legpush.options.numerics import KernelOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.run import RunOptions
-from legpush.options.scenarios import CopyScenario, ListScenarios, ShowScenario, changed_scenario
+from legpush.options.scenarios import (
+    CopyExamples,
+    CopyScenario,
+    ListExamples,
+    ListScenarios,
+    ShowScenario,
+    changed_scenario,
+)
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
 from legpush.output.reply import document
@@ -68,6 +75,26 @@ def _copy_scenario(command: CopyScenario) -> int:
     files = copy_scenario(command.name, command.file)
     for path in files:
         sys.stdout.write(f"wrote {path}\n")
+    document({"files": files})
+    return 0
+
+
+@execute.register
+def _list_examples(_: ListExamples) -> int:
+    from legpush.scenarios.example_files import example_files
+
+    files = example_files()
+    sys.stdout.write("".join(f"{name}\n" for name in files))
+    document([{"name": name, "file": path} for name, path in files.items()])
+    return 0
+
+
+@execute.register
+def _copy_examples(command: CopyExamples) -> int:
+    from legpush.scenarios.example_files import copy_examples
+
+    files = copy_examples(command.folder)
+    sys.stdout.write("".join(f"wrote {path}\n" for path in files))
     document({"files": files})
     return 0
 

@@ -161,7 +161,7 @@ def require_libraries() -> None:
     if missing:
         raise ConfigError(
             f"Expected the libraries of all three processes, but {', '.join(missing)} is not installed; "
-            "pip install '.[all]' in its checkout installs them"
+            "pip install legpush installs them"
         )
 
 
