@@ -30,7 +30,7 @@ class Config:
     against: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Another checkout, which films the same mission."""
     label: str = "before"
-    """What the other checkout is."""
+    """Commit of the other checkout."""
     scenario: str = "default"
     """The mission."""
     n_runs: int = 3
@@ -39,7 +39,7 @@ class Config:
 
 def main(config: Config) -> None:
     """Run the mission once, film it in turn, and write the results."""
-    checkouts = {"here": HERE} | ({config.label: config.against.absolute()} if config.against is not None else {})
+    checkouts = {"here": HERE} | ({"before": config.against.absolute()} if config.against is not None else {})
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "run"
         run = [sys.executable, "-P", "-c", LEGPUSH, "run", config.scenario, "--no-video", "--no-picture"]
@@ -49,7 +49,12 @@ def main(config: Config) -> None:
             for name, checkout in checkouts.items():
                 films[name].append(film(folder, checkout))
                 print(name, films[name][-1], flush=True)
-    write_report("films", {"scenario": config.scenario, "films": {name: summary(of) for name, of in films.items()}})
+    summaries = {name: summary(of) for name, of in films.items()}
+    numbers: dict[str, Any] = {"scenario": config.scenario, "films": summaries}
+    if config.against is not None:
+        numbers["cpu_over_before"] = summaries["here"]["cpu_s"] / summaries["before"]["cpu_s"]
+        numbers["before"] = config.label
+    write_report("films", numbers)
 
 
 def film(folder: Path, checkout: Path) -> dict[str, float]:
@@ -77,7 +82,9 @@ def n_frames(file: Path) -> int:
 def summary(films: list[dict[str, float]]) -> dict[str, Any]:
     """Return the medians of several films."""
     medians = {name: median(each[name] for each in films) for name in films[0]}
-    return {"n": len(films), **medians, "frames_per_wall_s": medians["n_frames"] / medians["wall_s"]}
+    n_frames = medians["n_frames"]
+    rates = {"cpu_ms_per_frame": 1000 * medians["cpu_s"] / n_frames, "frames_per_wall_s": n_frames / medians["wall_s"]}
+    return {"n": len(films), **medians, **rates}
 
 
 def environment_of(checkout: Path) -> dict[str, str]:
