@@ -18,6 +18,7 @@ COPY planner_proc planner_proc
 COPY sim_proc sim_proc
 COPY agent_proc agent_proc
 COPY shared shared
+COPY examples examples
 RUN pip install --no-cache-dir ".[all]"
 
 RUN useradd --create-home --uid 1000 legpush && install -d -o legpush -g legpush /runs

@@ -4,7 +4,7 @@ These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, 
 `architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
 of endings in `run.md`; all commands in `commands.md` and all public names in `api.md`; the tasks and their terms in
-`learn.md`; and the claims of the paper in `paper.md`. Everything between the lines `<!-- generated: NAME -->` and
+`learn.md`; the environments in `environment.md`; and the claims of the paper in `paper.md`. Everything between the lines `<!-- generated: NAME -->` and
 `<!-- end -->` of a page is replaced; the rest is written by hand. `llms.txt` lists all pages for programs that read
 them. A test fails when a generated part is stale.
 """
@@ -21,6 +21,7 @@ from msgspec import inspect
 from docs import (
     claims,
     command_table,
+    environment_tables,
     numbers,
     page_list,
     public_names,
@@ -48,6 +49,7 @@ RUN: Final = DOCS / "run.md"
 COMMANDS: Final = DOCS / "commands.md"
 API: Final = DOCS / "api.md"
 LEARN: Final = DOCS / "learn.md"
+ENVIRONMENT: Final = DOCS / "environment.md"
 REALISM: Final = DOCS / "realism.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
@@ -155,6 +157,7 @@ def main() -> None:
         (COMMANDS, {"commands": command_table.command_tables()}),
         (API, {"names": public_names.public_names()}),
         (LEARN, term_tables.learn_parts()),
+        (ENVIRONMENT, environment_tables.environment_parts()),
     ):
         page.write_text(filled(page.read_text(), parts))
     SCHEMAS.mkdir(exist_ok=True)

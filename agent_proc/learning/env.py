@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.learning.random_state import Pcg64State, set_state, state_of
+from agent_proc.learning.rendering import FRAME_SIZE, Rendering, RenderMode
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
@@ -22,7 +23,7 @@ from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.poses import as_seen
-from legpush.messages.stepping import Outcome, Push, Reset
+from legpush.messages.stepping import Motion, Outcome, Push, Reset
 
 
 class EnvSnapshot(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -43,15 +44,23 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     `fell`, `position_error_m`, `angle_error_deg` and, at the end, `ending`.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it so
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 4}  # noqa: RUF012 - Gymnasium declares it so
 
-    def __init__(self, task: TaskConfig, world: SteppingWorld) -> None:
+    def __init__(
+        self,
+        task: TaskConfig,
+        world: SteppingWorld,
+        render_mode: RenderMode | None = None,
+        frame_size: tuple[int, int] = FRAME_SIZE,
+    ) -> None:
         """Make an environment that pushes in `world`, which no other environment may step.
 
         Raises:
-            ConfigError: Another environment steps the same simulator in this process.
+            ConfigError: Another environment steps the same simulator in this process, or the render mode is unknown.
         """
         self.task = task
+        self.render_mode = render_mode
+        self._rendering = None if render_mode is None else Rendering(render_mode, frame_size, self.metadata)
         self.action_space = action_space(task)
         self.observation_space = observation_space(task)
         self._world = world
@@ -88,7 +97,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         episode = self._going_on()
         before = episode.view
         push = to_push(action, self.task, episode.seen)
-        episode.advance(push, self._world.step(push))
+        episode.advance(push, self._step(push))
         ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
         episode.over = ending is not None
         step = PushStep(first=episode.first, before=before, after=episode.view, ending=ending)
@@ -104,8 +113,20 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     def close(self) -> None:
         """End the episode and give up the simulator, so that another environment may step it."""
         self._episode = None
+        if self._rendering is not None:
+            self._rendering.close()
         if isinstance(self._world, LocalWorld):
             self._world.release(self)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return the present state as a picture, (height, width, 3), in the mode `rgb_array`.
+
+        In the mode `human`, a window shows it after every reset and step, and this returns None. Without a mode, too.
+
+        Raises:
+            ConfigError: There was no reset, or nothing can be drawn here; says why.
+        """
+        return None if self._rendering is None else self._rendering.picture()
 
     @property
     def view(self) -> PushView:
@@ -154,9 +175,15 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         if isinstance(self._world, LocalWorld):
             self._world.claim(self)
 
+    def _step(self, motion: Motion) -> Outcome:
+        outcome = self._world.step(motion)
+        if self._rendering is not None:
+            self._rendering.note(motion, outcome)
+        return outcome
+
     def _begin(self, reset: Reset) -> "_Episode":
         self._claim()
-        outcome = self._world.step(reset)
+        outcome = self._step(reset)
         view = push_view(outcome.world, reset.scenario)
         seen = push_view(as_seen(outcome.world), reset.scenario)
         return _Episode(reset=reset, first=view, view=view, seen=seen, state_crc=outcome.state_crc)

@@ -3,6 +3,7 @@
 from typing import Any, Final, cast
 
 from agent_proc.learning.env import PushEnv
+from agent_proc.learning.rendering import FRAME_SIZE, RenderMode
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import DOMAIN_FIELDS
 from agent_proc.task.file import DEFAULT_TASK, load_task
@@ -23,7 +24,10 @@ def make_push_env(
     *,
     scenario: str | None = None,
     simulator: str = "mujoco",
-    render_mode: None = None,
+    render_mode: RenderMode | None = None,
+    width: int = FRAME_SIZE[0],
+    height: int = FRAME_SIZE[1],
+    time_limit: int | None = None,
     **settings: Any,
 ) -> PushEnv:
     """Make an environment with a simulator of its own.
@@ -34,7 +38,10 @@ def make_push_env(
         world: A simulator to step, in this process or on the bus; if None, the environment makes its own.
         scenario: The name of a built-in scenario, or the path of a scenario file; if None, that of the task.
         simulator: The plug-in that simulates (`legpush.simulators`).
-        render_mode: None, as the environment does not render.
+        render_mode: `rgb_array` lets `render` return pictures, `human` shows them in a window of pygame.
+        width: Width of a picture in pixels.
+        height: Height of a picture in pixels.
+        time_limit: The `max_episode_steps` of Gymnasium; a task with longer episodes is refused.
         settings: Fields of `TaskConfig`, such as `entry="fixed"` or `max_steps=50`, and of its domain, such as
             `mass_kg=[0.1, 1.0]`, drawn for every episode.
 
@@ -42,10 +49,7 @@ def make_push_env(
         ConfigError: A setting is unknown or cannot be used, or another environment uses the simulator.
         ScenarioError: The scenario cannot be used.
         PluginError: The simulator cannot be found.
-        TypeError: A render mode was given. Stable-Baselines3 tries one first, and expects this error.
     """
-    if render_mode is not None:
-        raise TypeError(f"got an unexpected keyword argument 'render_mode' ({render_mode!r}): there is no rendering")
     if world is None:
         tell_if_native()
         world = LocalWorld(cast(Stepper, load_plugin("legpush.simulators", simulator)()))
@@ -53,8 +57,15 @@ def make_push_env(
         if settings or scenario is not None:
             given = [*settings, *(["scenario"] if scenario is not None else [])]
             raise ConfigError(f"Expected either a whole task or settings of one, got both: {', '.join(given)}")
-        return PushEnv(task, world)
-    return PushEnv(_task(task, scenario, settings), world)
+    else:
+        task = _task(task, scenario, settings)
+    if time_limit is not None and task.max_steps > time_limit:
+        n = task.max_steps
+        raise ConfigError(
+            f"Expected at most {time_limit} for max_steps, got {n}: Gymnasium truncates episodes after that; for "
+            f"longer ones give max_episode_steps={n} and time_limit={n} as well"
+        )
+    return PushEnv(task, world, render_mode, (width, height))
 
 
 def _task(name: str, scenario: str | None, settings: dict[str, Any]) -> TaskConfig:

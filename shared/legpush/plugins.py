@@ -28,15 +28,17 @@ _NOUNS: Final[dict[Group, str]] = {
 
 
 LIBRARIES: Final[dict[str, str]] = {
-    "ompl": "planner",
-    "scipy": "planner",
-    "mujoco": "sim",
-    "imageio_ffmpeg": "sim",
-    "matplotlib": "agent",
-    "onnx": "agent",
-    "pyarrow": "agent",
-    "safetensors": "agent",
+    "ompl": "",
+    "scipy": "",
+    "mujoco": "",
+    "numba": "",
+    "imageio_ffmpeg": "",
+    "matplotlib": "",
+    "pyarrow": "",
+    "safetensors": "",
     "gymnasium": "train",
+    "onnx": "train",
+    "pygame": "train",
     "stable_baselines3": "train",
     "tensorboard": "train",
     "torch": "train",
@@ -47,7 +49,8 @@ LIBRARIES: Final[dict[str, str]] = {
     "ray": "ray",
     "submitit": "slurm",
 }
-"""Modules of the libraries that the extras of legpush install, each with an extra that does."""
+"""Modules of the libraries that legpush installs, each with its extra; an empty text if no extra is needed. A host for
+one process may lack those of the others."""
 
 
 def why_not_loaded(error: BaseException) -> str:
@@ -56,9 +59,14 @@ def why_not_loaded(error: BaseException) -> str:
         return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
     library = error.name.partition(".")[0]
     if library in LIBRARIES and sys.modules.get(library) is None:
-        remedy = f"pip install 'legpush[{LIBRARIES[library]}]' installs it"
+        remedy = f"{installing(LIBRARIES[library])} installs it"
         return f"ModuleNotFoundError: it needs {library}, which is not installed; {remedy}"
     return f"ModuleNotFoundError: it needs the module {error.name}, which is not on the Python path"
+
+
+def installing(extra: str) -> str:
+    """Return the command that installs an extra of legpush, or without one, what every mission needs."""
+    return f"pip install 'legpush[{extra}]'" if extra else "pip install legpush"
 
 
 def load_address(address: str, expected: str) -> Any:
@@ -113,7 +121,7 @@ def load_plugin(group: Group, name: str) -> Any:
     except ModuleNotFoundError as error:
         raise PluginError(
             f"The {noun} {name!r} of the package {_package(entry)} needs {error.name}, which is not installed"
-            f"{_remedy(entry)}"
+            f"{_remedy(entry, error.name or '')}"
         ) from error
     except Exception as error:
         raise PluginError(
@@ -126,7 +134,9 @@ def _package(entry: EntryPoint) -> str:
     return entry.dist.name if entry.dist is not None else "?"
 
 
-def _remedy(entry: EntryPoint) -> str:
-    """Return the command that installs the missing library, if the entry point names an extra."""
-    extras = ",".join(entry.extras)
-    return f"; pip install '{_package(entry)}[{extras}]' installs it" if extras else ""
+def _remedy(entry: EntryPoint, module: str) -> str:
+    """Return the command that installs the missing library, if an entry point of this package needs it."""
+    library = module.partition(".")[0]
+    if entry.extras:
+        return f"; pip install '{_package(entry)}[{','.join(entry.extras)}]' installs it"
+    return f"; {installing(LIBRARIES[library])} installs it" if library in LIBRARIES else ""

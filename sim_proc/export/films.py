@@ -64,6 +64,7 @@ def take_of(film: Film, options: ExportOptions) -> Take:
         height=options.height or height,
         view=options.camera,
         gif=gif,
+        speed=speed if options.caption else None,
     )
 
 

@@ -116,6 +116,6 @@ def _require_library(made: Format) -> None:
     module, package = LIBRARIES.get(made, ("", ""))
     if module and find_spec(module) is None:
         raise ConfigError(
-            f"Expected the library {package} for {made}, which is not installed; pip install '.[view]' in the checkout "
+            f"Expected the library {package} for {made}, which is not installed; pip install 'legpush[view]' "
             "installs it"
         )

@@ -10,14 +10,16 @@ from legpush.arrays import Floats
 from legpush.errors import JournalError, RecordingError
 from legpush.geometry import rpy_from_quaternion
 from legpush.history.steps import PlanRecord, StepRecord
-from legpush.history.timeline import BOX, TRUNK, Timeline
-from legpush.messages.stepping import Follow, Reset
+from legpush.history.timeline import BOX, TRUNK, Timeline, TimelineStep
+from legpush.messages.stepping import Follow, Motion, Push, Reset, Walk
 from legpush.realism.reality import Reality
 from legpush.scene.conventions import CONTROL_PERIOD_S, LOADED_N
 from legpush.scene.scenario import Scenario
 
 SMOOTHING_S: Final = 3.0
 """Window over which the places and headings that cameras follow are averaged."""
+STANDING: Final = "standing"
+"""The phase before the robot walks or pushes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +53,8 @@ class Film:
     paths_m: list[tuple[int, Floats]]
     """Paths by the row from which they are followed, each (k, 2)."""
     footprints: list[FootMark]
+    phases: list[tuple[int, str]]
+    """What the robot does, by the row from which it does that."""
     hidden_until: dict[int, int | None]
     """For each obstacle that appears later, by its index: the row from which it is seen; None if it never is."""
 
@@ -80,15 +84,15 @@ def timeline_of(records: Iterable[StepRecord | PlanRecord], where: str) -> Timel
     return timeline
 
 
-def film_of(timeline: Timeline, where: str) -> Film:
+def film_of(timeline: Timeline, where: str, *, still: bool = False) -> Film:
     """Prepare a timeline to be filmed.
 
-    While ticks are missing, as in steps without a trace, the film stands still.
+    While ticks are missing, as in steps without a trace, the film stands still. For a `still`, no step needs a trace.
 
     Raises:
         RecordingError: No step of the episode has a trace; names `where` the episode is from.
     """
-    if not np.isfinite(timeline.com_m).any():
+    if not still and not np.isfinite(timeline.com_m).any():
         raise RecordingError(f"{where}: expected an episode recorded with traces, got one without traces")
     ticks = timeline.tick.astype(int)
     rows = np.searchsorted(ticks, np.arange(ticks[0], ticks[-1] + 1), side="right") - 1
@@ -113,6 +117,7 @@ def film_of(timeline: Timeline, where: str) -> Film:
             if isinstance(step.motion, Follow)
         ],
         footprints=_footprints(timeline.tips_m[rows], forces),
+        phases=[(int(ticks[min(row, len(ticks) - 1)] - ticks[0]), phase) for row, phase in _phases_of(timeline.steps)],
         hidden_until=_hidden_until(timeline, int(ticks[0])),
     )
 
@@ -148,3 +153,20 @@ def _smooth(values: Floats) -> Floats:
     window = np.hanning(2 * half + 3)[1:-1]
     padded = np.concatenate([np.full(half, values[0]), values, np.full(half, values[-1])])
     return np.convolve(padded, window / window.sum(), mode="valid")
+
+
+def _phase_of(motion: Motion, before: str) -> str:
+    """Return the phase that a motion belongs to; one that moves nothing belongs to that before it."""
+    if isinstance(motion, Walk | Follow):
+        return "walking"
+    return "pushing" if isinstance(motion, Push) else before
+
+
+def _phases_of(steps: list[TimelineStep]) -> list[tuple[int, str]]:
+    """Return each phase with the row of the timeline from which it lasts."""
+    phases = [(0, STANDING)]
+    for step in steps:
+        phase = _phase_of(step.motion, phases[-1][1])
+        if phase != phases[-1][1]:
+            phases.append((step.first_row, phase))
+    return phases

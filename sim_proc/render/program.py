@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, arg
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, Switch, arg
 from legpush.errors import NO_OPENGL, ConfigError
 from legpush.history.steps import read_episode
 from legpush.options.formats import View
@@ -35,6 +35,8 @@ class VideoConfig:
     width: Annotated[int, arg("PIXELS")] = 854
     height: Annotated[int, arg("PIXELS")] = 480
     """Pixels of a frame."""
+    caption: Switch = True
+    """Write time, phase, error of the box and speeds into the picture."""
     output: OutputOptions = USUAL_OUTPUT
 
 
@@ -67,6 +69,7 @@ def film_run(config: VideoConfig) -> int:
         width=config.width,
         height=config.height,
         view=config.camera,
+        speed=speed if config.caption else None,
     )
     target = config.folder / "mission.mp4"
     render(film, take, target, _say)

@@ -27,6 +27,8 @@ from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc.render.film import Film
 
 SEGMENT_FRAMES: Final = 60
+DRAWN_LARGER: Final = 1.5
+"""A frame is drawn this many times as wide and high as it is shown."""
 SEGMENTS: Final = "[0-9]*.mp4"
 """Names of finished segments."""
 LONGEST_S: Final = 30.0
@@ -49,6 +51,13 @@ class Take:
     view: View = "follow"
     gif: bool = False
     """Whether to write a GIF file instead of an MP4 file with H.264."""
+    speed: float | None = None
+    """The times real time for the captions of the frames; None for frames without one."""
+
+    @property
+    def drawn(self) -> tuple[int, int]:
+        """Width and height of a frame as it is drawn, before ffmpeg scales it down: that smooths its edges."""
+        return 2 * round(DRAWN_LARGER * self.width / 2), 2 * round(DRAWN_LARGER * self.height / 2)
 
 
 def frame_rows(n_rows: int, speed: float, fps: float) -> tuple[int, ...]:
@@ -153,9 +162,9 @@ def _open_camera(film: Film, take: Take, stop: Event) -> None:
     """Set up a render worker."""
     from sim_proc.render.camera import Camera, FrameSize
 
-    _worker.update(
-        camera=Camera(film, FrameSize(width=take.width, height=take.height), take.view), take=take, stop=stop
-    )
+    width, height = take.drawn
+    camera = Camera(film, FrameSize(width=width, height=height), take.view, take.speed)
+    _worker.update(camera=camera, take=take, stop=stop)
 
 
 def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
@@ -171,14 +180,17 @@ def _render_segment(job: tuple[Path, tuple[int, ...]]) -> None:
     part = path.with_name(f"part-{path.name}")
     writer = imageio_ffmpeg.write_frames(
         str(part),
-        (take.width, take.height),
+        take.drawn,
         fps=take.fps,
         codec="libx264rgb" if take.gif else "libx264",
         pix_fmt_out="rgb24" if take.gif else "yuv420p",
         macro_block_size=2,
         quality=None,
         ffmpeg_log_level="error",
-        output_params=list(LOSSLESS if take.gif else SMALL),
+        output_params=[
+            *(LOSSLESS if take.gif else SMALL),
+            *("-vf", f"scale={take.width}:{take.height}:flags=bilinear"),
+        ],
     )
     writer.send(None)
     for row in rows:

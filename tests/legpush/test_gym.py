@@ -18,6 +18,7 @@ from stable_baselines3.common.env_util import make_vec_env
 import legpush.gym
 from agent_proc.learning.env import PushEnv
 from agent_proc.task.file import load_task, task_names
+from legpush.errors import ConfigError
 
 ID = "legpush.gym:legpush/Push-v1"
 SETTINGS: dict[str, Any] = {"scenario": "push", "entry": "fixed", "max_steps": 7, "mass_kg": [0.1, 1.0]}
@@ -86,19 +87,45 @@ def test_its_arguments_are_plain_data_and_survive_json() -> None:
 
 
 def test_each_built_in_task_has_an_id() -> None:
-    assert sorted(legpush.gym.IDS.values()) == list(task_names())
-    for name, task in legpush.gym.IDS.items():
+    assert sorted(row.task for row in legpush.gym.ENVIRONMENTS.values()) == list(task_names())
+    for name, row in legpush.gym.ENVIRONMENTS.items():
+        assert row.max_episode_steps == load_task(row.task).max_steps
         env = gymnasium.make(f"legpush.gym:{name}", max_steps=9).unwrapped
         assert isinstance(env, PushEnv)
-        assert env.task == load_task(task, max_steps=9)
+        assert env.task == load_task(row.task, max_steps=9)
 
 
 def test_the_checkers_of_gymnasium_and_stable_baselines_pass_without_a_warning() -> None:
     env = gymnasium.make(ID)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(env.unwrapped)
+        check_env(env.unwrapped, skip_render_check=True)
         check_env_sb3(env)
+
+
+def test_gymnasium_truncates_an_episode_that_was_asked_to_be_shorter() -> None:
+    env = gymnasium.make(ID, max_episode_steps=1)
+    env.reset(seed=SEED)
+    assert env.step(env.action_space.sample())[3]
+    env.close()
+
+
+def test_an_episode_that_gymnasium_would_cut_is_refused() -> None:
+    with pytest.raises(ConfigError, match="Expected at most 200 for max_steps, got 300: Gymnasium truncates"):
+        gymnasium.make(ID, max_steps=300)
+    env = gymnasium.make(ID, max_steps=300, max_episode_steps=300, time_limit=300)
+    assert env.spec is not None
+    assert env.spec.max_episode_steps == 300
+
+
+def test_actions_in_double_precision_and_out_of_range_are_clipped() -> None:
+    rewards = []
+    for action in (np.array([-1.0, 1.0, 1.0, 0.0], dtype=np.float32), np.array([-7.0, 1.5, 2.0, 0.0])):
+        env = gymnasium.make(ID, disable_env_checker=True)
+        env.reset(seed=SEED)
+        rewards.append(env.step(action)[1])
+        env.close()
+    assert rewards[0] == rewards[1]
 
 
 @pytest.mark.parametrize("mode", ["sync", "async"])

@@ -21,12 +21,26 @@ class Declarations:
         self._name: str = project["name"]
         self._base: list[str] = project["dependencies"]
         self._extras: dict[str, list[str]] = project["optional-dependencies"]
+        self._groups: dict[str, list[str | dict[str, str]]] = pyproject["dependency-groups"]
 
     def direct(self, *extras: str) -> list[Requirement]:
-        """The base requirements and those of `extras`, with references to own extras resolved."""
-        return list(self._resolved(self._base)) + [
-            requirement for extra in extras for requirement in self._resolved(self._extras[extra])
+        """The base requirements and those of `extras`, with references to own extras resolved.
+
+        The name of a group of dependencies stands for a host that has nothing but these.
+        """
+        base = [] if self._groups.keys() & set(extras) else list(self._resolved(self._base))
+        return base + [
+            requirement
+            for extra in extras
+            for requirement in (self.of_group(extra) if extra in self._groups else self._resolved(self._extras[extra]))
         ]
+
+    def of_group(self, name: str) -> list[Requirement]:
+        """What the host for one process needs."""
+        found: list[Requirement] = []
+        for each in self._groups[name]:
+            found += [Requirement(each)] if isinstance(each, str) else self.of_group(each["include-group"])
+        return found
 
     def _resolved(self, lines: Iterable[str]) -> Iterator[Requirement]:
         for requirement in map(Requirement, lines):

@@ -16,9 +16,9 @@ from .conftest import Declarations
 OWN = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
 """Packages that are installed."""
 PARTS = [
-    ("shared/legpush", ()),
+    ("shared/legpush", ("core",)),
     ("shared/legpush/gym", ("train",)),
-    ("shared/legpush/study", ("study",)),
+    ("shared/legpush/study", ("agent",)),
     ("shared/legpush/study/engines", ("ray", "slurm")),
     ("planner_proc", ("planner",)),
     ("sim_proc", ("sim",)),
@@ -28,7 +28,8 @@ PARTS = [
     ("agent_proc/gym_envs.py", ("train",)),
     ("agent_proc/learning", ("train",)),
     ("agent_proc/policies/sb3", ("train",)),
-    ("agent_proc/studies", ("study",)),
+    ("agent_proc/studies", ("train",)),
+    ("agent_proc/policies/onnx_file.py", ("train",)),
 ]
 """Source folder or module, without those in it that are parts themselves, and the extras that its hosts install."""
 BESIDE = [
@@ -142,6 +143,11 @@ def test_every_module_of_a_process_is_imported_where_only_its_extra_is_installed
     assert int(done.stdout) > 0
 
 
+def test_a_mission_needs_what_the_hosts_of_its_processes_need(declarations: Declarations) -> None:
+    hosts = {str(each) for group in ("core", "planner", "sim", "agent") for each in declarations.of_group(group)}
+    assert {str(each) for each in declarations.direct()} == hosts
+
+
 @pytest.mark.parametrize("extra", ["planner", "sim", "agent", "view"])
 def test_no_extra_but_that_of_training_installs_pytorch(declarations: Declarations, extra: str) -> None:
     learning = {"torch", "stable-baselines3", "gymnasium", "tensorboard"}
@@ -150,6 +156,6 @@ def test_no_extra_but_that_of_training_installs_pytorch(declarations: Declaratio
 
 
 @pytest.mark.parametrize("extra", ["planner", "agent"])
-def test_no_extra_but_that_of_the_simulator_installs_mujoco(declarations: Declarations, extra: str) -> None:
+def test_no_host_but_that_of_the_simulator_installs_mujoco(declarations: Declarations, extra: str) -> None:
     assert "mujoco" in declarations.needed("sim")
     assert "mujoco" not in declarations.needed(extra)

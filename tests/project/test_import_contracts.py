@@ -43,6 +43,7 @@ ROGUES = {
     "Only legpush.recording.mcap_file imports MCAP": ("legpush.recording", "import mcap"),
     "Only legpush.scenarios.map_image imports Pillow": ("legpush.scenarios", "import PIL"),
     "Only legpush.scenarios.map_yaml imports PyYAML": ("legpush.scenarios", "import yaml"),
+    "Only agent_proc.learning.window imports pygame": ("agent_proc.learning", "import pygame"),
     "Only one module imports tyro": ("legpush.recording", "import tyro"),
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc.export", "import foxglove"),
     "Only tables import PyArrow": ("sim_proc.export", "import pyarrow"),

@@ -1,8 +1,10 @@
-"""The built wheel: what it holds, and that it works where only the wheel is installed."""
+"""The built sdist and the wheel from it: what they hold, and that a user without a checkout can work with the wheel."""
 
+import json
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import venv
 from pathlib import Path
 from typing import Any
@@ -14,13 +16,19 @@ PACKAGES = {"planner_proc", "sim_proc", "agent_proc", "legpush"}
 
 
 @pytest.fixture(scope="module")
-def wheel(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel of this checkout, built by the declared backend as it is installed here."""
+def built(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the sdist of this checkout and of the wheel that is built from it, by the declared backend."""
     folder = tmp_path_factory.mktemp("dist")
-    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(root)]
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(root)]
     subprocess.run(build, check=True, capture_output=True)
-    (built,) = folder.glob("*.whl")
-    return built
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(built: Path) -> Path:
+    """The wheel."""
+    (file,) = built.glob("*.whl")
+    return file
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +61,23 @@ def output_of(*command: str | Path) -> str:
 
 def test_the_wheel_holds_the_four_packages_and_nothing_else(contents: set[str]) -> None:
     tops = {path.split("/")[0] for path in contents}
-    assert {top for top in tops if not top.endswith(".dist-info")} == PACKAGES
+    assert {top for top in tops if not top.endswith((".dist-info", ".data"))} == PACKAGES
+
+
+def test_the_examples_travel_with_the_wheel_and_the_sdist(root: Path, built: Path, contents: set[str]) -> None:
+    sources = {
+        str(path.relative_to(root / "examples"))
+        for path in (root / "examples").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert sources
+    inside = {path.partition("/share/legpush/examples/")[2] for path in contents if ".data/data/share" in path}
+    assert inside == sources
+    (sdist,) = built.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert {f"examples/{name}" for name in sources} <= names
+    assert {"LICENSE", "README.md", "constraints.txt", "shared/legpush/scenarios/default.toml"} <= names
 
 
 def test_every_file_of_the_packages_is_in_the_wheel(root: Path, contents: set[str]) -> None:
@@ -89,3 +113,22 @@ def test_the_installed_command_tells_its_version(installed: Path, pyproject: dic
 
 def test_the_installed_command_lists_its_subcommands(installed: Path) -> None:
     assert "run" in output_of(installed / "legpush", "--help").split()
+
+
+def test_a_user_copies_scenarios_and_examples_without_a_checkout(installed: Path, tmp_path: Path) -> None:
+    legpush = installed / "legpush"
+    output_of(legpush, "scenarios", "copy", "push", str(tmp_path / "mine.toml"))
+    output_of(legpush, "examples", "copy", str(tmp_path / "examples"))
+    assert (tmp_path / "examples" / "grid_planner.py").is_file()
+    office = json.loads(
+        output_of(legpush, "scenarios", "show", str(tmp_path / "examples/office/office.toml"), "--json")
+    )
+    assert office["name"] == "office"
+
+
+def test_a_user_runs_a_mission_without_a_checkout(installed: Path, tmp_path: Path) -> None:
+    words = ("run", "push", "--policy", "scripted", "--no-video", "--out", str(tmp_path / "run"), "--json", "--quiet")
+    report = json.loads(output_of(installed / "legpush", *words))
+    assert report["success"]
+    assert report["command"].startswith("legpush run push")
+    assert (tmp_path / "run" / "mission.png").is_file()

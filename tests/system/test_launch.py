@@ -39,6 +39,9 @@ def work(config: Config, bus: Bus, stop: threading.Event) -> int:
         bus.announce()
         with (config.out / "pids").open("a") as file:
             print(os.getpid(), file=file)
+        if role == "sim":
+            sockets = Path(config.listen[0].removeprefix("unixsock-stream/")).parent
+            (config.out / "mode").write_text(oct(sockets.stat().st_mode))
         if role != "agent" or config.does == "waits":
             beacon.publish_status("waiting", 0.5, "for the end")
             while not stop.wait(0.05):  # a signal may wake another thread than this one
@@ -131,9 +134,14 @@ def test_sockets_are_private_and_gone_afterwards(tmp_path: Path, monkeypatch: py
     short = tmp_path / "t"
     short.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(short))
-    ended = run(tmp_path / "run", film=f"import os; print(oct(os.stat('{short}/' + os.listdir('{short}')[0]).st_mode))")
-    assert (ended.folder / "logs" / "video.log").read_text() == "0o40700\n"
+    ended = run(tmp_path / "run")
+    assert (ended.folder / "mode").read_text() == "0o40700"
     assert list(short.iterdir()) == []
+
+
+def test_the_report_is_on_the_screen_before_the_film_begins(tmp_path: Path) -> None:
+    text = run(tmp_path / "run").text
+    assert -1 < text.index("box position error") < text.index("filming")
 
 
 def test_no_film_is_made_where_none_is_wanted(tmp_path: Path) -> None:

@@ -18,7 +18,14 @@ from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
 from legpush.options.policies import ExportPolicy, ShowPolicy
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.run import RunOptions
-from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, ShowScenario
+from legpush.options.scenarios import (
+    CopyExamples,
+    CopyScenario,
+    ListExamples,
+    ListScenarios,
+    RandomScenario,
+    ShowScenario,
+)
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
@@ -44,6 +51,7 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
         "List, show, copy or draw scenarios.",
         {"list": ListScenarios, "show": ShowScenario, "copy": CopyScenario, "random": RandomScenario},
     ),
+    "examples": Group("List or copy the examples.", {"list": ListExamples, "copy": CopyExamples}),
     "map": MapOptions,
     "policy": Group("Show or export a trained policy.", {"show": ShowPolicy, "export": ExportPolicy}),
     "render": RenderOptions,

@@ -16,7 +16,14 @@ from legpush.options.export import RenderOptions
 from legpush.options.numerics import KernelOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
 from legpush.options.run import RunOptions
-from legpush.options.scenarios import CopyScenario, ListScenarios, ShowScenario, changed_scenario
+from legpush.options.scenarios import (
+    CopyExamples,
+    CopyScenario,
+    ListExamples,
+    ListScenarios,
+    ShowScenario,
+    changed_scenario,
+)
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
 from legpush.output.reply import document
@@ -73,13 +80,38 @@ def _copy_scenario(command: CopyScenario) -> int:
 
 
 @execute.register
+def _list_examples(_: ListExamples) -> int:
+    from legpush.scenarios.example_files import example_files
+
+    files = example_files()
+    sys.stdout.write("".join(f"{name}\n" for name in files))
+    document([{"name": name, "file": path} for name, path in files.items()])
+    return 0
+
+
+@execute.register
+def _copy_examples(command: CopyExamples) -> int:
+    from legpush.scenarios.example_files import copy_examples
+
+    files = copy_examples(command.folder)
+    sys.stdout.write("".join(f"wrote {path}\n" for path in files))
+    document({"files": files})
+    return 0
+
+
+@execute.register
 def _render(command: RenderOptions) -> int:
     from legpush.launch.film import film_arguments
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
     require_writable_folder(command.run_folder, "DIR")
-    flags = [flag for flag, given in (("--json", command.output.json), ("--quiet", command.output.quiet)) if given]
+    asked = (
+        ("--no-caption", not command.caption),
+        ("--json", command.output.json),
+        ("--quiet", command.output.quiet),
+    )
+    flags = [flag for flag, given in asked if given]
     argv = (*film_arguments(command.run_folder, command.camera), *flags)
     hold()
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted

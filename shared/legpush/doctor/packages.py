@@ -9,21 +9,17 @@ from typing import Final
 from packaging.requirements import Requirement
 
 from legpush.doctor.finding import Finding
+from legpush.plugins import installing
 
 LEAST_PYTHON: Final = (3, 11)
 FOR: Final = {
-    "": "every command",
-    "planner": "planning paths",
-    "sim": "simulating and filming",
-    "agent": "missions, evaluations and studies",
+    "": "missions, films, evaluations and studies",
     "train": "training, and Gymnasium",
-    "view": "`legpush view` and `legpush export`",
+    "view": "`legpush view`, and files for Foxglove",
     "ray": "studies on Ray",
     "slurm": "studies on Slurm",
 }
 """The extras, and what each is for; the empty name stands for what is always installed."""
-NEEDED: Final = ("", "planner", "sim", "agent")
-"""A mission needs these."""
 
 
 def python_finding() -> Finding:
@@ -51,9 +47,9 @@ def package_findings() -> Iterator[Finding]:
             continue
         yield Finding(
             name=name,
-            state="missing" if extra in NEEDED else "note",
+            state="note" if extra else "missing",
             detail=f"{what}: {', '.join(wrong)}",
-            cure=f"pip install 'legpush[{extra}]'" if extra else "pip install legpush",
+            cure=installing(extra),
         )
 
 

@@ -3,21 +3,39 @@
 A change to what an episode of a given task, seed and actions shows or pays raises the version of its id.
 """
 
-from typing import Final
+from typing import Any, Final, NamedTuple
 
 import gymnasium
 
+
+class Registered(NamedTuple):
+    """A row of the table of environments."""
+
+    task: str
+    """The built-in task."""
+    max_episode_steps: int
+    """Push cycles after which Gymnasium truncates an episode, as the task does."""
+    settings: dict[str, Any] = {}  # noqa: RUF012 - never changed
+    """Further arguments of `agent_proc.learning.make_env`."""
+
+
 PUSH_ID: Final = "legpush/Push-v1"
 """One step is one push cycle, one episode is a box and its goal; `agent_proc.learning.make_env` has the arguments."""
-IDS: Final = {
-    PUSH_ID: "tuned",
-    "legpush/PushPaperText-v1": "paper-text",
-    "legpush/PushPaperObservation-v1": "paper-observation",
-    "legpush/PushRelease-v1": "release",
-    "legpush/PushPaperLearns-v1": "paper-learns",
+ENVIRONMENTS: Final = {
+    PUSH_ID: Registered("tuned", 200),
+    "legpush/PushPaperText-v1": Registered("paper-text", 200),
+    "legpush/PushPaperObservation-v1": Registered("paper-observation", 200),
+    "legpush/PushRelease-v1": Registered("release", 200),
+    "legpush/PushPaperLearns-v1": Registered("paper-learns", 200),
 }
-"""The built-in task of each id."""
+"""All environments by their ids."""
 MAKE: Final = "agent_proc.learning.make_env:make_push_env"
 
-for _id, _task in IDS.items():
-    gymnasium.register(_id, entry_point=MAKE, nondeterministic=False, kwargs={"task": _task})
+for _id, _row in ENVIRONMENTS.items():
+    gymnasium.register(
+        _id,
+        entry_point=MAKE,
+        nondeterministic=False,
+        max_episode_steps=_row.max_episode_steps,
+        kwargs={"task": _row.task, "time_limit": _row.max_episode_steps, **_row.settings},
+    )

@@ -40,6 +40,7 @@ from legpush.runs.folder import (
     LOGS,
     REPORT_FILE,
     SCENARIO_FILE,
+    VIDEO_FILE,
     default_folder,
     is_begun,
     journals,
@@ -123,6 +124,10 @@ def _run_and_tell(
             if verdict.reason:
                 console.print(Text(printable(verdict.reason), style="bold red"), soft_wrap=True)
             _summarize(console, folder, read_report(folder))
+            if options.video and (interrupted := _film(folder, programs, console)) is not None:
+                words = f"{interrupted.reason}; to make the film: legpush render {shlex.quote(str(folder))}"
+                console.print(Text(words), soft_wrap=True)
+                return interrupted
         return verdict
 
 
@@ -156,14 +161,14 @@ def require_libraries() -> None:
     if missing:
         raise ConfigError(
             f"Expected the libraries of all three processes, but {', '.join(missing)} is not installed; "
-            "pip install '.[all]' in its checkout installs them"
+            "pip install legpush installs them"
         )
 
 
 def _run_in(
     given: Path, options: RunOptions, programs: Programs, console: Console, about: Mapping[str, str]
 ) -> Verdict:
-    """Run the mission and film it; every process has ended when this returns."""
+    """Run the mission; every process has ended when this returns."""
     with ExitStack() as stack:
         sockets = stack.enter_context(socket_directory())
         place = Place(folder=given.absolute(), sockets=sockets)
@@ -204,15 +209,32 @@ def _run_in(
             verdict = supervisor.run(commands)
         if recorder is not None:
             recorder.complete_report(place.folder)
-        if verdict.exit_code in (SUCCESS, NO_SUCCESS) and options.video:
-            command = Command(
-                role="video",
-                argv=programs.film(place.folder),
-                log=place.folder / LOGS / "video.log",
-                environment=environment,
-            )
-            return film(command, crew, display, lambda note: add_note(place.folder, note)) or verdict
         return verdict
+
+
+def _film(folder: Path, programs: Programs, console: Console) -> Verdict | None:
+    """Film a mission whose report is on the screen; return the verdict of an interrupt, otherwise None."""
+    notes: list[str] = []
+
+    def note(text: str) -> None:
+        notes.append(text)
+        add_note(folder, text)
+
+    command = Command(
+        role="video",
+        argv=programs.film(folder.absolute()),
+        log=folder.absolute() / LOGS / "video.log",
+        environment=child_environment(os.environ),
+    )
+    with ExitStack() as stack:
+        display = stack.enter_context(make_display(console))
+        interrupted = film(command, stack.enter_context(Crew()), display, note)
+    for text in notes:
+        console.print(Text(printable(text)), soft_wrap=True)
+    if interrupted is None and not notes:
+        console.print(Text(f"  {VIDEO_FILE}: the mission, filmed"), soft_wrap=True)
+    document({"folder": folder, **read_report(folder)})
+    return interrupted
 
 
 def _again(options: RunOptions, folder: Path) -> str:

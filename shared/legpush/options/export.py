@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, get_args
 
-from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, arg
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Switch, arg
 from legpush.bounds import Count, FramesPerSecond, Speed, TimeS
 from legpush.errors import ConfigError
 from legpush.fields import require
@@ -43,6 +43,8 @@ class ExportOptions:
     """Films: width of a frame; 854 if not given, and 480 for a GIF."""
     height: Annotated[int | None, arg("PIXELS")] = None
     """Films: height of a frame; 480 if not given, and 270 for a GIF."""
+    caption: Switch = True
+    """Films: write time, phase, error of the box and speeds into the picture."""
     start_s: Annotated[float, arg("S", name="start")] = 0.0
     """Films: begin at this simulated time."""
     end_s: Annotated[float | None, arg("S", name="end")] = None
@@ -97,6 +99,7 @@ class ExportOptions:
             "fps": self.fps,
             "width": self.width,
             "height": self.height,
+            "no-caption": None if self.caption else True,
             "start": self.start_s or None,
             "end": self.end_s,
         }
@@ -125,4 +128,6 @@ class RenderOptions:
     """The folder of the run."""
     camera: Annotated[View, arg("|".join(get_args(View)))] = "follow"
     """Position of the camera; `legpush export --help` describes each."""
+    caption: Switch = True
+    """Write time, phase, error of the box and speeds into the picture."""
     output: OutputOptions = USUAL_OUTPUT

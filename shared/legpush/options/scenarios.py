@@ -87,3 +87,19 @@ class RandomScenario(RandomRoom):
         if self.file.exists() or not self.file.parent.is_dir():
             raise ConfigError(f"{self.file}: expected a new file in an existing folder")
         require_writable_file(self.file, "FILE")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListExamples:
+    """List the examples: planners, rooms, terms of a task, and programs that run missions in Python."""
+
+    output: OutputOptions = USUAL_OUTPUT
+
+
+@dataclass(frozen=True, kw_only=True)
+class CopyExamples:
+    """Copy the examples to a new folder for you to run and edit."""
+
+    folder: Positional[Annotated[Path, arg("DIR")]] = Path("examples")
+    """The new folder."""
+    output: OutputOptions = USUAL_OUTPUT

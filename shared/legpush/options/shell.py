@@ -20,8 +20,9 @@ class DoctorOptions:
 class CompletionOptions:
     """Print a script that completes `legpush` commands in a shell when you press Tab.
 
-    bash: `source <(legpush completion bash)` in ~/.bashrc. zsh: the same in ~/.zshrc, after compinit. fish: `legpush
-    completion fish > ~/.config/fish/completions/legpush.fish`.
+    bash: `source <(legpush completion bash)` in ~/.bashrc. zsh: `legpush completion zsh > ~/.zfunc/_legpush`, and
+    `fpath+=~/.zfunc` before compinit in ~/.zshrc. fish: `legpush completion fish >
+    ~/.config/fish/completions/legpush.fish`.
     """
 
     shell: Positional[Annotated[Literal["bash", "zsh", "fish"], arg()]]

@@ -21,6 +21,7 @@ Program = Literal[
     "planner_proc.conformance.program",
     "sim_proc.export.program",
     "sim_proc.render.probe",
+    "sim_proc.render.stills",
     "sim_proc.view.program",
     "legpush.canary",
     "legpush.recording.play",

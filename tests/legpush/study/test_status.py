@@ -42,7 +42,7 @@ def test_a_missing_library_is_named_with_the_extra_that_has_it(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     assert main(["study", "status", str(tmp_path)]) == 2
-    assert "which is not installed; pip install 'legpush[agent]' installs it" in capsys.readouterr().err
+    assert "which is not installed; pip install legpush installs it" in capsys.readouterr().err
 
 
 def test_what_is_no_study_ends_with_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -145,3 +145,11 @@ def test_a_folder_that_is_no_run_is_refused_in_one_line(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("error: Expected the folder of a run")
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_film_knows_the_phase_at_each_row(run_folder: Path) -> None:
+    film = film_of_journal(run_folder)
+    assert [phase for _, phase in film.phases] == ["standing", "pushing", "walking"]
+    rows = [row for row, _ in film.phases]
+    assert rows == sorted(rows)
+    assert rows[-1] < len(film.qpos)

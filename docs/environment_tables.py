@@ -1,0 +1,108 @@
+"""The tables of `environment.md`: the environments by their ids, and what each task sees, does, earns and ends by."""
+
+from collections.abc import Mapping
+
+from msgspec import Struct
+
+import legpush.gym
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.elements import Element, action_elements, observation_elements
+from agent_proc.task.file import load_task
+from agent_proc.task.terms import ENDING, REWARD, TERM, Table
+
+INFO = {
+    "reward_terms": "the terms of the reward by their names, after each step; their sum is the reward",
+    "is_success": "whether the episode ended with `success`, after each step",
+    "ending": "why the episode ended, after its last step",
+    "fell": "whether the robot fell",
+    "position_error_m": "distance of the box from its goal, in m",
+    "angle_error_deg": "angle between the headings of box and goal, in degrees, without sign",
+    "scenario_seed": "the seed of the offsets of start and box, after a reset",
+}
+
+
+ALWAYS = "In every task; `ending` is `fell` or `astray`."
+
+
+def environment_parts() -> dict[str, str]:
+    """The generated parts of `environment.md`."""
+    return {"environments": _ids(), "environment_tasks": _tasks(), "environment_info": _info()}
+
+
+def _ids() -> str:
+    lines = ["| id | task | observation | action | `max_episode_steps` |", "| --- | --- | --- | --- | --- |"]
+    for name, row in legpush.gym.ENVIRONMENTS.items():
+        task = load_task(row.task)
+        seen, done = len(observation_elements(task)), len(action_elements(task))
+        action = f"{done} numbers in [-1, 1]" if task.action_form == "continuous" else f"{done} integers, a grid"
+        lines.append(f"| `{name}` | `{row.task}` | {seen} numbers | {action} | {row.max_episode_steps} |")
+    return "\n".join([*lines, ""])
+
+
+def _tasks() -> str:
+    return "\n".join(
+        part for name, row in legpush.gym.ENVIRONMENTS.items() for part in _task(name, load_task(row.task))
+    )
+
+
+def _task(name: str, task: TaskConfig) -> list[str]:
+    """The section about one environment."""
+    offsets = task.scenario.randomization
+    start, box = task.domain.start_xy_m, task.domain.box_xy_m
+    start_m = offsets.start_xy_m if start is None else start
+    box_m = offsets.box_xy_m if box is None else box
+    start_deg = offsets.start_yaw_deg if task.domain.start_yaw_deg is None else task.domain.start_yaw_deg
+    box_deg = offsets.box_yaw_deg if task.domain.box_yaw_deg is None else task.domain.box_yaw_deg
+    goal = task.scenario.goal
+    return [
+        f"### {name}",
+        "",
+        task.description or f"The task `{name}`.",
+        "",
+        *_elements("observation", observation_elements(task)),
+        *_elements("action", action_elements(task)),
+        "| reward | weight | meaning |",
+        "| --- | --- | --- |",
+        *(
+            f"| `{name}` | {table['weight']:g} | {_meaning(REWARD, name, table)} |"
+            for name, table in task.reward.items()
+        ),
+        "",
+        "| an episode ends by | settings | meaning |",
+        "| --- | --- | --- |",
+        *(
+            f"| `{name}` | {_settings(table)} | {_meaning(ENDING, name, table)} |"
+            for name, table in task.ending.items()
+        ),
+        f"| a fall, or a box out of reach | - | {ALWAYS} |",
+        "",
+        f"Success: the box is within {100 * goal.position_tolerance_m:g} cm and {goal.angle_tolerance_deg:g}° of its "
+        f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, "
+        f"the box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.",
+        "",
+    ]
+
+
+def _elements(what: str, elements: tuple[Element, ...]) -> list[str]:
+    rows = (
+        f"| {index} | `{each.name}` | {each.unit} | {each.frame or '-'} | {each.low:g} to {each.high:g} | "
+        f"{each.meaning.replace('|', chr(92) + '|')} |"
+        for index, each in enumerate(elements)
+    )
+    return [f"| {what} | name | unit | frame | range | meaning |", "| --- | --- | --- | --- | --- | --- |", *rows, ""]
+
+
+def _meaning(terms: Mapping[str, type[Struct]], name: str, table: Table) -> str:
+    """What a term is, in one sentence."""
+    kind = terms[str(table.get(TERM) or name)]
+    return " ".join((kind.__doc__ or "").split("\n\n")[0].split()).replace("|", "\\|")
+
+
+def _settings(table: Table) -> str:
+    return ", ".join(f"{key} {value:g}" for key, value in table.items() if key != TERM and value) or "-"
+
+
+def _info() -> str:
+    return "\n".join(
+        ["| key | meaning |", "| --- | --- |", *(f"| `{key}` | {text} |" for key, text in INFO.items()), ""]
+    )
