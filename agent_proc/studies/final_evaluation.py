@@ -32,7 +32,11 @@ FINAL_COLUMNS: Final = (
 
 
 def final_columns(
-    policy: PolicyFolder, task: TaskConfig, worlds: Sequence[SteppingWorld], n_starts: int
+    policy: PolicyFolder,
+    task: TaskConfig,
+    worlds: Sequence[SteppingWorld],
+    n_starts: int,
+    first_seed: int = FIRST_FINAL_SEED,
 ) -> dict[str, Any]:
     """Evaluate a policy in `task`, which has the observation and the actions of its own; without starts, no values."""
     if not n_starts:
@@ -40,8 +44,8 @@ def final_columns(
     scenario = task.scenario
     decider = NetworkPolicy(task, policy.actor(), policy.normalizer, "the policy that was trained")
     nominal = replace(scenario, randomization=Randomization())
-    (alone,) = evaluate(worlds[:1], {NOMINAL: nominal}, [FIRST_FINAL_SEED], decider)
-    rows = evaluate(worlds, {DRAWN: scenario}, range(FIRST_FINAL_SEED, FIRST_FINAL_SEED + n_starts), decider)
+    (alone,) = evaluate(worlds[:1], {NOMINAL: nominal}, [first_seed], decider)
+    rows = evaluate(worlds, {DRAWN: scenario}, range(first_seed, first_seed + n_starts), decider)
     return {
         "final_success": [row.success for row in rows],
         "final_ended": [row.ending for row in rows],

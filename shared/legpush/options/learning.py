@@ -9,7 +9,7 @@ import tyro
 
 from legpush.bounds import MAX_DEPTH_M, Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
-from legpush.fields import Seed, require, require_seeds
+from legpush.fields import Seed, parse_seeds, require, require_seeds
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
 
@@ -85,6 +85,11 @@ class TrainOptions(SimulatorOptions):
     """Replaces the task's form of the action; `discrete` is the published grid of w1, w2 and leg."""
     seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
     """Seed of initial weights, exploration and initial conditions."""
+    seeds: Annotated[str | None, tyro.conf.arg(metavar="N-M,...")] = None
+    """Train once with each of these seeds instead, such as 1-5 or 1,3,7: in folders of their own below --out, in this
+    process's workers, with a summary over the seeds. The same command, or --resume, goes on after an interruption."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """With --seeds: number of trainings at a time; if not given, one per core."""
     scenario: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
     """Replaces the task's scenario, which has the robot ready to push, and the goal."""
     steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
@@ -101,12 +106,15 @@ class TrainOptions(SimulatorOptions):
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the training; `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Continue the training in this folder, with its own settings."""
+    """Continue the training in this folder, or those of several seeds, with their own settings."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require(Seed, self.seed, "--seed")
         require(Amount, self.steps, "--steps")
+        require(Amount, self.workers, "--workers")
+        if self.seeds is not None:
+            self._check_seeds(self.seeds)
         for kind, interval, flag in (
             (BoxMass, self.mass_kg, "--mass-kg"),
             (Friction, self.friction, "--friction"),
@@ -118,6 +126,17 @@ class TrainOptions(SimulatorOptions):
             raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
         if self.resume is not None and self.init is not None:
             raise ConfigError("Expected either --resume DIR, which continues a training, or --init, got both")
+
+    def _check_seeds(self, seeds: str) -> None:
+        parse_seeds(seeds, "--seeds")
+        if self.resume is not None:
+            raise ConfigError("Expected either --resume DIR, which knows its seeds, or --seeds, got both")
+        if self.seed != 0:
+            raise ConfigError(f"Expected either --seed or --seeds, got --seed {self.seed} and --seeds {seeds}")
+        if self.join is not None or self.record is not None:
+            raise ConfigError(
+                "Expected no --join and no --record with --seeds: its simulators are no processes on a bus"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
