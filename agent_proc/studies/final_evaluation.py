@@ -6,6 +6,7 @@ from typing import Any, Final
 from msgspec.structs import replace
 
 from agent_proc.evaluation.episodes import evaluate
+from agent_proc.evaluation.starts import FIRST_FINAL_SEED
 from agent_proc.policies.folder import PolicyFolder
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.task.config import TaskConfig
@@ -13,8 +14,6 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.realism.settings import Randomization
 from legpush.study.cells import Column
 
-FIRST_FINAL_SEED: Final = 2_000_000
-"""First of the seeds of the starts; evaluations during a training use others."""
 NOMINAL: Final = "nominal"
 DRAWN: Final = "drawn"
 """Cases: the start without offsets, and starts with those of the scenario."""

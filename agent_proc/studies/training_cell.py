@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Meta, Struct
 from msgspec.structs import replace
 
+from agent_proc.evaluation.starts import FIRST_FINAL_SEED
 from agent_proc.evaluation.sweep import with_changes
 from agent_proc.learning.training import BEST, LAST
 from agent_proc.learning.training_plan import TrainingPlan
@@ -19,7 +20,7 @@ from agent_proc.studies.cell_parts import (
     require_simulator,
     sha256_of_policy,
 )
-from agent_proc.studies.final_evaluation import FINAL_COLUMNS, FIRST_FINAL_SEED, final_columns
+from agent_proc.studies.final_evaluation import FINAL_COLUMNS, final_columns
 from agent_proc.studies.training_run import of_last, pack, train_in
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Interval
