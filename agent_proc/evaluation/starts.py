@@ -9,8 +9,6 @@ FIRST_CHECK_SEED: Final = 1_000_000
 """Starts by which a training chooses its best policy."""
 FIRST_FINAL_SEED: Final = 2_000_000
 """Starts of the further evaluation of a training in a study."""
-FIRST_TUNING_SEED: Final = 3_000_000
-"""Starts by which settings are chosen."""
 FIRST_SEARCH_SEED: Final = 4_000_000
 """Starts by which the best constant action is chosen."""
 

@@ -22,7 +22,7 @@ from agent_proc.learning.plan_file import read_plan, write_plan
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import policy_path
 from agent_proc.policies.learning_libraries import learning_libraries
-from agent_proc.profiles.profile import load_profile
+from agent_proc.profiles.profile import load_profile, require_untuned_seeds
 from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
 from agent_proc.studies.seed_trainings import has_seeds
 from agent_proc.task.file import load_task
@@ -84,6 +84,7 @@ def _train_seeds(options: TrainOptions, console: Console) -> int:
     if options.seeds is None:
         return resume_seeds(options, console)
     seeds = parse_seeds(options.seeds, "--seeds")
+    require_untuned_seeds(load_profile(options.profile), seeds, "--seeds")
     folder = options.out or Path("runs") / f"{_name(options)}-seeds{options.seeds}"
     return begin_seeds(options, seeds, folder, console)
 
@@ -160,6 +161,7 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     require_world(options.world)
     if options.init is not None:
         policy_path(options.init)
+    require_untuned_seeds(profile, [options.seed], "--seed")
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
     task = load_task(

@@ -1,7 +1,7 @@
 """Aggregates of trainings over seeds and starts, as Agarwal et al. 2021 (Deep Reinforcement Learning at the Edge of the
 Statistical Precipice) propose: interquartile means, probabilities of improvement, and performance profiles.
 
-Their bootstrap draws the runs of each task anew. Here one training is judged on many starts, so its results are no
+Their bootstrap draws runs for each task by itself. Here one training is judged on many starts, so its results are no
 independent draws. Ours draws whole trainings, and starts within each case (stratified); all contestants get the same
 starts. With few trainings such intervals are too short: of 5 normal values the one of a mean covers about 83 %.
 """

@@ -46,6 +46,9 @@ LIBRARIES: Final[dict[str, str]] = {
     "websockets": "view",
     "ray": "ray",
     "submitit": "slurm",
+    "optuna": "tune",
+    "sqlalchemy": "tune",
+    "wandb": "wandb",
 }
 """Modules of the libraries that the extras of legpush install, each with an extra that does."""
 

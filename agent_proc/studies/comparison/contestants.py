@@ -63,6 +63,9 @@ def chosen_on(cards: Iterable[Card]) -> Mapping[str, set[int]]:
     for card in cards:
         if card.check is not None:
             used["the best policy of a training"] |= set(card.check.seeds)
+        if (tuned_on := card.profile.tuned_on) is not None:
+            starts = range(tuned_on.first_start, tuned_on.first_start + tuned_on.n_starts)
+            used.setdefault("the profile of a training", set()).update(starts)
     return used
 
 

@@ -13,7 +13,7 @@ from legpush.options.bench import Bench
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
 from legpush.options.export import ExportOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
-from legpush.options.learning_tools import CompareOptions
+from legpush.options.learning_tools import CompareOptions, TuneOptions
 from legpush.options.maps import MapOptions
 from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
 from legpush.options.policies import Policies
@@ -36,6 +36,7 @@ PROGRAMS: Final[dict[type, Program]] = {
     TrainOptions: "agent_proc.programs.train",
     EvaluateOptions: "agent_proc.programs.evaluate",
     CompareOptions: "agent_proc.programs.compare",
+    TuneOptions: "agent_proc.programs.tune",
     CalibrateOptions: "agent_proc.programs.calibrate",
     MapOptions: "agent_proc.programs.show_map",
     Policies: "agent_proc.programs.policy",
@@ -50,6 +51,7 @@ Command = (
     | Annotated[TrainOptions, tyro.conf.subcommand("train")]
     | Annotated[EvaluateOptions, tyro.conf.subcommand("evaluate")]
     | Annotated[CompareOptions, tyro.conf.subcommand("compare")]
+    | Annotated[TuneOptions, tyro.conf.subcommand("tune")]
     | Annotated[CalibrateOptions, tyro.conf.subcommand("calibrate")]
     | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
     | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]

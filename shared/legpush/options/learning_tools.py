@@ -1,4 +1,4 @@
-"""Options of the tools around training: `legpush compare`."""
+"""Options of the tools around training: `legpush compare` and `tune`."""
 
 import os
 from dataclasses import dataclass
@@ -8,11 +8,13 @@ from typing import Annotated, Final, Literal
 
 import tyro
 
-from legpush.bounds import Amount
+from legpush.bounds import Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
-from legpush.fields import require, require_seeds
-from legpush.options.learning import DEFAULT_WORLD
+from legpush.fields import Seed, parse_seeds, require, require_seeds
+from legpush.options.learning import DEFAULT_WORLD, default_simulators
 
+FIRST_TUNING_SEED: Final = 3_000_000
+"""First of the starts by which settings are chosen."""
 FIRST_HELD_OUT_SEED: Final = 5_000_000
 """First of the starts on which policies are compared: nothing else uses them."""
 
@@ -75,3 +77,85 @@ class CompareOptions:
     def n_workers(self) -> int:
         """Number of worker processes."""
         return self.workers if self.workers is not None else usual_workers()
+
+
+@dataclass(frozen=True, kw_only=True)
+class TuneOptions:
+    """Search the settings of a training profile: trials with several seeds each, and bad ones given up after a few.
+
+    The best settings are written as a profile that `legpush train --profile FILE` takes. Ctrl-C keeps every finished
+    training; the same command with the same --out goes on, to the same trials. Needs `legpush[tune]`. Exit codes: 0
+    tuned, 2 bad input, 3 a training failed, 130 interrupted.
+    """
+
+    profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
+    """Training profile whose settings are searched; the first trial has its own, if they are in the space."""
+    space: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    """Search space: ppo, sac, td3, or the path of a TOML file; that of the profile's algorithm if not given."""
+    trials: Annotated[int, tyro.conf.arg(metavar="N")] = 40
+    """Number of trials."""
+    seeds: Annotated[str, tyro.conf.arg(metavar="N-M,...")] = "1001-1003"
+    """Training seeds of each trial. The profile notes them, and `legpush train` refuses them."""
+    batch: Annotated[int, tyro.conf.arg(metavar="N")] = 4
+    """Trials that are chosen at a time, by all earlier ones; the result depends on it, and not on --workers."""
+    sampler: Literal["tpe", "random"] = "tpe"
+    """How values are chosen: by a tree-structured Parzen estimator, or at random."""
+    pruner: Literal["median", "none"] = "median"
+    """When a trial is given up: if its mean loss over its seeds up to now is above the median of the finished trials
+    with as many, or never."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Seed of the sampler."""
+    episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 30
+    """Starts from which the last policy of each training is judged."""
+    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = FIRST_TUNING_SEED
+    """Seed of the first of these starts. The profile notes them, and `legpush compare` refuses them."""
+    task: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    """Replaces the profile's task."""
+    entry: Literal["fixed", "variable"] | None = None
+    """Replaces the task's depth of the pushes."""
+    scenario: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    """Replaces the task's scenario."""
+    steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Replaces the profile's number of push cycles."""
+    mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw the mass of the box for each episode of a training."""
+    friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw the friction of the box for each episode of a training."""
+    distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Draw the distance from box to goal for each episode of a training."""
+    world: Annotated[str, tyro.conf.arg(metavar="NAME")] = "map"
+    """What is pushed in: `map`, a map of the default box without physics; `mujoco`, the simulator; another plug-in."""
+    simulators: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Number of simulators or other worlds of a training; if not given, one per core, 8 at most."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Number of trainings at a time; if not given, one per core."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder for best.toml, trials.csv, tuning.png, the database of Optuna and the studies; `runs/<time>-tune` if not
+    given."""
+
+    def __post_init__(self) -> None:
+        parse_seeds(self.seeds, "--seeds")
+        for value, flag in ((self.trials, "--trials"), (self.batch, "--batch"), (self.episodes, "--episodes")):
+            require(Amount, value, flag)
+        require(Amount, self.steps, "--steps")
+        require(Amount, self.workers, "--workers")
+        require(Seed, self.seed, "--seed")
+        require(Simulators, self.simulators, "--simulators")
+        require_seeds(self.first_seed, self.episodes, "--first-seed")
+        for kind, interval, flag in (
+            (BoxMass, self.mass_kg, "--mass-kg"),
+            (Friction, self.friction, "--friction"),
+            (Length, self.distance_m, "--distance-m"),
+        ):
+            for bound in interval or ():
+                require(kind, bound, flag)
+
+    @property
+    def n_workers(self) -> int:
+        """Number of worker processes."""
+        return self.workers if self.workers is not None else usual_workers()
+
+    @property
+    def n_simulators(self) -> int:
+        """Number of worlds of a training."""
+        return self.simulators if self.simulators is not None else default_simulators()

@@ -4,11 +4,10 @@ from agent_proc.evaluation.starts import (
     FIRST_CHECK_SEED,
     FIRST_FINAL_SEED,
     FIRST_SEARCH_SEED,
-    FIRST_TUNING_SEED,
     require_held_out,
 )
 from legpush.errors import ConfigError
-from legpush.options.learning_tools import FIRST_HELD_OUT_SEED
+from legpush.options.learning_tools import FIRST_HELD_OUT_SEED, FIRST_TUNING_SEED
 
 
 def test_a_start_by_which_something_was_chosen_is_refused() -> None:
