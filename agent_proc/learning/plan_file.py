@@ -21,7 +21,14 @@ _PLAN_FIELDS: Final[dict[str, Any]] = {
     "versions": dict[str, str],
 }
 """Types of all fields but the profile and the task, which have readers of their own."""
-_LATER_FIELDS: Final[dict[str, Any]] = {"world": str, "init": str | None}
+_LATER_FIELDS: Final[dict[str, Any]] = {
+    "world": str,
+    "init": str | None,
+    "loggers": tuple[str, ...],
+    "callbacks": tuple[str, ...],
+    "film_every": int | None,
+    "film_last": bool,
+}
 """Types of the fields that plans of earlier versions do not have."""
 
 

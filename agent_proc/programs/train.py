@@ -23,6 +23,7 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import policy_path
 from agent_proc.policies.learning_libraries import learning_libraries
 from agent_proc.profiles.profile import load_profile, require_untuned_seeds
+from agent_proc.programs.render_films import render_films
 from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
 from agent_proc.studies.seed_trainings import has_seeds
 from agent_proc.task.file import load_task
@@ -56,11 +57,13 @@ def train(options: TrainOptions, console: Console) -> int:
     """
     with learning_libraries("a training"):
         from agent_proc.learning.checkpoint import CHECKPOINT_FILE
+        from agent_proc.learning.loggers.registry import require_tools
     if options.seeds is not None or (options.resume is not None and has_seeds(options.resume)):
         return _train_seeds(options, console)
     if options.resume is not None:
         folder, plan = options.resume, read_plan(options.resume)
         require_writable_folder(folder, "--resume")
+        require_tools(plan.loggers, plan.callbacks, (*options.loggers, *options.callbacks))
     else:
         folder, plan = _begin(options)
     try:
@@ -121,6 +124,7 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         console.print(Text(f"{kept_words(result.step, done)}; to go on: {_again(folder)}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
+    render_films(folder, console)
     return 0
 
 
@@ -157,11 +161,14 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         PolicyError: There is no policy to begin with.
         PluginError: There is no such world.
     """
+    from agent_proc.learning.loggers.registry import require_tools
+
     profile = load_profile(options.profile)
     require_world(options.world)
     if options.init is not None:
         policy_path(options.init)
     require_untuned_seeds(profile, [options.seed], "--seed")
+    require_tools(options.loggers, options.callbacks, (*options.loggers, *options.callbacks))
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
     task = load_task(
@@ -179,6 +186,10 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         versions={name: version for name, version in installed_versions().items() if version is not None},
         world=str(Path(options.world).absolute()) if options.world.endswith(MAP_SUFFIX) else options.world,
         init=options.init,
+        loggers=options.loggers,
+        callbacks=options.callbacks,
+        film_every=options.film_every,
+        film_last=options.film_last,
     )
     folder = options.out or Path("runs") / f"{_name(options)}-{task.entry}-seed{options.seed}"
     require_writable_folder(folder, "--out")

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from agent_proc.programs.render_films import render_films
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.studies.seed_trainings import (
     MEASURES,
@@ -69,6 +70,10 @@ def _settings(options: TrainOptions) -> dict[str, Any]:
         "world": options.world,
         "init": None if options.init is None else _existing(options.init),
         "n_simulators": options.n_simulators,
+        "loggers": list(options.loggers),
+        "callbacks": list(options.callbacks),
+        "film_every": options.film_every,
+        "film_last": options.film_last,
     }
 
 
@@ -83,7 +88,8 @@ def _existing(name: str) -> str:
 
 
 def _train(source: str, options: TrainOptions, folder: Path, console: Console) -> int:
-    study, stop = read_study(source, f"{folder / STUDY}"), stop_on_signals()
+    allowed = (*options.loggers, *options.callbacks)
+    study, stop = read_study(source, f"{folder / STUDY}", allowed_policies=allowed), stop_on_signals()
     seeds: list[int] = study.file.axes["seed"]
     again = shlex.join(["legpush", "train", "--resume", str(folder)])
     n_workers = min(options.workers or len(os.sched_getaffinity(0)), len(seeds))
@@ -101,6 +107,8 @@ def _train(source: str, options: TrainOptions, folder: Path, console: Console) -
         return INTERRUPTED
     for failure in StudyFolder(folder / STUDY).failures():
         console.print(Text(f"seed {failure.inputs['seed']} failed: {failure.error}"), soft_wrap=True)
+    for seed in seeds:
+        render_films(seed_folder(folder, seed), console)
     if tally.n_done:
         _report(folder, summarize_seeds(folder), console)
     return 1 if tally.n_failed else 0

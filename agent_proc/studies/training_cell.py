@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from agent_proc.evaluation.starts import FIRST_FINAL_SEED
 from agent_proc.evaluation.sweep import with_changes
+from agent_proc.learning.loggers.registry import require_tools
 from agent_proc.learning.training import BEST, LAST
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import read_policy
@@ -106,6 +107,14 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
     init: str | None = None
     """Policy to begin with instead of random weights."""
+    loggers: tuple[str, ...] = ()
+    """Where its numbers are logged, in its folder: `tensorboard`, `csv`, `wandb`."""
+    callbacks: tuple[str, ...] = ()
+    """Callbacks of other packages, by name."""
+    film_every: Annotated[int, Meta(ge=1)] | None = None
+    """Keep an episode for a film of every N-th evaluation, in its folder."""
+    film_last: bool = False
+    """The same of the last evaluation."""
     scenario: str | None = None
     """Replaces the task's scenario, which has the robot ready to push, and the goal."""
     changes: dict[str, Any] = {}
@@ -126,6 +135,10 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     world: str
     init: str | None
     init_sha256: str
+    loggers: tuple[str, ...]
+    callbacks: tuple[str, ...]
+    film_every: int | None
+    film_last: bool
 
 
 def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
@@ -138,6 +151,7 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     """
     require_simulator(cell.world)
     require_seeds(cell.final_first_seed, cell.final_episodes, "final_first_seed")
+    require_tools(cell.loggers, cell.callbacks, allowed)
     profile = _profile(cell)
     name = cell.task or profile.task
     scenario = load_task(name).scenario if cell.scenario is None else load_scenario(cell.scenario)
@@ -155,6 +169,10 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
         world=cell.world,
         init=cell.init,
         init_sha256="" if cell.init is None else sha256_of_policy(cell.init, allowed),
+        loggers=cell.loggers,
+        callbacks=cell.callbacks,
+        film_every=cell.film_every,
+        film_last=cell.film_last,
     )
 
 
@@ -236,6 +254,10 @@ def _plan(cell: ResolvedTraining) -> TrainingPlan:
         versions={name: version for name, version in installed_versions().items() if version is not None},
         world=cell.world,
         init=cell.init,
+        loggers=cell.loggers,
+        callbacks=cell.callbacks,
+        film_every=cell.film_every,
+        film_last=cell.film_last,
     )
 
 

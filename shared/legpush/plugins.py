@@ -15,6 +15,8 @@ Group = Literal[
     "legpush.missions",
     "legpush.cells",
     "legpush.tasks",
+    "legpush.loggers",
+    "legpush.callbacks",
 ]
 
 _NOUNS: Final[dict[Group, str]] = {
@@ -24,6 +26,8 @@ _NOUNS: Final[dict[Group, str]] = {
     "legpush.missions": "mission",
     "legpush.cells": "kind of cell",
     "legpush.tasks": "term of a task",
+    "legpush.loggers": "logger",
+    "legpush.callbacks": "callback",
 }
 
 

@@ -28,7 +28,9 @@ PARTS = [
     ("agent_proc/gym_envs.py", ("train",)),
     ("agent_proc/learning", ("train",)),
     ("agent_proc/policies/sb3", ("train",)),
+    ("agent_proc/learning/loggers/wandb_log.py", ("wandb",)),
     ("agent_proc/studies", ("study",)),
+    ("agent_proc/studies/tuning", ("tune",)),
 ]
 """Source folder or module, without those in it that are parts themselves, and the extras that its hosts install."""
 BESIDE = [

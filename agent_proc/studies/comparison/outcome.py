@@ -58,7 +58,7 @@ class Versus:
     differences: Mapping[str, Estimate]
     """By measure: the mean difference from the other one, on equal starts."""
     improvement: Estimate
-    """Probability that it has the lower loss."""
+    """Probability of the lower loss."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -136,7 +136,7 @@ class Trials:
         return trial
 
     def _suggested(self, trial: Trial) -> dict[str, Value]:
-        """The values of a trial; those that it has already stay."""
+        """The values of a trial; values that were chosen before stay."""
         found: dict[str, Value] = {}
         for path, parameter in self._space.parameters.items():
             low, high = parameter.low, parameter.high

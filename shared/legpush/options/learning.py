@@ -103,6 +103,15 @@ class TrainOptions(SimulatorOptions):
     init: Annotated[str | None, tyro.conf.arg(metavar="POLICY|DIR")] = None
     """Begin with the actor of this trained policy instead of random weights, or with actor and critics of the training
     in this folder."""
+    loggers: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = ("tensorboard",)
+    """Where the numbers of the training are logged: tensorboard, csv (log.csv), wandb (Weights & Biases, offline), or
+    those of other packages by name."""
+    callbacks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = ()
+    """Callbacks of other packages by name."""
+    film_every: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Film an episode of every N-th evaluation; below `films` in the folder of the training."""
+    film_last: bool = False
+    """Film an episode of the last evaluation."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder of the training; `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
@@ -113,6 +122,9 @@ class TrainOptions(SimulatorOptions):
         require(Seed, self.seed, "--seed")
         require(Amount, self.steps, "--steps")
         require(Amount, self.workers, "--workers")
+        require(Amount, self.film_every, "--film-every")
+        if self.world.startswith("map") and (self.film_every is not None or self.film_last):
+            raise ConfigError(f"Expected --world {DEFAULT_WORLD} with --film-every and --film-last: a map has no robot")
         if self.seeds is not None:
             self._check_seeds(self.seeds)
         for kind, interval, flag in (

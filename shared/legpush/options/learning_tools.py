@@ -44,7 +44,7 @@ class CompareOptions:
     policy: Literal["best", "last"] = "best"
     """Which policy of each training."""
     against: Annotated[str, tyro.conf.arg(metavar="NAME")] = "constant"
-    """Whom to compare the others with: a rival, or the name of a RUN as the table shows it."""
+    """The others are compared with this one: a rival, or the name of a RUN as the table shows it."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 50
     """Number of starts, for each swept value."""
     first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = FIRST_HELD_OUT_SEED

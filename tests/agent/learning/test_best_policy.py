@@ -33,7 +33,7 @@ def built(profile: AnyProfile, check: Check | None = None) -> PolicyFolder:
     )
     env = PushVecEnv(task, [FakeWorld()])
     try:
-        return build_policy(plan, make_learner(profile, env, plan.seed, None), [POINT], check)
+        return build_policy(plan, make_learner(profile, env, plan.seed), [POINT], check)
     finally:
         env.close()
 
