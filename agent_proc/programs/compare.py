@@ -6,8 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+import msgspec
 import tomli_w
-import tyro
 from rich.console import Console
 from rich.text import Text
 
@@ -33,9 +33,11 @@ from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning_tools import CompareOptions, dated
-from legpush.scenarios.file import load_scenario
+from legpush.options.scenarios import changed_scenario
+from legpush.output.reply import document
+from legpush.scenarios.changes import parse_changes
 from legpush.scene.scenario import Scenario
-from legpush.service import run_program, stop_on_signals
+from legpush.service import run_command, stop_on_signals
 from legpush.study.carry_out import Orders
 from legpush.study.engines.local import LocalEngine
 from legpush.study.engines.staying import staying
@@ -47,10 +49,10 @@ NAME: Final = "comparison"
 
 def main() -> int:
     """Parse the command line and compare; returns the exit code."""
-    return run_program("compare", lambda: compare(tyro.cli(CompareOptions, prog="legpush compare")))
+    return run_command("compare", CompareOptions, lambda options: compare(options, Console()))
 
 
-def compare(options: CompareOptions, console: Console | None = None) -> int:
+def compare(options: CompareOptions, console: Console) -> int:
     """Run the comparison, or go on with it, print and write what comes out; returns the exit code.
 
     Raises:
@@ -60,14 +62,13 @@ def compare(options: CompareOptions, console: Console | None = None) -> int:
         StopRequestedError: Interrupted by a signal; what is done is kept.
         LegpushError: A cell failed.
     """
-    console = console or Console(stderr=options.json)
     contestants = find_contestants(options.runs, options.policy)
     labels = [each.label for each in contestants]
     if options.against not in labels:
         raise ConfigError(f"Expected one of {', '.join(labels)} for --against, got {options.against}")
-    seeds = range(options.first_seed, options.first_seed + options.episodes)
-    require_held_out(seeds, chosen_on(cards_of(contestants)), "--first-seed")
-    scenario = load_scenario(options.scenario)
+    seeds = range(options.seed, options.seed + options.episodes)
+    require_held_out(seeds, chosen_on(cards_of(contestants)), "--seed")
+    scenario = changed_scenario(options.scenario, options.changes)
     make_sweep(scenario, options.sweep, grid=True)
     folder = options.out or dated("compare")
     require_writable_folder(folder, "--out")
@@ -82,7 +83,7 @@ def compare(options: CompareOptions, console: Console | None = None) -> int:
             retry_failed=True,
             shown=partial(shown, console),
         )
-        searched = {"scenario": _scenario(options), "task": source, "world": options.search_world}
+        searched = {**_settings(options, source), "world": options.search_world}
         constant = best_constant(
             task, searched, scenario.goal, folder / "constants", partial(rows_of_study, orders=orders)
         )
@@ -94,10 +95,11 @@ def compare(options: CompareOptions, console: Console | None = None) -> int:
     return 0
 
 
-def _scenario(options: CompareOptions) -> str:
-    """The scenario as a study file names it, from any directory."""
+def _settings(options: CompareOptions, task: str) -> dict[str, Any]:
+    """What all cells have in common, as a study file says it from any directory."""
     path = Path(options.scenario)
-    return str(path.absolute()) if path.is_file() else options.scenario
+    scenario = str(path.absolute()) if path.is_file() else options.scenario
+    return {"scenario": scenario, "task": task, **parse_changes(options.changes)}
 
 
 def _study(options: CompareOptions, contestants: list[Contestant], task: str, constant: Action) -> Study:
@@ -108,9 +110,9 @@ def _study(options: CompareOptions, contestants: list[Contestant], task: str, co
     file = {
         "name": NAME,
         "cell": "push",
-        "settings": {"scenario": _scenario(options), "task": task, "world": options.world},
+        "settings": {**_settings(options, task), "world": options.world},
         "together": [{"policy": policies, "action": actions}],
-        "axes": {**swept, "seed": {"first": options.first_seed, "n": options.episodes}},
+        "axes": {**swept, "seed": {"first": options.seed, "n": options.episodes}},
     }
     return read_study(tomli_w.dumps(file), "the comparison", allowed_policies=policies)
 
@@ -124,10 +126,11 @@ def _write(outcome: Outcome, options: CompareOptions, scenario: Scenario, folder
     n = options.episodes
     about = {
         "scenario": options.scenario,
+        "changes": options.changes,
         "sweep": options.sweep,
         "world": options.world,
         "search_world": options.search_world,
-        "first_seed": options.first_seed,
+        "first_seed": options.seed,
         "episodes": n,
         "policy": options.policy,
         "position_tolerance_m": scenario.goal.position_tolerance_m,
@@ -138,9 +141,7 @@ def _write(outcome: Outcome, options: CompareOptions, scenario: Scenario, folder
     write_whole(folder / f"{NAME}.csv", as_csv(outcome).encode())
     title = f"{options.scenario}, world {options.world}, {n} starts" + (" of each case" if options.sweep else "")
     save_picture(outcome, f"{title}; 95 % intervals", folder / f"{NAME}.png")
-    if options.json:
-        sys.stdout.write(text.decode())
-        return
+    document(msgspec.json.decode(text))
     action = ", ".join(f"{value:g}" for value in outcome.constant)
     notes = (
         "",

@@ -25,6 +25,8 @@ from agent_proc.studies.seed_trainings import (
 from legpush.errors import INTERRUPTED
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
+from legpush.output.reply import document
+from legpush.scenarios.changes import parse_changes
 from legpush.service import stop_on_signals
 from legpush.study.carry_out import Orders, carry_out
 from legpush.study.engines.local import LocalEngine
@@ -43,7 +45,13 @@ def begin_seeds(options: TrainOptions, seeds: Sequence[int], folder: Path, conso
         LegpushError: A training, a policy or the world cannot be used.
     """
     require_writable_folder(folder, "--out")
-    return _train(study_text(_settings(options), seeds), options, folder, console)
+    source = study_text(_settings(options), seeds)
+    if options.dry_run:
+        n_cells = read_study(source, "--seeds", allowed_policies=(*options.loggers, *options.callbacks)).n_cells
+        console.print(Text(source), soft_wrap=True)
+        document({"folder": folder, "study": source, "n_trainings": n_cells})
+        return 0
+    return _train(source, options, folder, console)
 
 
 def resume_seeds(options: TrainOptions, console: Console) -> int:
@@ -74,6 +82,7 @@ def _settings(options: TrainOptions) -> dict[str, Any]:
         "callbacks": list(options.callbacks),
         "film_every": options.film_every,
         "film_last": options.film_last,
+        **parse_changes(options.changes),
     }
 
 
@@ -134,3 +143,4 @@ def _report(folder: Path, summary: Mapping[str, Estimate], console: Console) -> 
         soft_wrap=True,
     )
     console.print(Text(f"wrote {write_summary(folder, summary)}"), soft_wrap=True)
+    document({"folder": folder, "mean_over_seeds": summary})

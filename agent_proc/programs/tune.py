@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 import numpy as np
 import tomli_w
-import tyro
 from rich.console import Console
 from rich.text import Text
 
@@ -25,10 +24,12 @@ from legpush.fields import parse_seeds
 from legpush.files import write_whole
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning_tools import TuneOptions, dated
+from legpush.output.reply import document
 from legpush.plugins import why_not_loaded
+from legpush.scenarios.changes import parse_changes
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Goal
-from legpush.service import run_program, stop_on_signals
+from legpush.service import run_command, stop_on_signals
 from legpush.study.carry_out import Orders
 from legpush.study.engines.local import LocalEngine
 from legpush.study.engines.staying import staying
@@ -44,7 +45,7 @@ RESULTS: Final = ("final_ended", "final_position_error_m", "final_angle_error_de
 
 def main() -> int:
     """Parse the command line and tune; returns the exit code."""
-    return run_program("tune", lambda: tune(tyro.cli(TuneOptions, prog="legpush tune"), Console()))
+    return run_command("tune", TuneOptions, lambda options: tune(options, Console()))
 
 
 def tune(options: TuneOptions, console: Console) -> int:
@@ -111,7 +112,7 @@ def _begin(folder: Path, options: TuneOptions, space: Space) -> None:
     Raises:
         ConfigError: The folder has another tuning, or something else.
     """
-    free = ("out", "workers", "trials")
+    free = ("out", "workers", "trials", "output")
     plain = {name: value for name, value in vars(options).items() if name not in free}
     about = {**plain, "simulators": options.n_simulators, "space": space.parameters, "profile": space.profile}
     text = msgspec.json.format(msgspec.json.encode(about), indent=1) + b"\n"
@@ -152,6 +153,7 @@ def _losses(
         "final_episodes": options.episodes,
         "final_first_seed": options.first_seed,
         "seed": seed,
+        **parse_changes(options.changes),
     }
     name = f"trials-{min(values):04}-seed-{seed}"
     file: dict[str, Any] = {
@@ -207,6 +209,7 @@ def _report(
     profile = write_best(folder, space, best, tuned_on)
     written = (profile, write_trials(folder, space, ends), save_picture(folder, space, ends))
     console.print(Text(f"wrote {', '.join(map(str, written))}"), soft_wrap=True)
+    document({"folder": folder, "profile": profile, "best": best, "trials": ends})
     command = ["legpush", "train", "--profile", str(profile), "--seeds", "1-5", *_same_problem(options)]
     console.print(Text(shlex.join(command)), soft_wrap=True)
 
@@ -218,4 +221,4 @@ def _same_problem(options: TuneOptions) -> list[str]:
         value = getattr(options, name)
         if value is not None:
             words += [f"--{name.replace('_', '-')}", *map(str, value if isinstance(value, tuple) else (value,))]
-    return words
+    return [*words, *(word for change in options.changes for word in ("--set", change))]

@@ -9,7 +9,6 @@ from msgspec import Meta, Struct
 from msgspec.structs import replace
 
 from agent_proc.evaluation.starts import FIRST_FINAL_SEED
-from agent_proc.evaluation.sweep import with_changes
 from agent_proc.learning.loggers.registry import require_tools
 from agent_proc.learning.training import BEST, LAST
 from agent_proc.learning.training_plan import TrainingPlan
@@ -30,6 +29,7 @@ from legpush.fields import Seed, require_seeds
 from legpush.lockstep.local import LocalWorld
 from legpush.options.learning import DEFAULT_WORLD
 from legpush.runs.temporary import temporary_folder
+from legpush.scenarios.changes import override
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
@@ -155,7 +155,7 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     profile = _profile(cell)
     name = cell.task or profile.task
     scenario = load_task(name).scenario if cell.scenario is None else load_scenario(cell.scenario)
-    scenario = with_changes(scenario, cell.changes, "the scenario with the changes of the study")
+    scenario = override(scenario, cell.changes, "the scenario with the changes of the study")
     task = _task(cell, name, scenario)
     ending = None if cell.final_ending is None else load_task(cell.final_ending, scenario).ending
     return ResolvedTraining(

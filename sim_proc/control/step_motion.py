@@ -64,11 +64,7 @@ class StepMotion:
     def _move(
         self, step: Step, plan: ComPlan, swing: Swing | None, until: Touchdown | None, *, watched: bool = True
     ) -> TickLog:
-        """Carry out a step with its planned motion of the CoM, up to the touchdown of a foot that is to land.
-
-        While a foot presses a heavy box nothing is watched: a box that does not yield moves the robot as a gust does,
-        and capture steps would not help.
-        """
+        """Carry out a step with its planned motion of the CoM, up to the touchdown of a foot that is to land."""
         posture, gait = self.posture, self._gait
         leg = None if step.leg is None else LEGS.index(step.leg)
         n = step.n_ticks
@@ -96,7 +92,7 @@ class StepMotion:
             plan.zmp_m[:n] + self._lean_m,
             plan.acceleration_m_s2[:n],
             until,
-            watch if watched and step.push is None else None,
+            watch if watched else None,
             None if step.push is None else step.push.after(step.shift_ticks),
         )
         if not log.left_plan:

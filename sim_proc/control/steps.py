@@ -61,7 +61,7 @@ class Steps(StepMotion):
         """Carry out `ahead[0]`, and put feet down before that are not down when they should be."""
         self._carried = ()
         logs = [self._lift_and_swing(ahead, swing, lands=lands, planned=planned)]
-        while (missing := logs[-1].not_down) is not None and not logs[-1].left_plan:
+        while (missing := logs[-1].not_down) is not None:
             leg, place_m = LEGS[missing], self.posture.feet_m[missing, :2].copy()
             logs += self._search(leg, [replace(ahead[0], leg=leg, target_m=place_m), *ahead[1:]])
             if logs[-1].left_plan:

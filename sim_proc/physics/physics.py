@@ -1,6 +1,7 @@
 """The running world: MuJoCo's model and data, measured in the order of `LEGS`, and the control loop."""
 
 from collections.abc import Iterable
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -119,7 +120,8 @@ class Physics:
         controls = planned.copy()
         self.senses.begin_run(self.tick, len(controls))
         qpos, sensors = self._simulate(controls, landing)
-        alarm = None if watch is None else self._sensors.alarm(watch, sensors)
+        felt_n = partial(self.senses.pressing_n, began.tick)
+        alarm = None if watch is None else self._sensors.alarm(watch, sensors, felt_n)
         if alarm is not None and alarm + 1 < len(qpos):
             self._go_back(began)
             planned = planned[: alarm + 1]
@@ -147,7 +149,7 @@ class Physics:
             ctrl=controls[: len(qpos)],
             steps=steps,
             touched_down=landing is not None and landing.touched_down(len(qpos) - 1, felt),
-            not_down=None if landing is None else landing.not_down(len(qpos) - 1, felt),
+            not_down=None if landing is None or alarm is not None else landing.not_down(len(qpos) - 1, felt),
             left_plan=alarm is not None,
         )
 

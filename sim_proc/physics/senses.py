@@ -62,6 +62,11 @@ class ExactSenses:
         del tick
         return forces_n
 
+    def pressing_n(self, tick: int, forces_n: Floats) -> Floats:
+        """How hard any foot presses the box in the ticks after `tick`, (n,), by its forces there, (n, steps, 4, 3)."""
+        del tick
+        return _hardest_n(forces_n.mean(axis=1))
+
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
         return b""
@@ -171,11 +176,25 @@ class OwnSenses:
 
         The foot is in the air before, so that its sensor is tared, along all three axes.
         """
-        deviation_n = float(self._deviations[FORCES].max()) / sqrt(COMMANDS_PER_TICK)
-        ticks = range(tick, tick + len(forces_n))
-        noise = [np.random.default_rng([self._seed, PUSH_STREAM, each]).standard_normal(3) for each in ticks]
-        felt: Floats = forces_n + deviation_n * np.array(noise)
+        felt: Floats = forces_n + self._push_noise_n(tick, len(forces_n))
         return felt
+
+    def pressing_n(self, tick: int, forces_n: Floats) -> Floats:
+        """How hard any foot presses the box as far as it is felt in the ticks after `tick`, (n,).
+
+        Its forces there, (n, steps, 4, 3), are felt late: at first, that of the beginning.
+        """
+        steps = forces_n.reshape(-1, *forces_n.shape[2:])
+        late = steps[np.maximum(np.arange(len(steps)) - self.late_steps, 0)].reshape(forces_n.shape)
+        return _hardest_n(late.mean(axis=1) + self._push_noise_n(tick, len(forces_n))[:, None])
+
+    def _push_noise_n(self, tick: int, n_ticks: int) -> Floats:
+        """Noise of the mean force that a foot feels in each tick after `tick`, along all axes, (n_ticks, 3)."""
+        deviation_n = float(self._deviations[FORCES].max()) / sqrt(COMMANDS_PER_TICK)
+        ticks = range(tick, tick + n_ticks)
+        noise = [np.random.default_rng([self._seed, PUSH_STREAM, each]).standard_normal(3) for each in ticks]
+        scaled: Floats = deviation_n * np.array(noise)
+        return scaled
 
     def as_bytes(self) -> bytes:
         """All that later readings depend on, but the seed."""
@@ -196,6 +215,12 @@ class OwnSenses:
                 generator = np.random.default_rng([self._seed, stream, FIRST_CHUNK + chunk])
                 noise[:, columns] = generator.standard_normal((len(noise), columns.stop - columns.start))
         return noise
+
+
+def _hardest_n(forces_n: Floats) -> Floats:
+    """The largest of the forces of all feet in each tick, (n,), from (n, 4, 3)."""
+    hardest: Floats = np.linalg.norm(forces_n, axis=-1).max(axis=-1)
+    return hardest
 
 
 def _specific_forces(moved: Floats, gravity_m_s2: Floats) -> Floats:

@@ -1,6 +1,6 @@
 """Where the readings of each sensor of the model are among all of them."""
 
-import numpy as np
+from collections.abc import Callable
 
 from legpush.arrays import Floats
 from legpush.scene.conventions import LEGS
@@ -50,19 +50,24 @@ class Sensors:
         """Accelerations at all steps, (n, steps, 3), and attitudes at the last steps of ticks, (n, 4), of the IMU."""
         return readings[..., self.of["imu_acceleration"]], readings[:, -1, self.of["imu_orientation"]]
 
-    def alarm(self, watch: Watch, readings: Floats) -> int | None:
+    def alarm(self, watch: Watch, readings: Floats, felt_n: Callable[[Floats], Floats]) -> int | None:
         """The first tick after which a motion, (ticks, steps, n), is too far from the plan, if it is.
 
-        A foot that presses the box hard moves the robot as a gust does. Then there is no alarm.
+        A foot that presses the box hard moves the robot as a gust does: then there is no alarm. Such a motion, and one
+        in which a foot presses as hard on average, tells nothing of the usual deviation. `felt_n` returns how hard any
+        foot presses in each tick as far as it is felt, (ticks,), from the forces of the box on the feet at all steps,
+        (ticks, steps, 4, 3).
         """
         alarm = watch.alarm(*self.motion(readings))
-        if alarm is None:
-            return None
-        pressing_n = np.linalg.norm(self.box_forces_n(readings[alarm]).mean(axis=0), axis=1).max()
-        if pressing_n <= watch.pressing_n:
+        if not readings[..., self._box_forces].any():
             return alarm
-        watch.forget()
-        return None
+        pressing_n = felt_n(self.box_forces_n(readings))
+        if alarm is not None and pressing_n[alarm] > watch.pressing_n:
+            alarm = None
+            watch.forget()
+        elif alarm is None and pressing_n.mean() > watch.pressing_n:
+            watch.forget()
+        return alarm
 
     def floor_forces_n(self, readings: Floats) -> Floats:
         """Forces of the floor on the feet, (..., 4, 3), from all readings, (..., n)."""

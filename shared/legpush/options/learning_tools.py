@@ -6,12 +6,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
 from legpush.fields import Seed, parse_seeds, require, require_seeds
 from legpush.options.learning import DEFAULT_WORLD, default_simulators
+from legpush.options.scenarios import Changes, ScenarioName
 
 FIRST_TUNING_SEED: Final = 3_000_000
 """First of the starts by which settings are chosen."""
@@ -39,39 +39,40 @@ class CompareOptions:
     130 interrupted.
     """
 
-    runs: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="RUN ...")]
+    runs: Positional[Annotated[tuple[str, ...], arg("RUN ...")]]
     """Trainings or policies."""
-    policy: Literal["best", "last"] = "best"
+    policy: Annotated[Literal["best", "last"], arg()] = "best"
     """Which policy of each training."""
-    against: Annotated[str, tyro.conf.arg(metavar="NAME")] = "constant"
+    against: Annotated[str, arg("NAME")] = "constant"
     """The others are compared with this one: a rival, or the name of a RUN as the table shows it."""
-    episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 50
+    episodes: Annotated[int, arg("N")] = 50
     """Number of starts, for each swept value."""
-    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = FIRST_HELD_OUT_SEED
-    """Seed of the first start."""
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
+    seed: Annotated[int, arg("N")] = FIRST_HELD_OUT_SEED
+    """Seed of the first start; each later one has the next seed."""
+    scenario: ScenarioName = "push"
     """Scenario with the robot ready to push, and the goal with its tolerances."""
-    sweep: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="FIELD=VALUE,...")] = ()
+    changes: Changes = ()
+    """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
+    sweep: Annotated[Repeated[str], arg("FIELD=VALUE,...")] = ()
     """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9; given again, all combinations."""
-    world: Annotated[str, tyro.conf.arg(metavar="NAME")] = DEFAULT_WORLD
+    world: Annotated[str, arg("NAME")] = DEFAULT_WORLD
     """What is pushed in: `mujoco`, the simulator; `map`, a map of the default box without physics; another plug-in."""
-    search_world: Annotated[str, tyro.conf.arg(metavar="NAME")] = "map"
+    search_world: Annotated[str, arg("NAME")] = "map"
     """What the best constant is searched in, on starts of its own: 426 episodes with variable entry. `map` knows the
     default box alone."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    workers: Annotated[int | None, arg("N")] = None
     """Number of worker processes; if not given, one per core."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder for comparison.json, comparison.csv, comparison.png and the studies; `runs/<time>-compare` if not
     given."""
-    json: bool = False
-    """Print the numbers as JSON instead of tables; what is under way goes to standard error."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if not self.runs:
             raise ConfigError("Expected at least one RUN: a training, a policy folder, or the name of a policy")
         require(Amount, self.episodes, "--episodes")
         require(Amount, self.workers, "--workers")
-        require_seeds(self.first_seed, self.episodes, "--first-seed")
+        require_seeds(self.seed, self.episodes, "--seed")
 
     @property
     def n_workers(self) -> int:
@@ -88,50 +89,53 @@ class TuneOptions:
     tuned, 2 bad input, 3 a training failed, 130 interrupted.
     """
 
-    profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
+    profile: Annotated[str, arg("NAME|FILE")] = "tuned"
     """Training profile whose settings are searched; the first trial has its own, if they are in the space."""
-    space: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    space: Annotated[str | None, arg("NAME|FILE")] = None
     """Search space: ppo, sac, td3, or the path of a TOML file; that of the profile's algorithm if not given."""
-    trials: Annotated[int, tyro.conf.arg(metavar="N")] = 40
+    trials: Annotated[int, arg("N")] = 40
     """Number of trials."""
-    seeds: Annotated[str, tyro.conf.arg(metavar="N-M,...")] = "1001-1003"
+    seeds: Annotated[str, arg("N-M,...")] = "1001-1003"
     """Training seeds of each trial. The profile notes them, and `legpush train` refuses them."""
-    batch: Annotated[int, tyro.conf.arg(metavar="N")] = 4
+    batch: Annotated[int, arg("N")] = 4
     """Trials that are chosen at a time, by all earlier ones; the result depends on it, and not on --workers."""
-    sampler: Literal["tpe", "random"] = "tpe"
+    sampler: Annotated[Literal["tpe", "random"], arg()] = "tpe"
     """How values are chosen: by a tree-structured Parzen estimator, or at random."""
-    pruner: Literal["median", "none"] = "median"
+    pruner: Annotated[Literal["median", "none"], arg()] = "median"
     """When a trial is given up: if its mean loss over its seeds up to now is above the median of the finished trials
     with as many, or never."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, arg("N")] = 0
     """Seed of the sampler."""
-    episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 30
+    episodes: Annotated[int, arg("N")] = 30
     """Starts from which the last policy of each training is judged."""
-    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = FIRST_TUNING_SEED
+    first_seed: Annotated[int, arg("N")] = FIRST_TUNING_SEED
     """Seed of the first of these starts. The profile notes them, and `legpush compare` refuses them."""
-    task: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    task: Annotated[str | None, arg("NAME|FILE")] = None
     """Replaces the profile's task."""
-    entry: Literal["fixed", "variable"] | None = None
+    entry: Annotated[Literal["fixed", "variable"] | None, arg()] = None
     """Replaces the task's depth of the pushes."""
-    scenario: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    scenario: Annotated[str | None, arg("NAME|FILE")] = None
     """Replaces the task's scenario."""
-    steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    changes: Changes = ()
+    """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
+    steps: Annotated[int | None, arg("N")] = None
     """Replaces the profile's number of push cycles."""
-    mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    mass_kg: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
     """Draw the mass of the box for each episode of a training."""
-    friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    friction: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
     """Draw the friction of the box for each episode of a training."""
-    distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    distance_m: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
     """Draw the distance from box to goal for each episode of a training."""
-    world: Annotated[str, tyro.conf.arg(metavar="NAME")] = "map"
+    world: Annotated[str, arg("NAME")] = "map"
     """What is pushed in: `map`, a map of the default box without physics; `mujoco`, the simulator; another plug-in."""
-    simulators: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    simulators: Annotated[int | None, arg("N")] = None
     """Number of simulators or other worlds of a training; if not given, one per core, 8 at most."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    workers: Annotated[int | None, arg("N")] = None
     """Number of trainings at a time; if not given, one per core."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder for best.toml, trials.csv, tuning.png, the database of Optuna and the studies; `runs/<time>-tune` if not
     given."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         parse_seeds(self.seeds, "--seeds")

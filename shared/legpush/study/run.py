@@ -10,6 +10,7 @@ from rich.text import Text
 from legpush.errors import INTERRUPTED
 from legpush.options.checks import require_writable_folder
 from legpush.options.study import RunStudy
+from legpush.output.reply import document
 from legpush.service import stop_on_signals
 from legpush.study.carry_out import Orders, carry_out
 from legpush.study.engines.choose import INLINE, LOCAL, make_engine, require_engine
@@ -45,6 +46,7 @@ def run_study(options: RunStudy, console: Console) -> int:
         console.print(Text(f"interrupted: {line(tally, 0.0)}; to go on: {again}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"{line(tally, 0.0)}; written to {folder.table}"), soft_wrap=True)
+    document({"table": folder.table, "n_cells": tally.n_cells, "n_done": tally.n_done, "n_failed": tally.n_failed})
     if tally.n_failed:
         console.print(Text(f"failed cells have their last words in {folder.failed}"), soft_wrap=True)
         return 1

@@ -13,8 +13,10 @@ from agent_proc.evaluation.starts import FIRST_CHECK_SEED
 from agent_proc.programs import compare as program
 from agent_proc.programs.compare import compare
 from agent_proc.studies.comparison import constants
+from legpush.arguments import OutputOptions
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning_tools import CompareOptions
+from legpush.output.reply import replying
 from legpush.study.engines.inline import InlineEngine
 
 
@@ -41,7 +43,7 @@ def test_a_comparison_goes_on_after_an_interruption_to_tables_and_files(
     options = CompareOptions(runs=("variable",), world="map_mean", search_world="map", episodes=2, out=tmp_path / "c")
     stop.set()
     with pytest.raises(StopRequestedError, match=r"interrupted: 0 of 2 cells of constants-1 are kept; to go on: leg"):
-        compare(options)
+        compare(options, Console(file=io.StringIO()))
     stop.clear()
     text = said(options)
 
@@ -49,7 +51,8 @@ def test_a_comparison_goes_on_after_an_interruption_to_tables_and_files(
     assert lines[:4] == ["variable", "zero", "random", "constant"]
     assert {"comparison.json", "comparison.csv", "comparison.png"} <= {path.name for path in (tmp_path / "c").iterdir()}
 
-    assert compare(replace(options, json=True), Console(file=io.StringIO())) == 0
+    with replying(OutputOptions(json=True)):
+        assert compare(options, Console(file=io.StringIO())) == 0
     plain = json.loads(capsys.readouterr().out)
     assert plain == json.loads((tmp_path / "c" / "comparison.json").read_bytes())
     assert [entry["n_starts"] for entry in plain["entries"]] == [2, 2, 2, 2]
@@ -58,9 +61,9 @@ def test_a_comparison_goes_on_after_an_interruption_to_tables_and_files(
 def test_starts_on_which_the_best_policy_was_chosen_are_refused(tmp_path: Path) -> None:
     options = CompareOptions(runs=("variable/",), out=tmp_path / "c")
     with pytest.raises(ConfigError, match="Expected one of"):
-        compare(replace(options, runs=("scripted",), against="nobody"))
+        compare(replace(options, runs=("scripted",), against="nobody"), Console())
     folder = Path(program.__file__).parents[1] / "policies" / "variable"
     with pytest.raises(ConfigError, match="such as 1000000, by which the best policy of a training was chosen"):
-        compare(replace(options, runs=(str(folder),), first_seed=FIRST_CHECK_SEED))
+        compare(replace(options, runs=(str(folder),), seed=FIRST_CHECK_SEED), Console())
     with pytest.raises(ConfigError, match="Expected at least one RUN"):
         replace(options, runs=())

@@ -8,14 +8,19 @@ from msgspec.structs import replace
 
 from legpush.arrays import Floats
 from legpush.messages.stepping import Push, Reset
+from legpush.realism.settings import Profile, Realism
 from legpush.scene.conventions import FrontLeg
 from legpush.scene.scenario import Scenario
 from sim_proc.control.posture import Posture
 from sim_proc.control.push_cycle import Pusher
 from sim_proc.control.steps import Steps
+from sim_proc.control.watch import Watch
 from sim_proc.simulator import Simulator
 from tests.robots import ROBOT
 from tests.sim.control.kinematic_plant import KinematicPlant
+
+N_FOOTSTEPS = 4
+"""Of a push cycle without capture steps."""
 
 
 def heavy(scenario: Scenario, mass_kg: float) -> Scenario:
@@ -59,17 +64,28 @@ def test_the_force_of_a_push_is_bounded_by_what_the_feet_can_bear(at_the_box: Sc
     assert np.abs(bounded[:, 1]).max() < 2.5 * np.abs(usual[:, 1]).max()
 
 
-@pytest.mark.parametrize(("mass_kg", "captures"), [(0.5, True), (20.0, False)])
-def test_the_push_of_a_heavy_box_does_not_end_in_capture_steps(
-    at_the_box: Scenario, mass_kg: float, captures: bool
+@pytest.mark.parametrize(("profile", "expected_n"), [("ideal", 60.0), ("ideal", 2.0), ("real", 2.0)])
+def test_the_push_of_a_box_that_does_not_yield_does_not_end_in_capture_steps(
+    at_the_box: Scenario, monkeypatch: pytest.MonkeyPatch, profile: Profile, expected_n: float
 ) -> None:
-    box = heavy(at_the_box, mass_kg).box
-    n_ticks = []
-    for thrown_at_tick in (None, 40):
-        plant = KinematicPlant(at_the_box.start.pose(), box, thrown_at_tick=thrown_at_tick)
-        push = Pusher(Steps(Posture(plant)), box).cycle(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05), (0.5, 0.5))
-        n_ticks.append(len(push.logs[0].qpos))
-    assert (n_ticks[0] != n_ticks[1]) == captures
+    stuck = replace(at_the_box.box, mass_kg=40.0, friction=1.0)
+    simulator, beyond, raised = Simulator(), [], Watch.alarm
+
+    def alarm(watch: Watch, com_m: Floats, velocity_m_s: Floats, tips_m: Floats) -> int | None:
+        beyond.append(raised(watch, com_m, velocity_m_s, tips_m))
+        return beyond[-1]
+
+    simulator.perform(
+        Reset(scenario=replace(at_the_box, box=stuck, realism=Realism(profile=profile)), seed=0), with_trace=False
+    )
+    assert simulator.episode is not None
+    simulator.episode.pusher.resistance.force_n = np.array([expected_n, 0.0, 0.0])
+    monkeypatch.setattr(Watch, "alarm", alarm)
+    outcome = simulator.perform(Push(w1=0.5, w2=0.5, leg="FR", depth_m=0.08), with_trace=False)
+    assert any(tick is not None for tick in beyond)
+    assert not outcome.world.fallen
+    assert outcome.measures is not None
+    assert outcome.measures.n_footsteps == N_FOOTSTEPS
 
 
 def test_pushes_of_a_box_of_20_kg_move_it_and_keep_the_robot_on_its_feet(at_the_box: Scenario) -> None:

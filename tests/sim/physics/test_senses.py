@@ -138,6 +138,17 @@ def test_a_pushing_foot_feels_its_force_with_noise_and_without_bias(model: mujoc
     np.testing.assert_array_equal(exact.push_forces_n(7, forces), forces)
 
 
+def test_how_hard_a_foot_presses_is_felt_late_and_with_noise(model: mujoco.MjModel) -> None:
+    forces = np.zeros((6, COMMANDS_PER_TICK, 4, 3))
+    forces[2:, :, 1, 0] = 100.0
+    exact = ExactSenses(Sensors(model)).pressing_n(7, forces)
+    np.testing.assert_array_equal(exact, [0.0, 0.0, 100.0, 100.0, 100.0, 100.0])
+    felt = own_senses(model, Senses(latency_s=0.03)).pressing_n(7, forces)
+    np.testing.assert_allclose(felt, [0.0, 0.0, 0.0, 50.0, 100.0, 100.0])
+    noisy = own_senses(model).pressing_n(7, forces) - own_senses(model, Senses(latency_s=0.02)).pressing_n(7, forces)
+    assert 0.0 < np.abs(noisy).max() < 5 * NOISY.force_noise_n / COMMANDS_PER_TICK**0.5
+
+
 def test_noise_that_nothing_reads_changes_no_bit_of_the_physics() -> None:
     scenario = load_scenario("push")
     found = []

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from legpush.arrays import Floats
 from legpush.scene.conventions import LEG_JOINTS, LEGS
 from legpush.scene.scenario import Scenario
 from sim_proc.control.watch import Watch
@@ -32,13 +33,24 @@ def test_columns_hold_what_mujoco_calls_by_the_same_name(at_the_box: Scenario) -
     np.testing.assert_array_equal(steps.com_velocity_m_s[0, 0], data.sensor("com_velocity").data)
 
 
-@pytest.mark.parametrize(("force_n", "expected"), [(0.0, 1), (29.0, 1), (31.0, None)])
-def test_a_foot_that_presses_hard_raises_no_alarm(at_the_box: Scenario, force_n: float, expected: int | None) -> None:
+def hardest_n(forces_n: Floats) -> Floats:
+    """What is felt of the forces of the feet: all of it."""
+    hardest: Floats = np.linalg.norm(forces_n.mean(axis=1), axis=-1).max(axis=-1)
+    return hardest
+
+
+@pytest.mark.parametrize(
+    ("force_n", "pressed_tick", "expected", "n_learnt"),
+    [(0.0, 1, 1, 2), (29.0, 1, 1, 2), (31.0, 1, None, 0), (31.0, 2, 1, 2)],
+)
+def test_a_foot_that_presses_hard_raises_no_alarm_and_teaches_nothing(
+    at_the_box: Scenario, force_n: float, pressed_tick: int, expected: int | None, n_learnt: int
+) -> None:
     sensors = Sensors(build_model(at_the_box))
     readings = np.zeros((3, 10, max(columns.stop for columns in sensors.of.values())))
     readings[1:, :, sensors.of["com"].start] = 1.0
-    readings[1, :, sensors.of["FR_box_force"].start] = force_n
+    readings[pressed_tick, :, sensors.of["FR_box_force"].start] = force_n
     watch = Watch(np.zeros((3, 2)), 0.2, np.zeros(2), 0.06)
     watch.pressing_n = 30.0
-    assert sensors.alarm(watch, readings) == expected
-    assert len(watch.deviations_m) == (0 if expected is None else expected + 1)
+    assert sensors.alarm(watch, readings, hardest_n) == expected
+    assert len(watch.deviations_m) == n_learnt
