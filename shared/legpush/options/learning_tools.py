@@ -1,4 +1,4 @@
-"""Options of the tools around training: `legpush compare` and `tune`."""
+"""Options of the tools around training: `legpush compare`, `curves` and `tune`."""
 
 import os
 from dataclasses import dataclass
@@ -163,3 +163,21 @@ class TuneOptions:
     def n_simulators(self) -> int:
         """Number of worlds of a training."""
         return self.simulators if self.simulators is not None else default_simulators()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvesOptions:
+    """Draw learning curves of trainings: of each seed, and the mean over the seeds with its 95 % interval.
+
+    Exit codes: 0 drawn, 2 bad input.
+    """
+
+    runs: Positional[Annotated[tuple[str, ...], arg("RUN ...")]]
+    """Folders of trainings with several seeds, of single trainings, or of policies."""
+    out: Annotated[Path, arg("FILE")] = Path("curves.png")
+    """The new picture."""
+    output: OutputOptions = USUAL_OUTPUT
+
+    def __post_init__(self) -> None:
+        if not self.runs:
+            raise ConfigError("Expected at least one RUN: the folder of a training")

@@ -13,6 +13,7 @@ Program = Literal[
     "agent_proc.programs.train",
     "agent_proc.programs.evaluate",
     "agent_proc.programs.compare",
+    "agent_proc.programs.curves",
     "agent_proc.programs.tune",
     "agent_proc.programs.calibrate",
     "agent_proc.programs.check_mission",
