@@ -66,6 +66,7 @@ with _undisturbed():
     import matplotlib as mpl
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection, PatchCollection
     from matplotlib.colors import to_rgba
@@ -89,6 +90,7 @@ __all__ = [
     "Polygon",
     "Rectangle",
     "own_style",
+    "plain_log_ticks",
     "save_png",
     "to_rgba",
 ]
@@ -118,3 +120,10 @@ def save_png(figure: Figure, path: Path, *, dpi: float | None = None, software: 
     FigureCanvasAgg(figure)
     figure.savefig(picture, format="png", dpi=dpi, metadata=metadata)
     path.write_bytes(picture.getvalue())
+
+
+def plain_log_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis with 0.1, 0.2, 0.5, 1, ..."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())

@@ -39,7 +39,7 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
         ConfigError: A sweep cannot be parsed, or a field is swept twice.
         ScenarioError: A field does not exist, or a value cannot be used.
     """
-    parsed = [_parse(text) for text in texts]
+    parsed = [parse_sweep(text) for text in texts]
     names = tuple(field for field, _ in parsed)
     if twice := {name for name in names if names.count(name) > 1}:
         raise ConfigError(f"Expected each field once in --sweep, got {', '.join(sorted(twice))} twice")
@@ -51,7 +51,7 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
     return Sweep(fields=names, cases=cases, grid=grid)
 
 
-def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
+def parse_sweep(text: str) -> tuple[str, tuple[Value, ...]]:
     """Split a sweep into its field and values.
 
     Raises:

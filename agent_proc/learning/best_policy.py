@@ -2,9 +2,9 @@
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Final
 
 from agent_proc.evaluation.episodes import evaluate, summarize
+from agent_proc.evaluation.starts import FIRST_CHECK_SEED
 from agent_proc.learning.learner import Learner, observation_moments
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Normalizer
@@ -12,9 +12,6 @@ from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
 from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.sb3.layers import actor_layers
 from legpush.lockstep.world import SteppingWorld
-
-FIRST_CHECK_SEED: Final = 1_000_000
-"""First of the seeds on which policies are compared; reports use other seeds."""
 
 
 def build_policy(

@@ -56,7 +56,7 @@ def undisturbed_draws() -> AbstractContextManager[None]:
     return torch.random.fork_rng(devices=[])
 
 
-def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str | None) -> Learner:
+def make_learner(profile: AnyProfile, env: VecEnv, seed: int) -> Learner:
     """Make a new learner.
 
     Raises:
@@ -71,7 +71,7 @@ def make_learner(profile: AnyProfile, env: VecEnv, seed: int, tensorboard: str |
     )
     if profile.algorithm != "ppo" and type(env.action_space).__name__ != "Box":
         raise ConfigError(f"Expected continuous actions for the algorithm {profile.algorithm}, got discrete ones")
-    common: dict[str, Any] = {"seed": seed, "device": "cpu", "tensorboard_log": tensorboard}
+    common: dict[str, Any] = {"seed": seed, "device": "cpu"}
     if isinstance(profile, PpoProfile):
         model = _ppo(profile, profile.settings, normalizer, common)
     else:

@@ -12,8 +12,8 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
-from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.utils import configure_logger
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from agent_proc.learning.best_policy import build_policy, check_policy, is_better
@@ -24,21 +24,22 @@ from agent_proc.learning.checkpoint import (
     load_checkpoint,
     save_checkpoint,
 )
+from agent_proc.learning.films import is_due, keep_episode
 from agent_proc.learning.initial_policy import begin_with
 from agent_proc.learning.learner import Learner, make_learner, set_exploration, undisturbed_draws
 from agent_proc.learning.learner_state import capture, restore
+from agent_proc.learning.loggers.registry import make_callbacks, make_loggers
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Check, CurvePoint, write_policy
+from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 
 log = logging.getLogger(__name__)
 
-TENSORBOARD_RUN: Final = "run"
 BEST: Final = "best"
 LAST: Final = "last"
-TENSORBOARD: Final = "tensorboard"
 WINDOW: Final = 30
 """Number of last episodes over which the shown return and success rate are means."""
 
@@ -66,7 +67,7 @@ class Training:
         self._worlds = worlds
         self._stop = stop
         self._on_progress = on_progress
-        self._learner = make_learner(plan.profile, env, plan.seed, str(folder / TENSORBOARD))
+        self._learner = make_learner(plan.profile, env, plan.seed)
         self._on_policy = plan.profile.algorithm == "ppo"
         self._curve: list[CurvePoint] = []
         self._checks: list[Check] = []
@@ -92,8 +93,6 @@ class Training:
             restore(self._learner, held.learner)
         except ValueError as error:
             raise CheckpointError(f"{path}: expected a checkpoint of this training: {error}") from error
-        model = self._learner.model
-        model.set_logger(configure_logger(model.verbose, model.tensorboard_log, TENSORBOARD_RUN, False))
         self._curve, self._checks, self._best = list(held.curve), list(held.checks), held.best
         self._held, self._saved_step = held, held.step
 
@@ -103,17 +102,24 @@ class Training:
         Raises:
             LegpushError: A simulator failed, a file could not be written, or the policy to begin with does not fit.
         """
-        steps, model = self._plan.profile.steps, self._learner.model
+        model = self._learner.model
         fresh = self._held is None
+        model.set_logger(Logger(str(self._folder), make_loggers(self._plan, self._folder, model.num_timesteps)))
+        try:
+            return self._run(fresh=fresh)
+        finally:
+            model.logger.close()
+
+    def _run(self, *, fresh: bool) -> TrainingResult:
+        steps, model = self._plan.profile.steps, self._learner.model
         if fresh and self._plan.init is not None:
             begin_with(self._learner, self._plan, self._plan.init)
         try:
             if model.num_timesteps < steps:
                 model.learn(
                     steps if fresh else steps - model.num_timesteps,
-                    callback=_Watcher(self),
+                    callback=CallbackList([_Watcher(self), *make_callbacks(self._plan, self._folder)]),
                     reset_num_timesteps=fresh,
-                    tb_log_name=TENSORBOARD_RUN,
                 )
             if model.num_timesteps >= steps:
                 self._check_if_due(last=True)
@@ -191,6 +197,8 @@ class Training:
         where = self._learner.env.snapshot()
         with undisturbed_draws():
             check = self._check()
+            if is_due(self._plan, len(self._checks) + 1, last=step >= self._plan.profile.steps):
+                self._keep_film(step)
         self._learner.env.restore(where)
         self._checks.append(check)
         log.info("step %d: %s", step, check)
@@ -212,6 +220,12 @@ class Training:
         tell()
         policy = build_policy(self._plan, self._learner, self._curve, None)
         return check_policy(policy, self._worlds, on_episode=tell, stop=self._stop)
+
+    def _keep_film(self, step: int) -> None:
+        """Keep an episode of the present policy for a film."""
+        self._tell("pushing for a film")
+        folder = build_policy(self._plan, self._learner, self._curve, None)
+        keep_episode(self._plan, self._folder, step, LearnedPolicy(folder, "the policy in training"), self._worlds[0])
 
     def _write(self, name: str, check: Check) -> None:
         write_policy(self._folder / name, build_policy(self._plan, self._learner, self._curve, check))

@@ -22,6 +22,14 @@ class TrainingPlan:
     """What is pushed in: the simulators, a plug-in, or the file of a response map."""
     init: str | None = None
     """The policy or the folder of the training that it began with; None for random weights."""
+    loggers: tuple[str, ...] = ("tensorboard",)
+    """Where its numbers are logged, by name."""
+    callbacks: tuple[str, ...] = ()
+    """Callbacks of other packages, by name."""
+    film_every: int | None = None
+    """Keep an episode for a film of every N-th evaluation."""
+    film_last: bool = False
+    """Keep an episode for a film of the last evaluation."""
 
 
 @dataclass(frozen=True, kw_only=True)

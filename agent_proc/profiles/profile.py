@@ -1,6 +1,7 @@
 """Training profiles: the task, the algorithm and its settings, in TOML files under `profiles/`."""
 
 import tomllib
+from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
@@ -12,6 +13,7 @@ from msgspec import Meta, Struct
 from agent_proc.profiles.former import NAMES, current_table, is_former, usable_table
 from legpush.bounds import MAX_TEXT
 from legpush.errors import ConfigError, MessageError
+from legpush.fields import Seed
 from legpush.messages.codec import convert
 from legpush.schema_errors import explain
 
@@ -79,6 +81,16 @@ class Td3Settings(OffPolicySettings, frozen=True, kw_only=True, forbid_unknown_f
     """Standard deviation of the Gaussian noise for exploration."""
 
 
+class TunedOn(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the settings of a profile were chosen by, and what they must not be judged by."""
+
+    training_seeds: tuple[Seed, ...]
+    """Seeds of the trainings."""
+    first_start: Seed
+    """Seed of the first of the starts from which their policies were evaluated."""
+    n_starts: AtLeastOne
+
+
 class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Fields of every training profile."""
 
@@ -96,6 +108,8 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     evaluation_episodes: AtLeastOne = 20
     checkpoint_every: AtLeastOne = 1000
     """Steps between two checkpoints; an interruption saves an additional one."""
+    tuned_on: TunedOn | None = None
+    """Written by `legpush tune`."""
 
 
 class PpoProfile(Profile, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -193,3 +207,17 @@ def _without_none(table: dict[str, Any]) -> dict[str, Any]:
         for name, value in table.items()
         if value is not None
     }
+
+
+def require_untuned_seeds(profile: AnyProfile, seeds: Iterable[int], flag: str) -> None:
+    """Require training seeds by which the settings of the profile were not chosen.
+
+    Raises:
+        ConfigError: They were chosen by one of them; names it.
+    """
+    tuned_on = profile.tuned_on
+    if tuned_on is not None and (both := sorted(set(seeds).intersection(tuned_on.training_seeds))):
+        raise ConfigError(
+            f"Expected training seeds by which the profile was not tuned for {flag}, got {both[0]}, which is one of "
+            f"{', '.join(map(str, tuned_on.training_seeds))}"
+        )

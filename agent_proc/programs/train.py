@@ -17,19 +17,24 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.text import Text
 
 from agent_proc.learning import training_plan
+from agent_proc.learning.plan_file import read_plan, write_plan
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import policy_path
 from agent_proc.policies.learning_libraries import learning_libraries
-from agent_proc.profiles.profile import load_profile, read_profile
+from agent_proc.profiles.profile import load_profile, require_untuned_seeds
+from agent_proc.programs.render_films import render_films
 from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
-from agent_proc.task.file import load_task, read_task
+from agent_proc.studies.seed_trainings import has_seeds
+from agent_proc.task.file import load_task
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
+from legpush.fields import parse_seeds
 from legpush.files import write_whole
 from legpush.numerics.computed_with import computed_with, told
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
 from legpush.options.scenarios import changed_scenario
 from legpush.output.reply import document
+from legpush.plugins import why_not_loaded
 from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.changes import override, parse_changes
 from legpush.scene.scenario import Scenario
@@ -38,8 +43,6 @@ from legpush.versions import installed_versions
 
 if TYPE_CHECKING:
     from agent_proc.learning.training import Training
-
-CONFIG_FILE: Final = "config.json"
 
 
 def main() -> int:
@@ -56,9 +59,13 @@ def train(options: TrainOptions, console: Console) -> int:
     """
     with learning_libraries("a training"):
         from agent_proc.learning.checkpoint import CHECKPOINT_FILE
+        from agent_proc.learning.loggers.registry import require_tools
+    if options.seeds is not None or (options.resume is not None and has_seeds(options.resume)):
+        return _train_seeds(options, console)
     if options.resume is not None:
         folder, plan = options.resume, read_plan(options.resume)
         require_writable_folder(folder, "--resume")
+        require_tools(plan.loggers, plan.callbacks, (*options.loggers, *options.callbacks))
     else:
         folder, plan = _plan(options)
         if options.dry_run:
@@ -72,6 +79,24 @@ def train(options: TrainOptions, console: Console) -> int:
         if is_disk_full(error) and (folder / CHECKPOINT_FILE).exists():
             console.print(Text(f"after space is made, to go on: {_again(folder)}"), soft_wrap=True)
         raise
+
+
+def _train_seeds(options: TrainOptions, console: Console) -> int:
+    """Train with several seeds; returns the exit code.
+
+    Raises:
+        ConfigError: What studies need is not installed, or an option cannot be used.
+    """
+    try:
+        from agent_proc.programs.train_seeds import begin_seeds, resume_seeds
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"Expected trainings with several seeds to begin, but {why_not_loaded(error)}") from error
+    if options.seeds is None:
+        return resume_seeds(options, console)
+    seeds = parse_seeds(options.seeds, "--seeds")
+    require_untuned_seeds(load_profile(options.profile), seeds, "--seeds")
+    folder = options.out or Path("runs") / f"{_name(options)}-seeds{options.seeds}"
+    return begin_seeds(options, seeds, folder, console)
 
 
 def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Console) -> int:
@@ -106,6 +131,7 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         console.print(Text(f"{kept_words(result.step, done)}; to go on: {_again(folder)}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
+    render_films(folder, console)
     document({"folder": folder, "policy": folder / training.BEST, "best": result.best, "n_steps": result.step})
     return 0
 
@@ -143,10 +169,14 @@ def _plan(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         PolicyError: There is no policy to begin with.
         PluginError: There is no such world.
     """
+    from agent_proc.learning.loggers.registry import require_tools
+
     profile = load_profile(options.profile)
     require_world(options.world)
     if options.init is not None:
         policy_path(options.init)
+    require_untuned_seeds(profile, [options.seed], "--seed")
+    require_tools(options.loggers, options.callbacks, (*options.loggers, *options.callbacks))
     if options.steps is not None:
         profile = msgspec.structs.replace(profile, steps=options.steps)
     task = load_task(
@@ -164,9 +194,12 @@ def _plan(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         versions={name: version for name, version in installed_versions().items() if version is not None},
         world=str(Path(options.world).absolute()) if options.world.endswith(MAP_SUFFIX) else options.world,
         init=options.init,
+        loggers=options.loggers,
+        callbacks=options.callbacks,
+        film_every=options.film_every,
+        film_last=options.film_last,
     )
-    name = f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}-{task.entry}"
-    folder = options.out or Path("runs") / f"{name}-seed{options.seed}"
+    folder = options.out or Path("runs") / f"{_name(options)}-{task.entry}-seed{options.seed}"
     require_writable_folder(folder, "--out")
     if folder.exists() and any(folder.iterdir()):
         raise ConfigError(f"Expected a new or empty folder for --out, got {folder}; --resume {folder} goes on in it")
@@ -176,7 +209,7 @@ def _plan(options: TrainOptions) -> tuple[Path, TrainingPlan]:
 def _begin(folder: Path, plan: TrainingPlan) -> None:
     """Make the folder with the plan in it."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / CONFIG_FILE, msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n")
+    write_plan(folder, plan)
 
 
 def _scenario(options: TrainOptions, task: str) -> Scenario | None:
@@ -188,38 +221,14 @@ def _scenario(options: TrainOptions, task: str) -> Scenario | None:
     return override(load_task(options.task or task).scenario, parse_changes(options.changes), "--set")
 
 
+def _name(options: TrainOptions) -> str:
+    """Begin of the name of a folder that is not given."""
+    return f"{datetime.now().astimezone():%Y%m%d-%H%M%S}-train-{Path(options.profile).stem}"
+
+
 def _given(**values: Any) -> dict[str, Any]:
     """The values that are not None."""
     return {name: value for name, value in values.items() if value is not None}
-
-
-def read_plan(folder: Path) -> TrainingPlan:
-    """Read the plan of a training from its folder.
-
-    Raises:
-        ConfigError: It is not the folder of a training.
-    """
-    path = folder / CONFIG_FILE
-    try:
-        plain: dict[str, Any] = msgspec.json.decode(path.read_bytes(), type=dict)
-        profile = read_profile(plain["profile"], f"{path}: profile")
-        task = read_task(plain["task"], f"{path}: task")
-        rest = {name: msgspec.convert(plain[name], kind) for name, kind in _PLAN_FIELDS.items()}
-        rest |= {name: msgspec.convert(plain[name], kind) for name, kind in _LATER_FIELDS.items() if name in plain}
-    except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
-        raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
-    return TrainingPlan(profile=profile, task=task, **rest)
-
-
-_PLAN_FIELDS: Final[dict[str, Any]] = {
-    "seed": int,
-    "n_simulators": int,
-    "command": str,
-    "versions": dict[str, str],
-}
-"""Types of all fields but the profile and the task, which have readers of their own."""
-_LATER_FIELDS: Final[dict[str, Any]] = {"world": str, "init": str | None}
-"""Types of the fields that plans of earlier versions do not have."""
 
 
 N_LINES: Final = 20

@@ -6,6 +6,7 @@ from typing import Any, Final
 from msgspec.structs import replace
 
 from agent_proc.evaluation.episodes import evaluate
+from agent_proc.evaluation.starts import FIRST_FINAL_SEED
 from agent_proc.policies.folder import PolicyFolder
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.task.config import TaskConfig
@@ -13,8 +14,6 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.realism.settings import Randomization
 from legpush.study.cells import Column
 
-FIRST_FINAL_SEED: Final = 2_000_000
-"""First of the seeds of the starts; evaluations during a training use others."""
 NOMINAL: Final = "nominal"
 DRAWN: Final = "drawn"
 """Cases: the start without offsets, and starts with those of the scenario."""
@@ -32,7 +31,11 @@ FINAL_COLUMNS: Final = (
 
 
 def final_columns(
-    policy: PolicyFolder, task: TaskConfig, worlds: Sequence[SteppingWorld], n_starts: int
+    policy: PolicyFolder,
+    task: TaskConfig,
+    worlds: Sequence[SteppingWorld],
+    n_starts: int,
+    first_seed: int = FIRST_FINAL_SEED,
 ) -> dict[str, Any]:
     """Evaluate a policy in `task`, which has the observation and the actions of its own; without starts, no values."""
     if not n_starts:
@@ -40,8 +43,8 @@ def final_columns(
     scenario = task.scenario
     decider = NetworkPolicy(task, policy.actor(), policy.normalizer, "the policy that was trained")
     nominal = replace(scenario, randomization=Randomization())
-    (alone,) = evaluate(worlds[:1], {NOMINAL: nominal}, [FIRST_FINAL_SEED], decider)
-    rows = evaluate(worlds, {DRAWN: scenario}, range(FIRST_FINAL_SEED, FIRST_FINAL_SEED + n_starts), decider)
+    (alone,) = evaluate(worlds[:1], {NOMINAL: nominal}, [first_seed], decider)
+    rows = evaluate(worlds, {DRAWN: scenario}, range(first_seed, first_seed + n_starts), decider)
     return {
         "final_success": [row.success for row in rows],
         "final_ended": [row.ending for row in rows],

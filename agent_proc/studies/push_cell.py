@@ -2,11 +2,18 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import asdict
-from typing import Any, Final
+from pathlib import Path
+from time import thread_time
+from typing import Any, Final, cast
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from agent_proc.evaluation.episodes import run_episode
+from agent_proc.frames.push_view import PushView
+from agent_proc.policies.folder import read_card
+from agent_proc.policies.policy import Policy
+from agent_proc.policies.rivals import RIVALS, ConstantPolicy, Rival, make_rival
 from agent_proc.studies.cell_parts import (
     STATE_CRC,
     new_simulator,
@@ -15,11 +22,16 @@ from agent_proc.studies.cell_parts import (
     scenario_of,
     sha256_of_policy,
 )
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import DEFAULT_TASK, load_task
+from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
+from legpush.messages.stepping import Push
 from legpush.options.learning import DEFAULT_WORLD
 from legpush.policy_names import DEFAULT_POLICY
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
 
@@ -32,6 +44,8 @@ COLUMNS: Final = (
     Column(name="max_abs_roll_deg", unit="deg", about="largest roll of the trunk"),
     Column(name="max_abs_pitch_deg", unit="deg", about="largest pitch of the trunk"),
     Column(name="min_support_margin_m", unit="m", about="least distance of the CoM from the border of its support"),
+    Column(name="simulated_s", unit="s", about="simulated time of the episode"),
+    Column(name="decision_cpu_s", unit="s", about="mean time of the processor for a decision", may_differ=True),
     STATE_CRC,
 )
 
@@ -44,7 +58,13 @@ class PushCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     scenario: str = "push"
     """A built-in scenario or the path of a scenario file, in which the robot stands ready to push."""
     policy: str = DEFAULT_POLICY
-    """The policy that chooses the pushes."""
+    """The policy that chooses the pushes, or a rival of one: `zero`, `random` or `constant`."""
+    task: str = DEFAULT_TASK
+    """Task whose actions and stop rule a rival has: a built-in one, the path of a task file, or the folder of a
+    policy."""
+    action: tuple[float, ...] = ()
+    """Action of the rival `constant`: w1, w2 and leg in [-1, 1], and with variable entry the depth; of discrete actions
+    the indices."""
     world: str = DEFAULT_WORLD
     """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
     changes: dict[str, Any] = {}
@@ -58,6 +78,10 @@ class ResolvedPush(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     scenario: Scenario
     policy: str
     policy_sha256: str
+    """Empty for a rival."""
+    task: TaskConfig | None
+    """Of a rival."""
+    action: tuple[float, ...]
     world: str
 
 
@@ -70,13 +94,33 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
         ConfigError: There is no such world.
     """
     require_simulator(cell.world)
+    scenario = scenario_of(cell.scenario, cell.changes)
+    is_rival = cell.policy in RIVALS
+    if cell.action and cell.policy != "constant":
+        raise ConfigError(f"Expected an action with the policy `constant` alone, got one with {cell.policy}")
+    task = task_of(cell.task, scenario) if is_rival else None
+    if task is not None and cell.policy == "constant":
+        ConstantPolicy(task, cell.action)
     return ResolvedPush(
         seed=cell.seed,
-        scenario=scenario_of(cell.scenario, cell.changes),
+        scenario=scenario,
         policy=cell.policy,
-        policy_sha256=sha256_of_policy(cell.policy, allowed),
+        policy_sha256="" if is_rival else sha256_of_policy(cell.policy, allowed),
+        task=task,
+        action=cell.action,
         world=cell.world,
     )
+
+
+def task_of(name: str, scenario: Scenario) -> TaskConfig:
+    """The task that a cell names, in a scenario.
+
+    Raises:
+        ConfigError: There is none.
+        PolicyError: The card of the policy cannot be used.
+    """
+    folder = Path(name)
+    return replace(read_card(folder).task, scenario=scenario) if folder.is_dir() else load_task(name, scenario)
 
 
 def run(cell: ResolvedPush) -> Mapping[str, Any]:
@@ -87,9 +131,38 @@ def run(cell: ResolvedPush) -> Mapping[str, Any]:
         last[:] = [record]
 
     world = LocalWorld(new_simulator(cell.world), on_record=keep_last)
-    row = asdict(run_episode(world, cell.scenario, cell.seed, policy_with(cell.policy, cell.policy_sha256)))
-    crc = next(record.outcome.state_crc for record in last if isinstance(record, StepRecord))
-    return {**{name: value for name, value in row.items() if name not in ("case", "seed")}, "state_crc": f"{crc:08x}"}
+    policy = _Timed(_policy(cell))
+    row = asdict(run_episode(world, cell.scenario, cell.seed, policy))
+    outcome = next(record.outcome for record in last if isinstance(record, StepRecord))
+    return {
+        **{name: value for name, value in row.items() if name not in ("case", "seed")},
+        "simulated_s": round(outcome.world.tick * CONTROL_PERIOD_S, 2),
+        "decision_cpu_s": policy.cpu_s / policy.n,
+        "state_crc": f"{outcome.state_crc:08x}",
+    }
+
+
+def _policy(cell: ResolvedPush) -> Policy:
+    if cell.task is None:
+        return policy_with(cell.policy, cell.policy_sha256)
+    return make_rival(cast(Rival, cell.policy), cell.task, cell.action)
+
+
+class _Timed:
+    """A policy whose decisions are counted and timed."""
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+        self.n = 0
+        self.cpu_s = 0.0
+
+    def decide(self, view: PushView) -> Push | None:
+        """Decide as without it."""
+        began_s = thread_time()
+        push = self._policy.decide(view)
+        self.cpu_s += thread_time() - began_s
+        self.n += 1
+        return push
 
 
 PUSH: Final = CellKind(

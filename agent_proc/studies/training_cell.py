@@ -1,9 +1,5 @@
 """The kind of cell `training`: a whole training in one process, with its best policy as a column."""
 
-import base64
-import io
-import threading
-import zipfile
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
@@ -12,27 +8,29 @@ import msgspec
 from msgspec import Meta, Struct
 from msgspec.structs import replace
 
-from agent_proc.learning.training import BEST, LAST, Training
+from agent_proc.evaluation.starts import FIRST_FINAL_SEED
+from agent_proc.learning.loggers.registry import require_tools
+from agent_proc.learning.training import BEST, LAST
 from agent_proc.learning.training_plan import TrainingPlan
-from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.policies.folder import Card, read_policy
+from agent_proc.policies.folder import read_policy
 from agent_proc.profiles.profile import AnyProfile, AtLeastTwo, Widths, load_profile, read_profile
 from agent_proc.studies.cell_parts import (
     new_simulator,
     require_policy,
     require_simulator,
-    scenario_of,
     sha256_of_policy,
 )
 from agent_proc.studies.final_evaluation import FINAL_COLUMNS, final_columns
+from agent_proc.studies.training_run import of_last, pack, train_in
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Interval
 from agent_proc.task.file import load_task
-from legpush.errors import ConfigError
-from legpush.fields import Seed
+from legpush.fields import Seed, require_seeds
 from legpush.lockstep.local import LocalWorld
 from legpush.options.learning import DEFAULT_WORLD
 from legpush.runs.temporary import temporary_folder
+from legpush.scenarios.changes import override
+from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
 from legpush.versions import installed_versions
@@ -93,6 +91,8 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Replaces the profile's size of a batch."""
     final_episodes: Annotated[int, Meta(ge=0, le=10_000)] = 0
     """Starts of a further evaluation of the last policy, which neither a training nor its other evaluations see."""
+    final_first_seed: Seed = FIRST_FINAL_SEED
+    """Seed of the first of these starts."""
     final_ending: str | None = None
     """Task whose rules end the episodes of that evaluation, in place of those that the policy was trained with."""
     n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
@@ -107,8 +107,16 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
     init: str | None = None
     """Policy to begin with instead of random weights."""
-    scenario: str = "push"
-    """Scenario with the robot ready to push, and the goal."""
+    loggers: tuple[str, ...] = ()
+    """Where its numbers are logged, in its folder: `tensorboard`, `csv`, `wandb`."""
+    callbacks: tuple[str, ...] = ()
+    """Callbacks of other packages, by name."""
+    film_every: Annotated[int, Meta(ge=1)] | None = None
+    """Keep an episode for a film of every N-th evaluation, in its folder."""
+    film_last: bool = False
+    """The same of the last evaluation."""
+    scenario: str | None = None
+    """Replaces the task's scenario, which has the robot ready to push, and the goal."""
     changes: dict[str, Any] = {}
     """Other fields of the scenario, by their path."""
 
@@ -120,12 +128,17 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     profile: dict[str, Any]
     task: TaskConfig
     final_episodes: int
+    final_first_seed: Seed
     final_task: TaskConfig
     """The task of the further evaluation: the same but for its rules."""
     n_simulators: int
     world: str
     init: str | None
     init_sha256: str
+    loggers: tuple[str, ...]
+    callbacks: tuple[str, ...]
+    film_every: int | None
+    film_last: bool
 
 
 def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
@@ -137,20 +150,29 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
         ScenarioError: The scenario or a change cannot be used.
     """
     require_simulator(cell.world)
+    require_seeds(cell.final_first_seed, cell.final_episodes, "final_first_seed")
+    require_tools(cell.loggers, cell.callbacks, allowed)
     profile = _profile(cell)
-    scenario = scenario_of(cell.scenario, cell.changes)
-    task = _task(cell, profile.task, scenario)
+    name = cell.task or profile.task
+    scenario = load_task(name).scenario if cell.scenario is None else load_scenario(cell.scenario)
+    scenario = override(scenario, cell.changes, "the scenario with the changes of the study")
+    task = _task(cell, name, scenario)
     ending = None if cell.final_ending is None else load_task(cell.final_ending, scenario).ending
     return ResolvedTraining(
         seed=cell.seed,
         profile=msgspec.to_builtins(profile),
         task=task,
         final_episodes=cell.final_episodes,
+        final_first_seed=cell.final_first_seed,
         final_task=task if ending is None else replace(task, ending=ending),
         n_simulators=cell.n_simulators,
         world=cell.world,
         init=cell.init,
         init_sha256="" if cell.init is None else sha256_of_policy(cell.init, allowed),
+        loggers=cell.loggers,
+        callbacks=cell.callbacks,
+        film_every=cell.film_every,
+        film_last=cell.film_last,
     )
 
 
@@ -168,9 +190,7 @@ def _task(cell: TrainingCell, name: str, scenario: Scenario) -> TaskConfig:
         replaced["reward"] = load_task(cell.reward, scenario).reward
     if cell.ending is not None:
         replaced["ending"] = load_task(cell.ending, scenario).ending
-    task = load_task(
-        cell.task or name, scenario, **{part: value for part, value in replaced.items() if value is not None}
-    )
+    task = load_task(name, scenario, **{part: value for part, value in replaced.items() if value is not None})
     domain = task.domain if cell.starts is None else load_task(cell.starts, scenario).domain
     drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
     return replace(task, domain=replace(domain, **{part: value for part, value in drawn.items() if value is not None}))
@@ -195,9 +215,37 @@ def _profile(cell: TrainingCell) -> AnyProfile:
 
 def run(cell: ResolvedTraining) -> Mapping[str, Any]:
     """Train to the end, and return the best policy with its evaluation."""
+    with temporary_folder("training-") as folder:
+        return run_in(cell, folder / "training")
+
+
+def run_in(cell: ResolvedTraining, folder: Path) -> Mapping[str, Any]:
+    """Train in a folder that stays, or go on there from the last checkpoint; see `run`.
+
+    Raises:
+        ConfigError: Another training is in the folder, or another program uses it.
+    """
     if cell.init is not None:
         require_policy(cell.init, cell.init_sha256)
-    plan = TrainingPlan(
+    worlds = [LocalWorld(new_simulator(cell.world)) for _ in range(cell.n_simulators)]
+    best = train_in(folder, _plan(cell), worlds)
+    packed, last = pack(folder / BEST), read_policy(folder / LAST)
+    return {
+        "steps_done": last.card.steps,
+        "best_step": best.step,
+        "success_rate": best.success_rate,
+        "position_error_m": best.position_error_m,
+        "angle_error_deg": best.angle_error_deg,
+        "falls": best.falls,
+        "cycles": best.cycles,
+        **of_last(last.card),
+        **final_columns(last, cell.final_task, worlds, cell.final_episodes, cell.final_first_seed),
+        "policy_zip": packed,
+    }
+
+
+def _plan(cell: ResolvedTraining) -> TrainingPlan:
+    return TrainingPlan(
         profile=read_profile(cell.profile, "profile"),
         task=cell.task,
         seed=cell.seed,
@@ -206,68 +254,17 @@ def run(cell: ResolvedTraining) -> Mapping[str, Any]:
         versions={name: version for name, version in installed_versions().items() if version is not None},
         world=cell.world,
         init=cell.init,
+        loggers=cell.loggers,
+        callbacks=cell.callbacks,
+        film_every=cell.film_every,
+        film_last=cell.film_last,
     )
-    worlds = [LocalWorld(new_simulator(cell.world)) for _ in range(cell.n_simulators)]
-    with temporary_folder("training-") as folder:
-        stop = threading.Event()
-        env = PushVecEnv(plan.task, worlds, stop=stop)
-        try:
-            result = Training(plan, folder, env, worlds, stop=stop).run()
-        finally:
-            env.close()
-        if result.best is None:
-            raise ConfigError(f"Expected a training with an evaluation, got none in {result.step} steps")
-        packed, last = pack(folder / BEST), read_policy(folder / LAST)
-    best = result.best
-    return {
-        "steps_done": result.step,
-        "best_step": best.step,
-        "success_rate": best.success_rate,
-        "position_error_m": best.position_error_m,
-        "angle_error_deg": best.angle_error_deg,
-        "falls": best.falls,
-        "cycles": best.cycles,
-        **of_last(last.card),
-        **final_columns(last, cell.final_task, worlds, cell.final_episodes),
-        "policy_zip": packed,
-    }
-
-
-def of_last(card: Card) -> dict[str, Any]:
-    """Return the evaluation of the last policy, and the episodes of the training.
-
-    Raises:
-        ConfigError: The card has no evaluation.
-    """
-    check = card.check
-    if check is None:
-        raise ConfigError("Expected the evaluation of the last policy on its card, got none")
-    return {
-        "last_success_rate": check.success_rate,
-        "last_position_error_m": check.position_error_m,
-        "last_angle_error_deg": check.angle_error_deg,
-        "last_falls": check.falls,
-        "n_evaluated": len(check.seeds),
-        "episode_step": [point.step for point in card.curve],
-        "episode_return": [round(point.episode_return, 4) for point in card.curve],
-        "episode_success": [point.success for point in card.curve],
-        "episode_position_error_m": [round(point.position_error_m, 5) for point in card.curve],
-        "episode_angle_error_deg": [round(point.angle_error_deg, 4) for point in card.curve],
-    }
-
-
-def pack(folder: Path) -> str:
-    """Return the files of a folder as a zip file in base64."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for file in sorted(folder.iterdir()):
-            archive.write(file, file.name)
-    return base64.b64encode(buffer.getvalue()).decode()
 
 
 TRAINING: Final = CellKind(
     specification=TrainingCell,
     run=run,
+    run_in=run_in,
     resolved=ResolvedTraining,
     resolve=resolve,
     columns=COLUMNS,

@@ -11,7 +11,7 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
-from agent_proc.figures import Axes, LogLocator, NullFormatter
+from agent_proc.figures import Axes, plain_log_ticks
 from agent_proc.statistics.estimate import Estimate, kinds_in_words
 from agent_proc.statistics.intervals import mean, share
 from experiments.rows import Made, Row, Rows
@@ -88,6 +88,4 @@ def kinds_of(rows: Sequence[Row], key: str) -> str:
 
 def plain_ticks(axis: Axes) -> None:
     """Label a logarithmic y axis with 0.1, 0.2, 0.5, 1, ..."""
-    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.yaxis.set_major_formatter("{x:g}")
-    axis.yaxis.set_minor_formatter(NullFormatter())
+    plain_log_ticks(axis.yaxis)

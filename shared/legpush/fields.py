@@ -11,6 +11,9 @@ from legpush.errors import ConfigError
 SEEDS: Final = 2**32
 """Number of seeds; the highest is one less."""
 
+MOST_SEEDS: Final = 10_000
+"""Most seeds of a range on a command line."""
+
 Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
 """A part of keys on the bus, and of file names."""
 Seed = Annotated[int, Meta(ge=0, le=SEEDS - 1)]
@@ -51,6 +54,27 @@ def require_seeds(first: int, n: int, flag: str) -> None:
     """
     if not 0 <= first <= SEEDS - n:
         raise ConfigError(f"Expected seeds from 0 to {SEEDS - 1}, got {n} from {flag} {first} on")
+
+
+def parse_seeds(text: str, flag: str) -> tuple[int, ...]:
+    """Parse a list of seeds and ranges of seeds, such as `1-5` or `1,3,7-9`, in its order.
+
+    Raises:
+        ConfigError: The text has another form, a range does not rise, or a seed is given twice; names the flag.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        if (found := re.fullmatch(r"(\d{1,10})(?:-(\d{1,10}))?", part.strip(), re.ASCII)) is None:
+            raise ConfigError(f"Expected seeds such as 1-5 or 1,3,7 for {flag}, got {text!r}")
+        first, last = int(found[1]), int(found[2] or found[1])
+        if not first <= last < SEEDS or last - first >= MOST_SEEDS:
+            raise ConfigError(
+                f"Expected rising ranges of at most {MOST_SEEDS} seeds from 0 to {SEEDS - 1} for {flag}, got {part}"
+            )
+        seeds += range(first, last + 1)
+    if len(set(seeds)) < len(seeds):
+        raise ConfigError(f"Expected each seed once for {flag}, got {text}")
+    return tuple(seeds)
 
 
 def episode_and_step(text: str, flag: str) -> tuple[int, int]:

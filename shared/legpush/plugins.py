@@ -15,6 +15,8 @@ Group = Literal[
     "legpush.missions",
     "legpush.cells",
     "legpush.tasks",
+    "legpush.loggers",
+    "legpush.callbacks",
 ]
 
 _NOUNS: Final[dict[Group, str]] = {
@@ -24,6 +26,8 @@ _NOUNS: Final[dict[Group, str]] = {
     "legpush.missions": "mission",
     "legpush.cells": "kind of cell",
     "legpush.tasks": "term of a task",
+    "legpush.loggers": "logger",
+    "legpush.callbacks": "callback",
 }
 
 
@@ -48,6 +52,9 @@ LIBRARIES: Final[dict[str, str]] = {
     "websockets": "view",
     "ray": "ray",
     "submitit": "slurm",
+    "optuna": "tune",
+    "sqlalchemy": "tune",
+    "wandb": "wandb",
 }
 """Modules of the libraries that legpush installs, each with its extra; an empty text if no extra is needed. A host for
 one process may lack those of the others."""

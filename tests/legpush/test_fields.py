@@ -8,7 +8,7 @@ from msgspec import Meta, inspect
 
 from legpush.bounds import BoxMass, Count
 from legpush.errors import ConfigError
-from legpush.fields import SEEDS, Name, Seed, episode_and_step, range_of, require, require_seeds
+from legpush.fields import SEEDS, Name, Seed, episode_and_step, parse_seeds, range_of, require, require_seeds
 
 
 @pytest.mark.parametrize(("kind", "value"), [(Name, "a"), (Name, "A-b_9" * 12), (Seed, 0), (Seed, SEEDS - 1)])
@@ -62,3 +62,25 @@ def test_the_place_of_a_step_is_two_numbers() -> None:
 def test_a_place_that_is_something_else_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match=f"Expected EPISODE:STEP for --at, such as 0:12, got '{text}'; "):
         episode_and_step(text, "--at")
+
+
+def test_seeds_are_numbers_and_rising_ranges() -> None:
+    assert parse_seeds("1-3", "--seeds") == (1, 2, 3)
+    assert parse_seeds("9,4 , 6-6", "--seeds") == (9, 4, 6)
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("", "Expected seeds such as 1-5 or 1,3,7 for --seeds, got ''"),
+        ("1-", "Expected seeds such as"),
+        ("-1", "Expected seeds such as"),
+        ("5-1", "Expected rising ranges of at most 10000 seeds from 0 to 4294967295 for --seeds, got 5-1"),
+        ("4294967296", "Expected rising ranges"),
+        ("0-10000", "Expected rising ranges"),
+        ("1-3,2", "Expected each seed once for --seeds, got 1-3,2"),
+    ],
+)
+def test_seeds_that_are_none_are_refused(text: str, match: str) -> None:
+    with pytest.raises(ConfigError, match=match):
+        parse_seeds(text, "--seeds")

@@ -28,7 +28,9 @@ PARTS = [
     ("agent_proc/gym_envs.py", ("train",)),
     ("agent_proc/learning", ("train",)),
     ("agent_proc/policies/sb3", ("train",)),
+    ("agent_proc/learning/loggers/wandb_log.py", ("wandb",)),
     ("agent_proc/studies", ("train",)),
+    ("agent_proc/studies/tuning", ("tune",)),
     ("agent_proc/policies/onnx_file.py", ("train",)),
 ]
 """Source folder or module, without those in it that are parts themselves, and the extras that its hosts install."""

@@ -49,6 +49,8 @@ ROGUES = {
     "Only tables import PyArrow": ("sim_proc.export", "import pyarrow"),
     "Only sim_proc.view imports viser": ("sim_proc.view", "import viser"),
     "Only the guard of the page imports websockets": ("sim_proc.view", "import websockets"),
+    "Only the trials of a tuning import Optuna": ("agent_proc.studies.tuning", "import optuna"),
+    "Only its logger imports Weights & Biases": ("agent_proc.learning.loggers", "import wandb"),
     "Only the engine of Ray imports Ray": ("legpush.study.engines", "import ray"),
     "Only the check of Ray's token imports gRPC": ("legpush.study.engines", "import grpc"),
     "Only the engine of Slurm imports submitit": ("legpush.study.engines", "import submitit"),

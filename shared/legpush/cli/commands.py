@@ -13,6 +13,7 @@ from legpush.options.bench import ListFaults, SoakOptions
 from legpush.options.conformance import PlanCheckOptions
 from legpush.options.export import ExportOptions, RenderOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
+from legpush.options.learning_tools import CompareOptions, CurvesOptions, TuneOptions
 from legpush.options.maps import MapOptions
 from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
 from legpush.options.policies import ExportPolicy, ShowPolicy
@@ -46,6 +47,9 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
     "run": RunOptions,
     "train": TrainOptions,
     "evaluate": EvaluateOptions,
+    "compare": CompareOptions,
+    "curves": CurvesOptions,
+    "tune": TuneOptions,
     "calibrate": CalibrateOptions,
     "scenarios": Group(
         "List, show, copy or draw scenarios.",
@@ -81,6 +85,9 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
 PROGRAMS: Final[Mapping[type, tuple[Program, *tuple[str, ...]]]] = {
     TrainOptions: ("agent_proc.programs.train",),
     EvaluateOptions: ("agent_proc.programs.evaluate",),
+    CompareOptions: ("agent_proc.programs.compare",),
+    CurvesOptions: ("agent_proc.programs.curves",),
+    TuneOptions: ("agent_proc.programs.tune",),
     CalibrateOptions: ("agent_proc.programs.calibrate",),
     RandomScenario: ("agent_proc.programs.draw_room",),
     MapOptions: ("agent_proc.programs.show_map",),

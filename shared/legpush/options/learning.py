@@ -8,7 +8,7 @@ from typing import Annotated, Final, Literal
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import MAX_DEPTH_M, Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
-from legpush.fields import Seed, require, require_seeds
+from legpush.fields import Seed, parse_seeds, require, require_seeds
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
 from legpush.options.scenarios import Changes, ScenarioName
@@ -85,6 +85,11 @@ class TrainOptions(SimulatorOptions):
     """Replaces the task's form of the action; `discrete` is the published grid of w1, w2 and leg."""
     seed: Annotated[int, arg("N")] = 0
     """Seed of initial weights, exploration and initial conditions."""
+    seeds: Annotated[str | None, arg("N-M,...")] = None
+    """Train once with each of these seeds instead, such as 1-5 or 1,3,7: in folders of their own below --out, in this
+    process's workers, with a summary over the seeds. The same command, or --resume, goes on after an interruption."""
+    workers: Annotated[int | None, arg("N")] = None
+    """With --seeds: number of trainings at a time; if not given, one per core."""
     scenario: Annotated[str | None, arg("NAME|FILE")] = None
     """Replaces the task's scenario, which has the robot ready to push, and the goal."""
     changes: Changes = ()
@@ -100,10 +105,19 @@ class TrainOptions(SimulatorOptions):
     init: Annotated[str | None, arg("POLICY|DIR")] = None
     """Begin with the actor of this trained policy instead of random weights, or with actor and critics of the training
     in this folder."""
+    loggers: Annotated[tuple[str, ...], arg("NAME ...")] = ("tensorboard",)
+    """Where the numbers of the training are logged: tensorboard, csv (log.csv), wandb (Weights & Biases, offline), or
+    those of other packages by name."""
+    callbacks: Annotated[tuple[str, ...], arg("NAME ...")] = ()
+    """Callbacks of other packages by name."""
+    film_every: Annotated[int | None, arg("N")] = None
+    """Film an episode of every N-th evaluation; below `films` in the folder of the training."""
+    film_last: Flag = False
+    """Film an episode of the last evaluation."""
     out: Annotated[Path | None, arg("DIR")] = None
     """Folder of the training; `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
     resume: Annotated[Path | None, arg("DIR")] = None
-    """Continue the training in this folder, with its own settings."""
+    """Continue the training in this folder, or those of several seeds, with their own settings."""
     dry_run: Flag = False
     """Check the options, print the task with its scenario, and start nothing."""
     output: OutputOptions = USUAL_OUTPUT
@@ -112,6 +126,12 @@ class TrainOptions(SimulatorOptions):
         super().__post_init__()
         require(Seed, self.seed, "--seed")
         require(Amount, self.steps, "--steps")
+        require(Amount, self.workers, "--workers")
+        require(Amount, self.film_every, "--film-every")
+        if self.world.startswith("map") and (self.film_every is not None or self.film_last):
+            raise ConfigError(f"Expected --world {DEFAULT_WORLD} with --film-every and --film-last: a map has no robot")
+        if self.seeds is not None:
+            self._check_seeds(self.seeds)
         for kind, interval, flag in (
             (BoxMass, self.mass_kg, "--mass-kg"),
             (Friction, self.friction, "--friction"),
@@ -123,6 +143,17 @@ class TrainOptions(SimulatorOptions):
             raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
         if self.resume is not None and self.init is not None:
             raise ConfigError("Expected either --resume DIR, which continues a training, or --init, got both")
+
+    def _check_seeds(self, seeds: str) -> None:
+        parse_seeds(seeds, "--seeds")
+        if self.resume is not None:
+            raise ConfigError("Expected either --resume DIR, which knows its seeds, or --seeds, got both")
+        if self.seed != 0:
+            raise ConfigError(f"Expected either --seed or --seeds, got --seed {self.seed} and --seeds {seeds}")
+        if self.join is not None or self.record is not None:
+            raise ConfigError(
+                "Expected no --join and no --record with --seeds: its simulators are no processes on a bus"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

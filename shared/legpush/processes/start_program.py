@@ -12,6 +12,9 @@ from legpush.processes.environment import child_environment
 Program = Literal[
     "agent_proc.programs.train",
     "agent_proc.programs.evaluate",
+    "agent_proc.programs.compare",
+    "agent_proc.programs.curves",
+    "agent_proc.programs.tune",
     "agent_proc.programs.calibrate",
     "agent_proc.programs.check_mission",
     "agent_proc.programs.draw_room",

@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, get_type_hints
 
 import msgspec
@@ -43,6 +44,9 @@ class CellKind:
     """The type of resolved specifications: equal ones always mean the same work."""
     resolve: Resolve
     """Makes a resolved specification; raises a `LegpushError` for one that cannot be run."""
+    run_in: Callable[[Any, Path], Mapping[str, Any]] | None = None
+    """Runs it in a folder that it keeps its work in: it goes on there after an interruption, to the same results as
+    `run`. None if cells of this kind keep no work."""
     columns: tuple[Column, ...] = ()
     """The result columns; empty if they are not known before."""
     changes: type[Struct] | None = None
@@ -106,13 +110,13 @@ def as_it_is(specification: Struct, _: Collection[str]) -> Struct:
     return specification
 
 
-def columns_of(kind: CellKind, resolved: Struct) -> dict[str, Any]:
-    """Run a cell and return its columns.
+def columns_of(kind: CellKind, resolved: Struct, folder: Path | None = None) -> dict[str, Any]:
+    """Run a cell and return its columns; with a folder, it keeps its work there if its kind can.
 
     Raises:
         CellError: It does not return columns of numbers, truth values, texts and lists of these.
     """
-    columns = kind.run(resolved)
+    columns = kind.run(resolved) if folder is None or kind.run_in is None else kind.run_in(resolved, folder)
     if not isinstance(columns, Mapping) or not all(isinstance(name, str) for name in columns):
         raise CellError(f"Expected a dictionary of columns, got {type(columns).__name__}")
     return {name: _plain(value, name) for name, value in columns.items()}

@@ -15,6 +15,9 @@ class Task(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The settings and axes of the cell as columns of its row."""
     specification: dict[str, Any]
     """The resolved specification, as plain values."""
+    folder: str | None = None
+    """Where the cell keeps its work, and goes on when it is run again; None if it keeps none. No part of its identity:
+    the results are the same."""
 
 
 class Job(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -16,8 +16,8 @@ LINE_S: Final = 10.0
 
 
 @contextmanager
-def shown(console: Console) -> Iterator[Callable[[Tally], None]]:
-    """Yield a function that shows a tally."""
+def shown(console: Console, more: Callable[[], str] = str) -> Iterator[Callable[[Tally], None]]:
+    """Yield a function that shows a tally; `more` says what else is known of the cells that run."""
     began_s = last_s = monotonic()
     columns = (BarColumn(), TextColumn("{task.fields[text]}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
@@ -26,7 +26,7 @@ def shown(console: Console) -> Iterator[Callable[[Tally], None]]:
         def show(tally: Tally) -> None:
             nonlocal last_s
             now_s = monotonic()
-            text = line(tally, now_s - began_s)
+            text = ", ".join(part for part in (line(tally, now_s - began_s), more()) if part)
             bar.update(task, total=tally.n_cells, completed=tally.n_done + tally.n_failed, text=text)
             if not console.is_terminal and now_s - last_s >= LINE_S:
                 last_s = now_s

@@ -5,6 +5,7 @@ import platform
 import traceback
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
@@ -82,7 +83,8 @@ def _objection(job: Job, own: str | None) -> str | None:
 def _run(job: Job, kind: CellKind, task: Task) -> Row | Failure:
     began_s, began_cpu_s = perf_counter(), process_time()
     try:
-        results = columns_of(kind, msgspec.convert(task.specification, kind.resolved))
+        folder = None if task.folder is None else Path(task.folder)
+        results = columns_of(kind, msgspec.convert(task.specification, kind.resolved), folder)
         _require_apart(task.inputs, results)
     except Exception as error:  # noqa: BLE001 - a cell may raise anything; its last words are kept
         return Failure(cell=task.cell, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())

@@ -50,7 +50,7 @@ def make_training(
 
 def learned(profile: AnyProfile, env: PushVecEnv, n_steps: int, learner: Learner | None = None) -> Learner:
     """A learner after some steps."""
-    learner = learner or make_learner(profile, env, 3, None)
+    learner = learner or make_learner(profile, env, 3)
     learner.model.learn(n_steps, reset_num_timesteps=learner.model.num_timesteps == 0)
     return learner
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent_proc.learning.best_policy import FIRST_CHECK_SEED, build_policy, check_policy, is_better
+from agent_proc.evaluation.starts import FIRST_CHECK_SEED
+from agent_proc.learning.best_policy import build_policy, check_policy, is_better
 from agent_proc.learning.learner import make_learner
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
@@ -32,7 +33,7 @@ def built(profile: AnyProfile, check: Check | None = None) -> PolicyFolder:
     )
     env = PushVecEnv(task, [FakeWorld()])
     try:
-        return build_policy(plan, make_learner(profile, env, plan.seed, None), [POINT], check)
+        return build_policy(plan, make_learner(profile, env, plan.seed), [POINT], check)
     finally:
         env.close()
 

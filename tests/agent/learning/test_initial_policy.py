@@ -37,7 +37,7 @@ def fresh(profile_name: str, seed: int = 3) -> tuple[Learner, TrainingPlan]:
     task = load_task(profile.task)
     env = PushVecEnv(task, [FakeWorld()])
     plan = TrainingPlan(profile=profile, task=task, seed=seed, n_simulators=1, command="", versions={})
-    return make_learner(profile, env, seed, None), plan
+    return make_learner(profile, env, seed), plan
 
 
 def test_a_policy_gives_its_actor_and_its_moments(trained: tuple[Path, str]) -> None:

@@ -36,14 +36,14 @@ def env() -> Iterator[PushVecEnv]:
 
 @pytest.mark.parametrize(("name", "kind"), [("tuned", PPO), ("paper-text", PPO), ("sac", SAC), ("td3", TD3)])
 def test_a_profile_names_its_algorithm(env: PushVecEnv, name: str, kind: type[BaseAlgorithm]) -> None:
-    learner = make_learner(small_profile(name), env, 3, None)
+    learner = make_learner(small_profile(name), env, 3)
 
     assert type(learner.model) is kind
     assert learner.env is env
 
 
 def test_equal_seeds_begin_with_equal_weights(env: PushVecEnv) -> None:
-    first, again, other = (weights(make_learner(small_profile(), env, seed, None).model) for seed in (3, 3, 4))
+    first, again, other = (weights(make_learner(small_profile(), env, seed).model) for seed in (3, 3, 4))
 
     assert first == again != other
 
@@ -52,7 +52,7 @@ def test_the_first_pushes_are_as_deep_as_the_profile_says(env: PushVecEnv) -> No
     profile = small_profile()
     assert isinstance(profile, PpoProfile)
 
-    model = make_learner(profile, env, 3, None).model
+    model = make_learner(profile, env, 3).model
 
     bias = model.policy.action_net.bias  # type: ignore[union-attr]
     assert isinstance(bias, torch.Tensor)
@@ -64,7 +64,7 @@ def test_an_algorithm_for_continuous_actions_is_refused_the_published_grid() -> 
     env = PushVecEnv(task, [FakeWorld()])
 
     with pytest.raises(ConfigError, match="Expected continuous actions for the algorithm sac, got discrete ones"):
-        make_learner(small_profile("sac"), env, 3, None)
+        make_learner(small_profile("sac"), env, 3)
     env.close()
 
 
@@ -72,7 +72,7 @@ def test_exploration_is_set_by_how_far_the_training_is(env: PushVecEnv) -> None:
     profile = small_profile()
     assert isinstance(profile, PpoProfile)
     assert profile.settings.log_std_end is not None
-    learner = make_learner(profile, env, 3, None)
+    learner = make_learner(profile, env, 3)
 
     learner.model.num_timesteps = profile.steps // 2
     set_exploration(learner, profile)
@@ -104,4 +104,4 @@ def test_moments_are_those_of_the_normalizer(env: PushVecEnv) -> None:
     mean, variance = moments
     assert mean.shape == variance.shape == (8,)
     assert (variance > 0.0).all()
-    assert observation_moments(make_learner(bare, env, 3, None).normalizer) is None
+    assert observation_moments(make_learner(bare, env, 3).normalizer) is None

@@ -52,7 +52,7 @@ def test_a_restored_learner_goes_on_to_the_same_weights_and_the_same_state(
     expected = learned(profile, env, 64, learner)
     state = capture(expected)
 
-    other = make_learner(profile, other_env, 99, None)
+    other = make_learner(profile, other_env, 99)
     restore(other, saved(captured))
 
     assert other.model.num_timesteps == 64
@@ -102,14 +102,14 @@ def test_a_state_that_does_not_fit_is_refused_with_the_place(env: PushVecEnv, pl
     state = capture(learned(profile, env, 40))
 
     with pytest.raises(ValueError, match=f"at `{place}"):
-        restore(make_learner(profile, env, 3, None), replace(state, **CHANGES[place](state)))
+        restore(make_learner(profile, env, 3), replace(state, **CHANGES[place](state)))
 
 
 def test_the_state_of_another_algorithm_is_refused(env: PushVecEnv) -> None:
     state = capture(learned(small_profile("td3"), env, 40))
 
     with pytest.raises(ValueError, match="at `weights`: expected "):
-        restore(make_learner(small_profile("sac"), env, 3, None), state)
+        restore(make_learner(small_profile("sac"), env, 3), state)
 
 
 def test_another_number_of_environments_is_refused(env: PushVecEnv) -> None:
@@ -117,5 +117,5 @@ def test_another_number_of_environments_is_refused(env: PushVecEnv) -> None:
     one = PushVecEnv(TASK, [FakeWorld()])
 
     with pytest.raises(ConfigError, match="Expected as many simulators as were saved, 2, got 1"):
-        restore(make_learner(small_profile(), one, 3, None), state)
+        restore(make_learner(small_profile(), one, 3), state)
     one.close()

@@ -12,11 +12,12 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from agent_proc.learning.plan_file import read_plan
 from agent_proc.policies.folder import read_policy
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import dump_profile
 from agent_proc.programs import train as program
-from agent_proc.programs.train import kept_words, read_plan, train
+from agent_proc.programs.train import kept_words, train
 from agent_proc.simulators import simulators
 from agent_proc.task.file import load_task
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, PluginError, PolicyError, exit_code_of

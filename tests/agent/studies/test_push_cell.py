@@ -1,8 +1,11 @@
 from dataclasses import asdict
+from typing import Any
 
+import msgspec
 import pytest
 
 from agent_proc.evaluation.episodes import run_episode
+from agent_proc.policies.folder import policy_path
 from agent_proc.policies.registry import make_policy
 from agent_proc.studies.push_cell import PUSH, PushCell, resolve
 from legpush.errors import ConfigError
@@ -29,9 +32,26 @@ def test_a_cell_is_an_episode_with_the_crc_of_its_last_state() -> None:
     simulator = Simulator()
     row = asdict(run_episode(LocalWorld(simulator), resolved.scenario, 5, make_policy("scripted")))
     assert simulator.episode is not None
+    assert columns.pop("decision_cpu_s") > 0.0
     assert columns == {
         **{name: value for name, value in row.items() if name not in ("case", "seed")},
+        "simulated_s": pytest.approx(simulator.episode.physics.tick * 0.02),
         "state_crc": f"{simulator.episode.physics.state_crc():08x}",
     }
     assert columns["n_cycles"] == 2
-    assert list(columns) == [column.name for column in PUSH.columns]
+    assert list(columns) == [column.name for column in PUSH.columns if column.name != "decision_cpu_s"]
+
+
+def test_a_rival_has_the_actions_and_the_stop_rule_of_a_task() -> None:
+    def columns(**fields: Any) -> dict[str, Any]:
+        return columns_of(PUSH, resolve(PushCell(seed=5, world="map", **fields), ()))
+
+    zero = columns(policy="zero", task="paper-learns")
+    assert zero["state_crc"] == columns(policy="constant", action=(0.0, 0.0, 0.0), task="paper-learns")["state_crc"]
+    assert columns(policy="random", task=str(policy_path("variable")))["n_cycles"] > 0
+    with pytest.raises(ConfigError, match=r"Expected an action of 4 numbers, as the task has, got \[0\.0\]"):
+        resolve(PushCell(policy="constant", action=(0.0,)), ())
+    with pytest.raises(ConfigError, match="Expected an action with the policy `constant` alone, got one with scripted"):
+        resolve(PushCell(policy="scripted", action=(0.0,)), ())
+    resolved = resolve(PushCell(policy="constant", action=(0.0, 0.5, -1.0, 1.0)), ())
+    assert msgspec.convert(msgspec.to_builtins(resolved), PUSH.resolved) == resolved

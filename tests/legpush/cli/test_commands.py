@@ -22,6 +22,7 @@ SEVERAL: Final = {
     "out": {"DIR", "FILE"},
     "file": {"FILE", "NAME|FILE", "FILE|DIR"},
     "run": {"NAME", "NAME|FOLDER"},
+    "world": {"NAME", "NAME|FILE"},
     "friction": {"MU", "LOW HIGH"},
     "mass_kg": {"KG", "LOW HIGH"},
     "init": {"POLICY|DIR"},

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 
+from legpush.study.carry_out import study_record
 from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.file import Study, read_study
 from legpush.study.folder import StudyFolder
 from legpush.study.jobs import Answer, Job, decode_job, encode
-from legpush.study.run import study_record
 from legpush.study.work import work
 
 STUB = "tests.legpush.study.stub:STUB"

@@ -6,9 +6,9 @@ import msgspec
 import pytest
 
 from legpush.errors import ConfigError, DiskFullError
+from legpush.study.carry_out import study_record
 from legpush.study.folder import FailedCell, StudyFolder
 from legpush.study.rows import write_part, write_table
-from legpush.study.run import study_record
 
 from .parts import begun, study_of
 
