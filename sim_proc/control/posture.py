@@ -121,6 +121,7 @@ class Posture:
         until: Touchdown | None = None,
         watch: Watch | None = None,
         push: PushForce | None = None,
+        uncorrected: Floats | None = None,
     ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
 
@@ -144,7 +145,7 @@ class Posture:
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
         torques = -np.einsum("nlij,nli->nlj", self._kinematics.jacobian(planned, SIDE), forces).reshape(n, 12)
         planned = planned.reshape(n, 12)
-        left = self._uncorrected[:n]
+        left = (self._uncorrected if uncorrected is None else uncorrected)[:n]
         # Measured feet move the joints of the commanded trunk and feet away from the last commands.
         planned[: len(left)] += left[:, None] * (self.joints_rad - present)
         motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
@@ -162,6 +163,11 @@ class Posture:
         if until is not None and until.stops_leg and log.touched_down and last < until.landing_tick:
             self._stop_leg(until.leg)
         return log
+
+    def commanded_tips_b(self) -> Floats:
+        """Where the feet are commanded to be, (4, 3), trunk frame."""
+        tips: Floats = self._kinematics.forward(self.joints_rad.reshape(len(SIDE), 3), SIDE) + self._kinematics.hips_b
+        return tips
 
     def react(self, tips_b: Floats, forces_b: Floats) -> TickLog:
         """Move the feet to `tips_b` (4, 3) in one tick, and push with `forces_b` (4, 3) on the floor; trunk frame.
