@@ -118,7 +118,7 @@ def as_processes(seed: int) -> tuple[float, str]:
     with TemporaryDirectory(prefix="legpush-mission-cell-") as scratch:
         file, out = Path(scratch) / "scenario.toml", Path(scratch) / "run"
         write_scenario(scenario, file)
-        command = [LEGPUSH, "run", "--scenario", str(file), "--seed", str(seed), "--out", str(out)]
+        command = [LEGPUSH, "run", str(file), "--seed", str(seed), "--out", str(out)]
         done = subprocess.run([*command, "--no-video", "--no-picture"], capture_output=True, check=False)
         if done.returncode not in (0, 1):
             raise RuntimeError(done.stderr.decode())

@@ -36,7 +36,7 @@ def main(config: Config) -> None:
         with tempfile.TemporaryDirectory(prefix="legpush-one-core-") as scratch:
             out = Path(scratch) / "run"
             legpush = str(Path(sys.executable).with_name("legpush"))
-            command = [legpush, "run", "--scenario", config.scenario, "--seed", str(seed)]
+            command = [legpush, "run", config.scenario, "--seed", str(seed)]
             subprocess.run([*command, "--out", str(out), "--no-video"], check=True, capture_output=True)
             report = json.loads((out / "report.json").read_text())
         factors.append(report["real_time_factor"])

@@ -102,7 +102,7 @@ def in_three(scenario: str, seed: int) -> Measured:
     """`legpush run` with its three processes."""
     with tempfile.TemporaryDirectory(prefix="legpush-one-process-") as folder:
         before = _cpu_of_children_s()
-        argv = ["legpush", "run", "--scenario", scenario, "--seed", str(seed)]
+        argv = ["legpush", "run", scenario, "--seed", str(seed)]
         argv += ["--no-video", "--no-picture", "--out", folder]
         subprocess.run([Path(sys.executable).with_name(argv[0]), *argv[1:]], check=True, capture_output=True)
         cpu_s = _cpu_of_children_s() - before

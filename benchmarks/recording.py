@@ -62,7 +62,7 @@ def measure_missions(n: int, scenario: str) -> dict[str, Any]:
         for index in range(n):
             for recorded in (False, True):
                 out, file = Path(folder) / f"{index}-{recorded}", Path(folder) / f"{index}.mcap"
-                command = [sys.executable, "-c", CLI, "run", "--scenario", scenario, "--out", str(out)]
+                command = [sys.executable, "-c", CLI, "run", scenario, "--out", str(out)]
                 command += ["--no-video", *(("--record", str(file)) if recorded else ())]
                 subprocess.run(command, check=True, capture_output=True)
                 report = read_report(out)

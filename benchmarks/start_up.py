@@ -110,7 +110,7 @@ def measure(checkout: Path, scenario: str, seed: int) -> Mission:
     environment = {**os.environ, "PYTHONPATH": f"{checkout / 'shared'}{os.pathsep}{checkout}"}
     with tempfile.TemporaryDirectory(prefix="legpush-start-up-") as temporary:
         folder = Path(temporary) / "run"
-        argv = [sys.executable, "-P", "-c", LEGPUSH, "run", "--scenario", scenario, "--seed", str(seed)]
+        argv = [sys.executable, "-P", "-c", LEGPUSH, "run", scenario, "--seed", str(seed)]
         argv += ["--no-video", "--no-picture", "--out", str(folder)]
         before_s, began_s = _cpu_of_children_s(), time.perf_counter()
         process = psutil.Popen(

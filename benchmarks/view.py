@@ -151,7 +151,7 @@ def until_drawn(page: Page) -> None:
 
 def run(out: Path, config: Config, *flags: str) -> dict[str, float]:
     """Run a mission and return its report."""
-    command = [sys.executable, "-c", CLI, "run", "--scenario", config.scenario, "--seed", str(config.seed)]
+    command = [sys.executable, "-c", CLI, "run", config.scenario, "--seed", str(config.seed)]
     subprocess.run([*command, "--out", str(out), "--no-video", *flags], check=True, capture_output=True)
     report: dict[str, float] = read_report(out)
     return report

@@ -6,13 +6,9 @@ from functools import reduce
 from itertools import product
 from typing import Any
 
-from msgspec.structs import replace
-
 from legpush.errors import ConfigError
-from legpush.scenarios.checks import check_scenario
-from legpush.scenarios.file import change_fields
-from legpush.scene.scenario import PoseDeg, Scenario
-from legpush.scene.station import at_station, station
+from legpush.scenarios.changes import override
+from legpush.scene.scenario import Scenario
 
 Value = float | str | tuple[float, ...]
 
@@ -51,7 +47,7 @@ def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep
         return Sweep(fields=(), cases={"": scenario}, grid=False)
     single = [[(field, value) for value in values] for field, values in parsed]
     changes = list(product(*single)) if grid else [((field, value),) for row in single for field, value in row]
-    cases = {_name(change): with_changes(scenario, dict(change), f"--sweep {_name(change)}") for change in changes}
+    cases = {_name(change): override(scenario, dict(change), f"--sweep {_name(change)}") for change in changes}
     return Sweep(fields=names, cases=cases, grid=grid)
 
 
@@ -66,31 +62,6 @@ def _parse(text: str) -> tuple[str, tuple[Value, ...]]:
     if not (field and equals and all(parts)):
         raise ConfigError(f"Expected FIELD=VALUE,VALUE,... for --sweep, such as box.mass_kg=0.1,0.5, got {text!r}")
     return field.strip(), tuple(_value(part) for part in parts)
-
-
-def with_changes(scenario: Scenario, changes: Mapping[str, Any], where: str) -> Scenario:
-    """Return the scenario with other values; a robot that starts at its station stands at the new one.
-
-    Raises:
-        ScenarioError: A field does not exist, or a value cannot be used; `where` says where it comes from.
-    """
-    changed = change_fields(scenario, changes)
-    if _station_m(changed) != _station_m(scenario) and _ready(scenario):
-        place = station(changed.robot, changed.box, changed.box.pose.pose())
-        start = PoseDeg(x_m=place.x_m, y_m=place.y_m, yaw_deg=changed.box.pose.yaw_deg)
-        changed = replace(changed, start=start)
-    check_scenario(changed, where)
-    return changed
-
-
-def _station_m(scenario: Scenario) -> tuple[tuple[float, ...], float]:
-    """What the station follows from, besides the pose of the box."""
-    return scenario.box.size_m, scenario.robot.station_m
-
-
-def _ready(scenario: Scenario) -> bool:
-    """Whether the robot starts at its station behind the box."""
-    return at_station(scenario.robot, scenario.start.pose(), scenario.box, scenario.box.pose.pose())
 
 
 def _name(change: Iterable[tuple[str, Value]]) -> str:

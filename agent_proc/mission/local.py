@@ -8,7 +8,7 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.policies.registry import make_policy, user_policy
 from agent_proc.push_model.map import load_push_map
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import make_report
+from agent_proc.reporting.report import Begun, make_report
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.mission import Tell
 from legpush.lockstep.world import World
@@ -42,4 +42,9 @@ def run_local(
     wall_time_s = perf_counter() - began_s
     if result.error is not None:
         raise result.error
-    return make_report(read_record(records), result, wall_time_s, installed_versions())
+    return make_report(read_record(records), result, wall_time_s, installed_versions(), Begun(policy=_named(policy)))
+
+
+def _named(policy: object) -> str:
+    """Return the name of a policy, or of the type of an object."""
+    return policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"

@@ -2,13 +2,13 @@
 
 import logging
 import os
+import shlex
+import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
 from time import time
 from typing import Annotated, Final
-
-import tyro
 
 from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
 from agent_proc.mission.facts import JSON, attach_facts
@@ -17,8 +17,10 @@ from agent_proc.mission.progress import MissionProgress
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.map import PushMap, load_push_map
+from agent_proc.reporting.report import Begun
 from agent_proc.reporting.report_files import write_report
 from agent_proc.walking.actor import as_it_is
+from legpush.arguments import Flag, Switch, arg
 from legpush.bounds import BoxMass, Friction, WaitS
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME
@@ -54,51 +56,55 @@ class AgentConfig(ServiceConfig):
     Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas).
     """
 
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    scenario: Annotated[str, arg("NAME|FILE")] = "default"
     """A built-in scenario or the path of a scenario file."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, arg("N")] = 0
     """Draws the offsets of start and box, and seeds the planner."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder of journal, report and picture, `runs/<scenario>-seed<N>` if not given. An interrupted mission goes on
     there."""
-    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")] = DEFAULT_POLICY
+    policy: Annotated[str, arg("POLICY")] = DEFAULT_POLICY
     """What chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
     module:factory."""
-    trust_policy_file: bool = False
+    trust_policy_file: Flag = False
     """Load model files (.zip): they are pickles, and loading one runs any code in it."""
-    recorded_policy_sha256: Annotated[str | None, tyro.conf.arg(metavar="HEX")] = None
+    recorded_policy_sha256: Annotated[str | None, arg("HEX")] = None
     """The policy is named by a recording and must have this SHA-256; it runs no code unless --repeated-policy names
     it."""
-    repeated_policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    repeated_policy: Annotated[str | None, arg("POLICY")] = None
     """The policy of a recording that runs code, repeated by the user, who trusts it."""
-    push_map: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    push_map: Annotated[Path | None, arg("FILE")] = None
     """What pushes do to this box, as `legpush calibrate` measured it; else what they do to the default one, scaled."""
-    branch_of: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE ...")] = ()
+    branch_of: Annotated[tuple[Path, ...], arg("FILE ...")] = ()
     """Continue the mission of this recording. Scenario, seed and push map have to be those of the recording."""
-    branch_at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
+    branch_at: Annotated[str, arg("EPISODE:STEP")] = ""
     """First step that is not repeated from the recording."""
-    branch_planner: PlannerName | None = None
+    branch_planner: Annotated[PlannerName | None, arg()] = None
     """Planner from that step on, instead of the scenario's."""
-    branch_box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    branch_box_mass_kg: Annotated[float | None, arg("KG")] = None
     """Mass of the box from that step on; the mission does not know it."""
-    branch_box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    branch_box_friction: Annotated[float | None, arg("MU")] = None
     """Friction of box and floor from that step on; the mission does not know it."""
-    branch_box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
+    branch_box_foot_friction: Annotated[float | None, arg("MU")] = None
     """Friction of box and foot from that step on; the mission does not know it."""
-    witness_planner: bool = False
+    planner_command: Annotated[str | None, arg("COMMAND")] = None
+    """For the report: the command of the planner, if it is not that of this package."""
+    command: Annotated[str | None, arg("COMMAND")] = None
+    """For the report: the command that began the mission; that of this process if not given."""
+    witness_planner: Flag = False
     """Hand the planner's answers to recorders as well, for a planner that does not do that itself."""
-    picture: bool = True
+    picture: Switch = True
     """Draw mission.png at the end."""
-    sim: str = DEFAULT_NAME
+    sim: Annotated[str, arg("NAME")] = DEFAULT_NAME
     """Name of the simulator."""
-    deadline_s: Annotated[float, tyro.conf.arg(metavar="S")] = 60.0
+    deadline_s: Annotated[float, arg("S", name="deadline")] = 60.0
     """Give up on a peer that does not answer within this time."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require(Name, self.sim, "--sim")
         require(Seed, self.seed, "--seed")
-        require(WaitS, self.deadline_s, "--deadline-s", "seconds")
+        require(WaitS, self.deadline_s, "--deadline", "seconds")
         require(BoxMass, self.branch_box_mass_kg, "--branch-box-mass-kg")
         require(Friction, self.branch_box_friction, "--branch-box-friction")
         require(Friction, self.branch_box_foot_friction, "--branch-box-foot-friction")
@@ -125,6 +131,11 @@ class AgentConfig(ServiceConfig):
             planner=self.branch_planner,
             alter=alter,
         )
+
+    def begun(self) -> Begun:
+        """Return how the mission was begun."""
+        own = shlex.join(["python", "-m", "agent_proc", *sys.argv[1:]])
+        return Begun(policy=self.policy, planner=self.planner_command, command=self.command or own)
 
     def make_policy(self) -> Policy:
         """The policy of the mission.
@@ -192,7 +203,7 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         beacon.publish_status("reporting", None, result.detail)
         if not episode.live:
             log.info("the mission in %s was over before: only its report is written again", folder)
-        write_report(folder, journal, result, picture=config.picture)
+        write_report(folder, journal, result, config.begun(), picture=config.picture)
         bus.attach(REPORT_FILE, JSON, (folder / REPORT_FILE).read_bytes())
         if result.error is not None:
             raise result.error

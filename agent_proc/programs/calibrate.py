@@ -6,7 +6,7 @@ import threading
 from functools import partial
 from math import ceil
 
-import tyro
+import msgspec
 from rich.console import Console
 from rich.text import Text
 
@@ -19,15 +19,17 @@ from agent_proc.push_model.map import Sample, make_push_map, measured_faces, wri
 from legpush.lockstep.world import SteppingWorld
 from legpush.options.checks import require_new_file
 from legpush.options.learning import CalibrateOptions
-from legpush.scenarios.file import load_scenario, override
+from legpush.options.scenarios import changed_scenario
+from legpush.output.reply import document
+from legpush.scenarios.file import dump_scenario
 from legpush.scene.scenario import Scenario
-from legpush.service import run_program
+from legpush.service import run_command
 from legpush.versions import installed_versions
 
 
 def main() -> int:
     """Parse the command line and measure; returns the exit code."""
-    return run_program("calibrate", lambda: run(tyro.cli(CalibrateOptions, prog="legpush calibrate"), Console()))
+    return run_command("calibrate", CalibrateOptions, lambda options: run(options, Console()))
 
 
 def run(options: CalibrateOptions, console: Console) -> int:
@@ -37,12 +39,17 @@ def run(options: CalibrateOptions, console: Console) -> int:
         ConfigError: An option cannot be used.
         StopRequestedError: The user interrupted it; the finished series are kept.
     """
-    scenario = _scenario(options)
+    scenario = changed_scenario(options.scenario, options.changes)
     require_new_file(options.out, "--out")
+    if options.dry_run:
+        console.print(Text(dump_scenario(scenario)), soft_wrap=True)
+        document(scenario)
+        return 0
     measure = _push_map if options.random_pushes is None else partial(_response_map, options.random_pushes)
     measure(options, scenario, shlex.join(["legpush", "calibrate", *sys.argv[1:]]), console)
     unfinished(options.out).unlink()
     console.print(Text(f"written to {options.out}"), soft_wrap=True)
+    document({"file": options.out, **msgspec.json.decode(options.out.read_bytes())})
     return 0
 
 
@@ -50,7 +57,7 @@ def _push_map(options: CalibrateOptions, scenario: Scenario, command: str, conso
     """Measure series of equal pushes, and write their push map."""
     robot, box = scenario.robot, scenario.box
     curves = [(w, w) for w in options.curves]
-    seeds = range(options.first_seed, options.first_seed + options.series)
+    seeds = range(options.seed, options.seed + options.series)
     planned = {_name(cell): cell for cell in cells(measured_faces(box), curves, options.depths_m, seeds)}
 
     def one(world: SteppingWorld, cell: Cell, stop: threading.Event) -> list[Sample]:
@@ -66,7 +73,7 @@ def _response_map(n_pushes: int, options: CalibrateOptions, scenario: Scenario, 
     """Measure random pushes, and write the response map fitted to them."""
     robot, box = scenario.robot, scenario.box
     require_symmetric(box)
-    seeds = range(options.first_seed, options.first_seed + ceil(n_pushes / PUSHES_PER_SERIES))
+    seeds = range(options.seed, options.seed + ceil(n_pushes / PUSHES_PER_SERIES))
     planned = {
         f"{face} face, random, seed {seed}": RandomSeries(face=face, seed=seed)
         for face in measured_faces(box)
@@ -85,13 +92,3 @@ def _response_map(n_pushes: int, options: CalibrateOptions, scenario: Scenario, 
 
 def _name(cell: Cell) -> str:
     return f"{cell.face} face, w {cell.curve[0]!r}, {cell.depth_m!r} m, seed {cell.seed}"
-
-
-def _scenario(options: CalibrateOptions) -> Scenario:
-    changes = {
-        "box.mass_kg": options.box_mass_kg,
-        "box.friction": options.box_friction,
-        "box.foot_friction": options.box_foot_friction,
-    }
-    given = {field: value for field, value in changes.items() if value is not None}
-    return override(load_scenario(options.scenario), given)

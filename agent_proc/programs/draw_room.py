@@ -3,19 +3,18 @@
 import sys
 from typing import Final
 
-import tyro
-
 from agent_proc.pushing.solvable import solvable_by
 from legpush.bus.bus import Bus
 from legpush.errors import StopRequestedError
 from legpush.options.scenarios import RandomScenario
+from legpush.output.reply import document
 from legpush.patience import Patience
 from legpush.plans.client import PlanLink
 from legpush.processes.pool import SimPool
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.file import write_scenario
 from legpush.scenarios.random_scenario import random_scenario
-from legpush.service import run_program, stop_on_signals
+from legpush.service import run_command, stop_on_signals
 
 DEADLINE_S: Final = 900.0
 """Deadline of the planner: a room without a way takes minutes on a slow machine."""
@@ -23,7 +22,7 @@ DEADLINE_S: Final = 900.0
 
 def main() -> int:
     """Parse the command line and draw; returns the exit code."""
-    return run_program("scenarios", lambda: run(tyro.cli(RandomScenario, prog="legpush scenarios random")))
+    return run_command("scenarios random", RandomScenario, run)
 
 
 def run(options: RandomScenario) -> int:
@@ -45,4 +44,5 @@ def run(options: RandomScenario) -> int:
         except StopRequestedError as error:
             raise StopRequestedError("interrupted: nothing was written") from error
     sys.stdout.write(f"wrote {write_scenario(scenario, options.file)}\n")
+    document({"file": options.file, "scenario": scenario})
     return 0

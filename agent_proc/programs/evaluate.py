@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Final
 
 import msgspec
-import tyro
 from rich.console import Console
 from rich.text import Text
 
@@ -30,9 +29,11 @@ from legpush.long_work.progress import counted
 from legpush.numerics.current import current
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import EvaluateOptions
+from legpush.options.scenarios import changed_scenario
+from legpush.output.reply import document
 from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
-from legpush.scenarios.file import load_scenario
-from legpush.service import run_program, stop_on_signals
+from legpush.scenarios.file import dump_scenario
+from legpush.service import run_command, stop_on_signals
 from legpush.versions import installed_versions
 
 ROWS_FILE: Final = "episodes.csv"
@@ -45,7 +46,7 @@ FINISHED_FILE: Final = "finished.jsonl"
 
 def main() -> int:
     """Parse the command line and evaluate; returns the exit code."""
-    return run_program("evaluate", lambda: run(tyro.cli(EvaluateOptions, prog="legpush evaluate"), Console()))
+    return run_command("evaluate", EvaluateOptions, lambda options: run(options, Console()))
 
 
 def run(options: EvaluateOptions, console: Console) -> int:
@@ -61,11 +62,16 @@ def run(options: EvaluateOptions, console: Console) -> int:
 
     folder = options.out or _default_folder(options.policy)
     require_writable_folder(folder, "--out")
-    scenario = load_scenario(options.scenario)
+    scenario = changed_scenario(options.scenario, options.changes)
     sweep = make_sweep(scenario, options.sweep, grid=options.grid)
     policy = make_policy(options.policy, options.normalizer, trust_file=options.trust_policy_file)
     _require_unused(folder)
     require_world(options.world)
+    if options.dry_run:
+        for case, changed in sweep.cases.items():
+            console.print(Text(f"# {case or scenario.name}\n{dump_scenario(changed)}"), soft_wrap=True)
+        document({"scenarios": sweep.cases, "seeds": [options.seed, options.seed + options.episodes - 1]})
+        return 0
     (folder / LOGS).mkdir(parents=True, exist_ok=True)
     with own_folder(folder):
         write_whole(folder / LOGS / COMMAND_FILE, f"{_again(options, folder)}\n".encode())
@@ -78,7 +84,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
             "policy": options.policy,
             "world": options.world,
             "scenario": scenario,
-            "first_seed": options.first_seed,
+            "first_seed": options.seed,
             "episodes": options.episodes,
             "versions": installed_versions(),
             "cases": summaries,
@@ -90,6 +96,7 @@ def run(options: EvaluateOptions, console: Console) -> int:
         write_whole(folder / SUMMARY_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
         (folder / FINISHED_FILE).unlink()
     console.print(Text(f"written to {folder}"), soft_wrap=True)
+    document({"folder": folder, **record})
     return 0
 
 
@@ -99,7 +106,7 @@ def _finish(options: EvaluateOptions, sweep: Sweep, policy: Policy, folder: Path
     Raises:
         StopRequestedError: The user interrupted it; the finished episodes are kept.
     """
-    seeds = range(options.first_seed, options.first_seed + options.episodes)
+    seeds = range(options.seed, options.seed + options.episodes)
     total = len(sweep.cases) * len(seeds)
     stop, links_stop = stop_on_signals(), threading.Event()
     with open_finished(folder / FINISHED_FILE, _work(options)) as kept:
@@ -132,7 +139,7 @@ def _finish(options: EvaluateOptions, sweep: Sweep, policy: Policy, folder: Path
 def _work(options: EvaluateOptions) -> dict[str, str]:
     """What decides about an episode besides its case and its seed."""
     normalizer = "" if options.normalizer is None else sha256_of([options.normalizer])
-    scenario = msgspec.json.encode(load_scenario(options.scenario))
+    scenario = msgspec.json.encode(changed_scenario(options.scenario, options.changes))
     return {
         "policy": options.policy,
         "policy_sha256": policy_sha256(options.policy),

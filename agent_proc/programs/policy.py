@@ -4,8 +4,6 @@ import sys
 from pathlib import Path
 from typing import Final
 
-import tyro
-
 from agent_proc.policies.folder import (
     CARD_FILE,
     OLD_FORMAT,
@@ -22,19 +20,18 @@ from agent_proc.policies.folder import (
 from agent_proc.policies.learning_libraries import learning_libraries
 from legpush.errors import PolicyError
 from legpush.files import replace_folder
-from legpush.options.policies import ExportPolicy, Policies, ShowPolicy
-from legpush.service import run_program
+from legpush.options.policies import ExportPolicy, ShowPolicy
+from legpush.output.reply import document
+from legpush.service import run_command
 
 ONNX_FILE: Final = "policy.onnx"
 
 
-CONFIG: Final = (tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs)
-"""As in the command `legpush`."""
-
-
 def main() -> int:
-    """Parse the command line, and show or export; returns the exit code."""
-    return run_program("policy", lambda: run(tyro.cli(Policies, prog="legpush policy", config=CONFIG).action))
+    """Parse the command line, whose first word is `show` or `export`, and do it; returns the exit code."""
+    word, *arguments = sys.argv[1:]
+    kind: type[ShowPolicy | ExportPolicy] = ShowPolicy if word == "show" else ExportPolicy
+    return run_command(f"policy {word}", kind, run, arguments)
 
 
 def run(options: ShowPolicy | ExportPolicy) -> int:
@@ -47,13 +44,15 @@ def run(options: ShowPolicy | ExportPolicy) -> int:
     policy = read_any_policy(options.policy)
     if isinstance(options, ShowPolicy):
         sys.stdout.write(readme(policy.card))
+        document(policy.card)
         return 0
     if options.to == "safetensors":
         write_policy(options.out, policy)
     else:
         _write_onnx(options.out, policy)
-    files = ", ".join(sorted(path.name for path in options.out.iterdir()))
-    sys.stdout.write(f"wrote {options.out}: {files}\n")
+    files = sorted(path.name for path in options.out.iterdir())
+    sys.stdout.write(f"wrote {options.out}: {', '.join(files)}\n")
+    document({"folder": options.out, "files": files})
     return 0
 
 

@@ -3,7 +3,6 @@
 import io
 from typing import Final
 
-import tyro
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -12,7 +11,8 @@ from agent_proc.studies.picture import save_picture
 from agent_proc.studies.table import as_csv, groups_of, make_table, measures_of, pairing_of, read_study_rows
 from legpush.files import write_whole
 from legpush.options.study import StudyTable
-from legpush.service import run_program
+from legpush.output.reply import document
+from legpush.service import run_command
 from legpush.study.folder import StudyFolder
 
 MOST_WIDTH: Final = 1000
@@ -21,7 +21,7 @@ MOST_WIDTH: Final = 1000
 
 def main() -> int:
     """Parse the command line and print the table; returns the exit code."""
-    return run_program("study", lambda: run(tyro.cli(StudyTable, prog="legpush study table"), Console()))
+    return run_command("study table", StudyTable, lambda options: run(options, Console()))
 
 
 def run(options: StudyTable, console: Console) -> int:
@@ -54,6 +54,7 @@ def run(options: StudyTable, console: Console) -> int:
     for row in text.get().splitlines():
         console.print(Text(row.rstrip()), soft_wrap=True)
     n_rows, record = len(study.rows), study.record
+    document({"n_rows": n_rows, "n_cells": record.n_cells, "lines": lines})
     if n_rows < record.n_cells:
         console.print(Text(f"{n_rows} of {record.n_cells} cells have a row"), soft_wrap=True)
     if options.csv is not None:

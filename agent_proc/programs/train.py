@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
-import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
@@ -29,9 +28,12 @@ from legpush.files import write_whole
 from legpush.numerics.computed_with import computed_with, told
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
+from legpush.options.scenarios import changed_scenario
+from legpush.output.reply import document
 from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
-from legpush.scenarios.file import load_scenario
-from legpush.service import run_program, stop_on_signals
+from legpush.scenarios.changes import override, parse_changes
+from legpush.scene.scenario import Scenario
+from legpush.service import run_command, stop_on_signals
 from legpush.versions import installed_versions
 
 if TYPE_CHECKING:
@@ -43,7 +45,7 @@ CONFIG_FILE: Final = "config.json"
 def main() -> int:
     """Parse the command line and train; returns the exit code."""
     logging.captureWarnings(True)
-    return run_program("train", lambda: train(tyro.cli(TrainOptions, prog="legpush train"), Console()))
+    return run_command("train", TrainOptions, lambda options: train(options, Console()))
 
 
 def train(options: TrainOptions, console: Console) -> int:
@@ -58,7 +60,12 @@ def train(options: TrainOptions, console: Console) -> int:
         folder, plan = options.resume, read_plan(options.resume)
         require_writable_folder(folder, "--resume")
     else:
-        folder, plan = _begin(options)
+        folder, plan = _plan(options)
+        if options.dry_run:
+            sys.stdout.write(msgspec.json.format(msgspec.json.encode(plan), indent=2).decode() + "\n")
+            document(plan)
+            return 0
+        _begin(folder, plan)
     try:
         return _learn(folder, plan, options, console)
     except (LegpushError, OSError) as error:
@@ -99,6 +106,7 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         console.print(Text(f"{kept_words(result.step, done)}; to go on: {_again(folder)}"), soft_wrap=True)
         return INTERRUPTED
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
+    document({"folder": folder, "policy": folder / training.BEST, "best": result.best, "n_steps": result.step})
     return 0
 
 
@@ -127,8 +135,8 @@ def _resume(job: "Training", plan: TrainingPlan) -> None:
         raise told(error, computed_with(plan.versions), still) from error
 
 
-def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
-    """Make the plan from the options, and the folder with the plan in it.
+def _plan(options: TrainOptions) -> tuple[Path, TrainingPlan]:
+    """Make the plan from the options, and choose a folder that can be made.
 
     Raises:
         ConfigError: An option cannot be used.
@@ -143,7 +151,7 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         profile = msgspec.structs.replace(profile, steps=options.steps)
     task = load_task(
         options.task or profile.task,
-        None if options.scenario is None else load_scenario(options.scenario),
+        _scenario(options, profile.task),
         **_given(entry=options.entry, action_form=options.actions),
         domain=_given(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
     )
@@ -162,9 +170,22 @@ def _begin(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     require_writable_folder(folder, "--out")
     if folder.exists() and any(folder.iterdir()):
         raise ConfigError(f"Expected a new or empty folder for --out, got {folder}; --resume {folder} goes on in it")
+    return folder, plan
+
+
+def _begin(folder: Path, plan: TrainingPlan) -> None:
+    """Make the folder with the plan in it."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / CONFIG_FILE, msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n")
-    return folder, plan
+
+
+def _scenario(options: TrainOptions, task: str) -> Scenario | None:
+    """The scenario that replaces that of the task, or None."""
+    if options.scenario is not None:
+        return changed_scenario(options.scenario, options.changes)
+    if not options.changes:
+        return None
+    return override(load_task(options.task or task).scenario, parse_changes(options.changes), "--set")
 
 
 def _given(**values: Any) -> dict[str, Any]:

@@ -49,17 +49,24 @@ class PushBudget:
 
     def take_path(self, stages: Sequence[Stage], n_used: int) -> None:
         """Count the push cycles for a path that begins after `n_used` of them."""
-        if self._most is None:
-            n_wanted = n_used + SPARE * self._needed(stages, 0.0) + SPARE_CYCLES
-            self.n_cycles = min(n_wanted, MAX_PUSH_CYCLES)
+        self.take(self._needed(stages, 0.0), n_used)
 
-    def used_up(self, stages: Sequence[Stage], at_m: float, what: str) -> MissionEndedError:
+    def take(self, n_needed: int, n_used: int) -> None:
+        """Count the cycles for a number of pushes that begin after `n_used` of them."""
+        if self._most is None:
+            self.n_cycles = min(n_used + SPARE * n_needed + SPARE_CYCLES, MAX_PUSH_CYCLES)
+
+    def used_up_on_path(self, stages: Sequence[Stage], at_m: float, what: str) -> MissionEndedError:
         """The error that says how many push cycles would do, at a place on the first of the stages that are left."""
         left_m = sum(stage.length_m for stage in stages) - at_m
+        return self.used_up(self._needed(stages, at_m), what, f"{left_m:.2f} m of its path are left")
+
+    def used_up(self, n_needed: int, what: str, left: str) -> MissionEndedError:
+        """The error that says how many push cycles would do where `n_needed` usual pushes are left."""
         return MissionEndedError(
             "max_push_cycles",
-            f"{what} after {self.n_cycles} push cycles, {left_m:.2f} m of its path are left",
-            self._remedy(self.n_cycles + SPARE * self._needed(stages, at_m) + SPARE_CYCLES),
+            f"{what} after {self.n_cycles} push cycles, {left}",
+            self._remedy(self.n_cycles + SPARE * n_needed + SPARE_CYCLES),
         )
 
     def _remedy(self, n_wanted: int) -> str:

@@ -12,6 +12,7 @@ from agent_proc.frames.poses import BoxError
 from agent_proc.policies.policy import Policy
 from agent_proc.pushing.box_route import BoxRoute
 from agent_proc.pushing.calibrating import Calibration
+from agent_proc.pushing.docking.docking import Docking
 from agent_proc.pushing.follower import Follower, StageEnding
 from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.stage import Stage
@@ -51,12 +52,14 @@ class Pushing:
         self._pushes = pushes
         self._calibration = calibration
         self._policy = policy
+        self._docking = Docking(actor, walker, pushes)
 
     def run(self) -> None:
         """Push along the reference, if there is one, then along planned paths until the box is at its goal.
 
-        Another path is planned if the box has left the last one, or if that did not lead to the goal. A box within the
-        tolerances is pushed on, a few times at most, until it is within the aim as well.
+        If the box has left a path, or that did not lead to the goal, a box that is near the goal is docked, and another
+        path is planned for one that is farther away. A box within the tolerances is pushed on, a few times at most,
+        until it is within the aim as well.
 
         Raises:
             MissionEndedError: The box is not at its goal.
@@ -68,10 +71,12 @@ class Pushing:
         if self._route.reference is not None:
             self._push_along_reference()
         n_good = 0
-        for _ in range(MAX_PATHS):
+        for n_paths in range(MAX_PATHS):
             before = self._actor.box_error()
             n_good += before.within(self._actor.scenario.goal)
             if before.within(self._aim()) or n_good > MAX_BETTER:
+                return None
+            if (n_paths > 0 or self._docking.is_due()) and self._docking.run(self._aim()):
                 return None
             to_the_end = self._push_along(self._route.come_to_push())
             error = self._actor.box_error()
@@ -133,7 +138,7 @@ class Pushing:
                 self._route.give_up()
                 return "left_path"
             if n_cycles >= self._pushes.budget.n_cycles:
-                return self._stop(self._pushes.budget.used_up(stages, at_m, f"box error {error}"), to_end)
+                return self._stop(self._pushes.budget.used_up_on_path(stages, at_m, f"box error {error}"), to_end)
             self._pushes.push(decision.push, learn=closed)
             boxes.append(self._actor.box())
             commanded_m.append(estimate.commanded_m(decision.push.depth_m))

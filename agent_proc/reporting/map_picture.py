@@ -1,4 +1,4 @@
-"""Draws the picture of `legpush map show`: a map from above, in metres."""
+"""Draws the picture of `legpush map`: a map from above, in metres."""
 
 from math import ceil
 from pathlib import Path
@@ -30,7 +30,7 @@ from legpush.scene.occupancy import clearance_m
 from legpush.scene.reference import reference_curve
 from legpush.scene.scenario import Scenario
 
-SOFTWARE: Final = "legpush map show"
+SOFTWARE: Final = "legpush map"
 """The software that a picture names as its author."""
 HEAD_BYTES: Final = 1024
 """Number of bytes at the head of a PNG file in which its author is searched."""

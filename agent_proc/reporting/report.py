@@ -1,5 +1,7 @@
 """Computes `report.json`, the numbers of a mission, from its journal alone."""
 
+from dataclasses import dataclass
+from hashlib import sha256
 from math import degrees, sqrt
 from typing import Final
 
@@ -11,7 +13,9 @@ from agent_proc.reporting.mission_record import MissionRecord, MissionStep
 from agent_proc.reporting.phases import phase_report, unexpected_notes
 from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Push, Walk
+from legpush.numerics.computed_with import computed_with
 from legpush.runs.report import Appeared, Report
+from legpush.scenarios.file import dump_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.paths import arc_lengths_m, distances_m
 
@@ -19,8 +23,19 @@ LOOK_AHEAD_M: Final = 0.5
 """Longest distance along its path that the box may advance in one push cycle."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Begun:
+    """How a mission was begun."""
+
+    policy: str
+    planner: str | None = None
+    """The command of another planner process; None for the planner of this package."""
+    command: str = ""
+    """The command of the mission; empty if a Python program began it."""
+
+
 def make_report(
-    record: MissionRecord, result: MissionResult, wall_time_s: float, versions: dict[str, str | None]
+    record: MissionRecord, result: MissionResult, wall_time_s: float, versions: dict[str, str | None], begun: Begun
 ) -> Report:
     """Make the report on a mission."""
     last = record.steps[-1]
@@ -56,6 +71,12 @@ def make_report(
         real_time_factor=sim_time_s / wall_time_s,
         state_crc=f"{last.state_crc:08x}",
         seed=record.seed,
+        scenario=record.scenario.name,
+        scenario_sha256=sha256(dump_scenario(record.scenario).encode()).hexdigest(),
+        policy=begun.policy,
+        planner=begun.planner or record.scenario.planning.planner,
+        command=begun.command,
+        numerics=computed_with(versions).numerics,
         versions=versions,
         notes=unexpected_notes(record.steps),
         perceived_box_position_error_m=None if seen is None else seen.position_m,

@@ -6,7 +6,7 @@ from typing import Final
 
 from agent_proc.endings import MissionResult
 from agent_proc.reporting.mission_record import MissionRecord, read_record
-from agent_proc.reporting.report import make_report
+from agent_proc.reporting.report import Begun, make_report
 from legpush.errors import is_disk_full
 from legpush.history.journal import Journal
 from legpush.history.steps import read_episode
@@ -20,7 +20,7 @@ CLOCK_S: Final = 1e-3
 log = logging.getLogger(__name__)
 
 
-def write_report(folder: Path, journal: Journal, result: MissionResult, *, picture: bool = True) -> None:
+def write_report(folder: Path, journal: Journal, result: MissionResult, begun: Begun, *, picture: bool = True) -> None:
     """Write `report.json`, then `mission.png` if `picture`. A picture that fails becomes a note in the report.
 
     Raises:
@@ -29,7 +29,7 @@ def write_report(folder: Path, journal: Journal, result: MissionResult, *, pictu
     """
     record = read_record(read_episode(journal.path))
     wall_time_s = max(journal.path.stat().st_mtime - journal.opened.began_unix_s, CLOCK_S)
-    report.write_report(make_report(record, result, wall_time_s, installed_versions()), folder)
+    report.write_report(make_report(record, result, wall_time_s, installed_versions(), begun), folder)
     if picture:
         _draw(record, result, folder)
 

@@ -4,7 +4,6 @@ from collections.abc import Collection, Mapping
 from functools import cache
 from typing import Any, Final, cast
 
-from agent_proc.evaluation.sweep import with_changes
 from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
@@ -14,6 +13,7 @@ from legpush.options.learning import DEFAULT_WORLD
 from legpush.plans.planner import MakePlans
 from legpush.plugins import load_plugin, plugin_names
 from legpush.policy_names import runs_code
+from legpush.scenarios.changes import override
 from legpush.scenarios.file import load_scenario
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.scenario import Scenario
@@ -28,7 +28,7 @@ def scenario_of(name: str, changes: Mapping[str, Any]) -> Scenario:
     Raises:
         ScenarioError: The scenario or a change cannot be used.
     """
-    return with_changes(_loaded(name), changes, "the scenario with the changes of the study")
+    return override(_loaded(name), changes, "the scenario with the changes of the study")
 
 
 _loaded = cache(load_scenario)

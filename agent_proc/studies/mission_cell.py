@@ -14,7 +14,7 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.push_model.map import load_push_map
 from agent_proc.pushing.solvable import solvable_by
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import make_report
+from agent_proc.reporting.report import Begun, make_report
 from agent_proc.studies.cell_parts import (
     STATE_CRC,
     new_simulator,
@@ -32,7 +32,7 @@ from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.planning import Plan, PlanQuery
 from legpush.policy_names import DEFAULT_POLICY
-from legpush.scenarios.file import override
+from legpush.scenarios.changes import override
 from legpush.scenarios.random_room import RandomRoom
 from legpush.scenarios.random_scenario import random_scenario
 from legpush.scene.names import PlannerName, Steering
@@ -158,7 +158,7 @@ def run(cell: ResolvedMission) -> Mapping[str, Any]:
     if result.error is not None and not isinstance(result.error, MotionError):
         raise result.error  # a motion that was refused is the robot's failure, and has a row
     record = read_record(records)
-    report = make_report(record, result, perf_counter() - began_s, installed_versions())
+    report = make_report(record, result, perf_counter() - began_s, installed_versions(), Begun(policy=cell.policy))
     return {
         **{column.name: getattr(report, column.name) for column in FROM_REPORT},
         **phase_numbers(report),

@@ -29,7 +29,8 @@ from benchmarks.report import write_report
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
 from legpush.realism.settings import Profile
-from legpush.scenarios.file import load_scenario, override
+from legpush.scenarios.changes import override
+from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc import box_filter
 from sim_proc.simulator import Simulator

@@ -4,7 +4,6 @@ import sys
 from contextlib import ExitStack
 
 import msgspec
-import tyro
 from rich.console import Console
 from rich.text import Text
 
@@ -12,8 +11,9 @@ from legpush.bus.bus import Bus
 from legpush.errors import one_line
 from legpush.files import write_whole
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
+from legpush.output.reply import document
 from legpush.runs.temporary import temporary_folder
-from legpush.service import run_program, stop_on_signals
+from legpush.service import run_command, stop_on_signals
 from planner_proc.conformance.bench import Bench
 from planner_proc.conformance.checks import Finding, run_checks
 from planner_proc.conformance.client import RUN, Client, PlannerProcess
@@ -21,19 +21,8 @@ from planner_proc.conformance.client import RUN, Client, PlannerProcess
 
 def main() -> int:
     """Check a planner; returns the exit code: 0 all checks passed, 1 not all, 2 bad input, 130 interrupted."""
-    return run_program("plan-check", _parse_and_check)
-
-
-def _parse_and_check() -> int:
-    """Check the planner of the command line; returns 0 or 1.
-
-    Raises:
-        ConfigError: The command line cannot be used.
-        StopRequestedError: The check was interrupted.
-    """
     flags, command = split_at_dashes(sys.argv[1:])
-    options = tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-    return check(options, command, Console())
+    return run_command("plan-check", PlanCheckOptions, lambda options: check(options, command, Console()), flags)
 
 
 def check(options: PlanCheckOptions, command: tuple[str, ...], console: Console) -> int:
@@ -58,7 +47,8 @@ def check(options: PlanCheckOptions, command: tuple[str, ...], console: Console)
     n_failed = sum(not finding.passed for finding in findings)
     verdict = "all checks passed" if not n_failed else f"{n_failed} of {len(findings)} checks failed"
     console.print(Text(verdict, style="bold"))
-    if options.json is not None:
-        report = {"command": command, "passed": n_failed == 0, "findings": findings}
-        write_whole(options.json, msgspec.json.format(msgspec.json.encode(report), indent=1) + b"\n")
+    report = {"command": command, "passed": n_failed == 0, "findings": findings}
+    document(report)
+    if options.out is not None:
+        write_whole(options.out, msgspec.json.format(msgspec.json.encode(report), indent=1) + b"\n")
     return 1 if n_failed else 0

@@ -11,7 +11,9 @@ from msgspec import Struct
 from legpush.in_process import run, world
 from legpush.numerics.current import current
 from legpush.numerics.motion_version import MOTION_VERSION
-from legpush.service import run_program
+from legpush.options.numerics import CanaryOptions
+from legpush.output.reply import document
+from legpush.service import run_command
 
 PUBLISHED_FILE: Final = "canaries.json"
 
@@ -61,7 +63,7 @@ def published(numerics: str) -> Canary | None:
 
 def main() -> int:
     """Run the program of `legpush canary`; returns the exit code."""
-    return run_program("canary", tell)
+    return run_command("canary", CanaryOptions, lambda _: tell())
 
 
 def tell() -> int:
@@ -78,6 +80,17 @@ def tell() -> int:
         "published": "none for these numerics" if expected is None else expected.crc,
     }
     sys.stdout.write("".join(f"{title:<12}{text}\n" for title, text in lines.items() if text))
+    document(
+        {
+            "numerics": numerics.name,
+            "why_native": numerics.why_native,
+            "versions": numerics.versions,
+            "motion_version": MOTION_VERSION,
+            "canary": canary.crc,
+            "parts": canary,
+            "published": None if expected is None else expected.crc,
+        }
+    )
     if expected in (None, canary):
         return 0
     parts = [name for name in canary.__struct_fields__ if getattr(canary, name) != getattr(expected, name)]

@@ -13,10 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from types import FrameType
-from typing import Literal, TypeVar
+from typing import Annotated, Literal, Protocol, TypeVar
 
-import tyro
-
+from legpush.arguments import Flag, OutputOptions, arg
+from legpush.arguments import parse as parse_arguments
 from legpush.bus import endpoints
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
@@ -26,6 +26,7 @@ from legpush.fields import Name, require
 from legpush.messages.common import Role
 from legpush.numerics.current import tell_if_native
 from legpush.output.guarded_streams import Output, with_guarded_output
+from legpush.output.reply import replying
 
 log = logging.getLogger(__name__)
 
@@ -34,21 +35,22 @@ log = logging.getLogger(__name__)
 class ServiceConfig:
     """Options of every process. Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas)."""
 
-    run: str = DEFAULT_RUN
+    run: Annotated[str, arg("NAME")] = DEFAULT_RUN
     """Name of the run; processes talk to each other only within one run."""
-    name: str = DEFAULT_NAME
+    name: Annotated[str, arg("NAME")] = DEFAULT_NAME
     """Name of the process, to distinguish several processes of one role; it is a part of the keys."""
-    listen: tuple[str, ...] = ()
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints to listen on, such as tcp/127.0.0.1:17472 or unixsock-stream//tmp/run/sim.sock."""
-    connect: tuple[str, ...] = ()
+    connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of the peers to connect to; the peers may start later."""
-    inject_faults: float = 0.0
+    inject_faults: Annotated[float, arg("P")] = 0.0
     """For tests: drop, duplicate, delay and reorder sent messages, each with this probability."""
-    fault_seed: int = 0
+    fault_seed: Annotated[int, arg("N")] = 0
     """Seed of the injected faults."""
-    recorded: bool = False
+    recorded: Flag = False
     """Keep copies of all sent messages from the start on, for a recorder that comes later."""
-    log_level: Literal["debug", "info", "warning", "error"] = "info"
+    log_level: Annotated[Literal["debug", "info", "warning", "error"], arg()] = "info"
+    """The least severe lines of the log on standard error."""
 
     def __post_init__(self) -> None:
         for field in ("run", "name"):
@@ -74,6 +76,17 @@ class ServiceConfig:
 C = TypeVar("C", bound=ServiceConfig)
 
 
+class Answering(Protocol):
+    """Options of a command, with those about its output."""
+
+    @property
+    def output(self) -> OutputOptions:
+        """How the command replies."""
+
+
+A = TypeVar("A", bound=Answering)
+
+
 def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Mapping[str, str] = os.environ) -> C:
     """Return the options of a process, of type `kind`, from its command line.
 
@@ -86,7 +99,8 @@ def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Map
         listen=_locators(env["LEGPUSH_LISTEN"]) if "LEGPUSH_LISTEN" in env else ports.listen,
         connect=_locators(env["LEGPUSH_CONNECT"]) if "LEGPUSH_CONNECT" in env else ports.connect,
     )
-    return tyro.cli(kind, prog=f"python -m {role}_proc", args=argv, default=default)
+    options: C = parse_arguments(kind, f"python -m {role}_proc", argv, default=default)
+    return options
 
 
 def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Event], int | None]) -> int:
@@ -128,6 +142,24 @@ def run_program(name: str, work: Callable[[], int]) -> int:
         return exit_code_of(work)
 
     return with_guarded_output(end_well)
+
+
+def run_command(
+    command: str, kind: type[A], work: Callable[[A], int], argv: Sequence[str] | None = None, *, decides: bool = True
+) -> int:
+    """Run a program that parses the command line of `legpush COMMAND`, as options of the type `kind`.
+
+    `decides` says whether an error of standard output becomes the exit code. Returns the exit code.
+    """
+
+    def parse_and_work(output: Output) -> int:
+        start_log(command.split()[0], "warning")
+        options: A = parse_arguments(kind, f"legpush {command}", argv)
+        output.decides = decides
+        with replying(options.output):
+            return work(options)
+
+    return with_guarded_output(lambda output: exit_code_of(lambda: parse_and_work(output)))
 
 
 def start_log(who: str, level: str) -> None:

@@ -8,15 +8,15 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
-import tyro
 from rich.console import Console
 
-from legpush.errors import ConfigError, exit_code_of, one_line
+from legpush.errors import ConfigError, one_line
 from legpush.files import new_file, sha256_of
 from legpush.long_work.progress import pieces
 from legpush.options.export import ExportOptions
 from legpush.options.formats import FILMS, Format
-from legpush.output.guarded_streams import with_guarded_output
+from legpush.output.reply import document
+from legpush.service import run_command
 from sim_proc.export.columns import columns_of
 from sim_proc.export.source import Source, longest, notes, read_source
 from sim_proc.export.table_csv import write_csv
@@ -30,7 +30,7 @@ LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
 
 def main() -> int:
     """Parse the command line, export, and return the exit code."""
-    return with_guarded_output(lambda _: exit_code_of(lambda: export(tyro.cli(ExportOptions, prog="legpush export"))))
+    return run_command("export", ExportOptions, export)
 
 
 def export(options: ExportOptions) -> int:
@@ -51,7 +51,9 @@ def export(options: ExportOptions) -> int:
     with whole_file(target) as scratch:
         what = _write(source, options, made, scratch)
     sys.stdout.write(f"wrote {target}: {what}\n")
-    for note in notes(source):
+    said = list(notes(source))
+    document({"file": target, "format": made, "what": what, "notes": said})
+    for note in said:
         sys.stderr.write(f"note: {one_line(note)}\n")
     return 0
 
@@ -72,7 +74,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) -> str:
     """Write the file and return a description of it in a few words."""
-    say = pieces(Console(stderr=True), "exporting")
+    say = pieces(Console(stderr=True, quiet=options.output.quiet), "exporting")
     if made in ("csv", "parquet"):
         columns = columns_of(source.episodes)
         if made == "csv":

@@ -74,10 +74,10 @@ class Backend:
 
 def working_backend() -> Backend | None:
     """Return the first backend that draws, the one that `MUJOCO_GL` names before the others."""
-    return _try_backends()[0]
+    return try_backends()[0]
 
 
-def _try_backends() -> tuple[Backend | None, list[str]]:
+def try_backends() -> tuple[Backend | None, list[str]]:
     """Return the first backend that draws, and why those before it do not."""
     failures: list[str] = []
     for backend in _candidates(os.environ):
@@ -105,7 +105,7 @@ def use_backend(again: str) -> bool:
 
     Returns False if no backend draws, after it told the user why, and what to do before running `again`.
     """
-    backend, failures = _try_backends()
+    backend, failures = try_backends()
     if backend is None:
         sys.stderr.write(f"{_explanation(failures, again)}\n")
         return False

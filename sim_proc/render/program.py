@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
-
-from legpush.errors import NO_OPENGL, ConfigError, exit_code_of
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, arg
+from legpush.errors import NO_OPENGL, ConfigError
 from legpush.history.steps import read_episode
 from legpush.options.formats import View
-from legpush.output.guarded_streams import with_guarded_output
+from legpush.output.reply import document
 from legpush.runs.folder import require_no_links
+from legpush.service import run_command
 from sim_proc.render.backends import use_backend
 from sim_proc.render.film import film_of, timeline_of
 from sim_proc.render.rendering import Take, frame_rows, render, usual_speed
@@ -24,24 +24,23 @@ from sim_proc.render.rendering import Take, frame_rows, render, usual_speed
 class VideoConfig:
     """Film the recorded episode of a run."""
 
-    folder: tyro.conf.Positional[Path]
+    folder: Positional[Annotated[Path, arg("DIR")]]
     """Folder that `legpush run` wrote."""
-    camera: View = "follow"
+    camera: Annotated[View, arg()] = "follow"
     """Where the film is seen from."""
-    speed: Annotated[float | None, tyro.conf.arg(metavar="X")] = None
+    speed: Annotated[float | None, arg("X")] = None
     """Simulated seconds per second of video; by default 3, or more for a long mission."""
-    fps: float = 20.0
+    fps: Annotated[float, arg("N")] = 20.0
     """Frames per second of video."""
-    width: int = 854
-    height: int = 480
+    width: Annotated[int, arg("PIXELS")] = 854
+    height: Annotated[int, arg("PIXELS")] = 480
     """Pixels of a frame."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 def main() -> int:
     """Film the run; write one line to stderr if that fails."""
-    return with_guarded_output(
-        lambda _: exit_code_of(lambda: film_run(tyro.cli(VideoConfig, prog="python -m sim_proc.render")))
-    )
+    return run_command("render", VideoConfig, film_run)
 
 
 def film_run(config: VideoConfig) -> int:
@@ -69,7 +68,9 @@ def film_run(config: VideoConfig) -> int:
         height=config.height,
         view=config.camera,
     )
-    render(film, take, config.folder / "mission.mp4", _say)
+    target = config.folder / "mission.mp4"
+    render(film, take, target, _say)
+    document({"file": target, "n_frames": len(take.rows), "fps": take.fps, "speed": speed})
     return 0
 
 

@@ -4,24 +4,17 @@ import sys
 import threading
 import webbrowser
 
-import tyro
-
-from legpush.errors import exit_code_of, one_line
+from legpush.errors import one_line
 from legpush.options.view import EVERYWHERE, ViewOptions
-from legpush.output.guarded_streams import with_guarded_output
-from legpush.service import stop_on_signals
+from legpush.output.reply import document
+from legpush.service import run_command, stop_on_signals
 from sim_proc.view.page import Page
 from sim_proc.view.sources import LiveSource, RecordedSource
 
 
 def main() -> int:
     """Serve the page until Ctrl-C."""
-    return with_guarded_output(lambda _: exit_code_of(_parse_and_serve))
-
-
-def _parse_and_serve() -> int:
-    options = tyro.cli(ViewOptions, prog="legpush view")
-    return serve(options, stop_on_signals())
+    return run_command("view", ViewOptions, lambda options: serve(options, stop_on_signals()))
 
 
 def serve(options: ViewOptions, stop: threading.Event) -> int:
@@ -38,6 +31,7 @@ def serve(options: ViewOptions, stop: threading.Event) -> int:
         if options.host == EVERYWHERE:
             sys.stdout.write("    from another machine: the same, with an address of this machine for 127.0.0.1\n")
         sys.stdout.flush()
+        document({"title": source.title, "url": page.url})
         if options.open:
             webbrowser.open(page.url)
         page.run(stop)

@@ -24,7 +24,7 @@ def draw(folder: Path) -> None:
     """Write a PNG of each of `KINDS`."""
     record, result = push_alone()
     save_mission_picture(record, result, folder / "mission.png")
-    save_map_picture(read_view(MapOptions(action="show", file="push")), folder / "map.png")
+    save_map_picture(read_view(MapOptions(file="push")), folder / "map.png")
     sweep = make_sweep(scenario_at_station(), ["box.mass_kg=0.1,0.5"], grid=False)
     save_plot([row(case=case) for case in sweep.cases], sweep, "a policy", folder / "evaluation.png")
     by = ("box.mass_kg",)

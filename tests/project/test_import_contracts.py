@@ -43,7 +43,7 @@ ROGUES = {
     "Only legpush.recording.mcap_file imports MCAP": ("legpush.recording", "import mcap"),
     "Only legpush.scenarios.map_image imports Pillow": ("legpush.scenarios", "import PIL"),
     "Only legpush.scenarios.map_yaml imports PyYAML": ("legpush.scenarios", "import yaml"),
-    "Only options and programs import tyro": ("legpush.recording", "import tyro"),
+    "Only one module imports tyro": ("legpush.recording", "import tyro"),
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc.export", "import foxglove"),
     "Only tables import PyArrow": ("sim_proc.export", "import pyarrow"),
     "Only sim_proc.view imports viser": ("sim_proc.view", "import viser"),

@@ -83,7 +83,7 @@ def test_the_folder_itself_may_be_reached_by_a_link(folder: Path, tmp_path: Path
 def test_the_command_says_so(folder: Path, victim: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / LOGS).mkdir()
     (folder / LOGS / "agent.log").symlink_to(victim)
-    assert cli.main(["run", "--scenario", str(folder / "scenario.toml"), "--out", str(folder)]) == 2
+    assert cli.main(["run", str(folder / "scenario.toml"), "--out", str(folder)]) == 2
     assert "agent.log: expected files and folders alone" in capsys.readouterr().err
     assert victim.read_text() == "mine"
 

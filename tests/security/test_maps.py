@@ -78,6 +78,6 @@ def test_a_pipe_is_refused_instead_of_waited_for(home: Path, name: str) -> None:
 
 def test_the_name_of_a_map_is_no_formula_in_its_picture(home: Path) -> None:
     (home / r"$\frac{1}{$ $\input{x}$.yaml").write_text(GOOD)
-    view = read_view(MapOptions(action="show", file=str(home / r"$\frac{1}{$ $\input{x}$.yaml")))
+    view = read_view(MapOptions(file=str(home / r"$\frac{1}{$ $\input{x}$.yaml")))
     save_map_picture(view, home / "picture.png")
     assert (home / "picture.png").stat().st_size > 1000

@@ -105,7 +105,7 @@ def test_the_live_display_shows_what_processes_say() -> None:
 
 
 HARMLESS = [
-    "legpush run --scenario /a/scenario.toml --seed 0 --out /a --policy variable --no-video",
+    "legpush run /a/scenario.toml --seed 0 --out /a --policy variable --no-video",
     "legpush run --out '/a b' --policy scripted --record /a/m-2.mcap",
     "legpush branch a.mcap --at 0:3 --out /a",
 ]

@@ -18,17 +18,17 @@ RUN: Final = "RUN"
 STUDY: Final = "STUDY"
 """Words for a short recording, for one that is cut off, for the folder of its run, and for that of a study."""
 COMMANDS: Final[dict[str, tuple[str, ...]]] = {
-    "run": ("run", "--scenario", "push", "--out", "run", "--no-video", "--record", "new.mcap"),
-    "run with a film": ("run", "--scenario", "push", "--out", "run"),
+    "run": ("run", "push", "--out", "run", "--no-video", "--record", "new.mcap"),
+    "run with a film": ("run", "push", "--out", "run"),
     "train": ("train", "--simulators", "1", "--steps", "512", "--out", "policy"),
     "evaluate": ("evaluate", "scripted", "--episodes", "8", "--simulators", "1", "--out", "evaluated"),
     "calibrate": ("calibrate", "--simulators", "1", "--out", "map.json"),
-    "plan-check": ("plan-check", "--json", "found.json", "--", sys.executable, "-m", "planner_proc"),
+    "plan-check": ("plan-check", "--out", "found.json", "--", sys.executable, "-m", "planner_proc"),
     "scenarios list": ("scenarios", "list"),
     "scenarios show": ("scenarios", "show", "published"),
     "scenarios copy": ("scenarios", "copy", "default", "room.toml"),
     "scenarios random": ("scenarios", "random", "room.toml", "--seed", "3"),
-    "map show": ("map", "show", "published", "--output", "map.png"),
+    "map show": ("map", "published", "--out", "map.png"),
     "policy show": ("policy", "show", "variable"),
     "policy export": ("policy", "export", "variable", "--to", "onnx", "--out", "exported"),
     "render": ("render", RUN),

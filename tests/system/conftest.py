@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from legpush.scenarios.file import dump_scenario, load_scenario, override
+from legpush.scenarios.changes import override
+from legpush.scenarios.file import dump_scenario, load_scenario
 from tests.system.commands import STUDY_FILE
 from tests.system.missions import LEGPUSH, LIMIT_S, do_mission, once
 
@@ -35,7 +36,7 @@ class ThoroughMission:
     @property
     def flags(self) -> tuple[str, ...]:
         """What does it again."""
-        return ("--scenario", str(self.scenario), "--seed", str(SEED))
+        return (str(self.scenario), "--seed", str(SEED))
 
 
 @pytest.fixture(scope="session")
@@ -50,7 +51,7 @@ def push_mission(shared: Path) -> RecordedMission:
     """The shortest mission, recorded."""
 
     def make(folder: Path) -> None:
-        do_mission(folder / "run", "--scenario", "push", "--record", str(folder / "mission.mcap"))
+        do_mission(folder / "run", "push", "--record", str(folder / "mission.mcap"))
 
     folder = once(shared / "push-mission", make)
     return RecordedMission(folder / "run", folder / "mission.mcap")

@@ -10,7 +10,8 @@ import pytest
 
 from legpush.history.steps import PlanRecord, StepRecord, read_episode
 from legpush.messages.planning import TrunkPathQuery
-from legpush.scenarios.file import dump_scenario, load_scenario, override
+from legpush.scenarios.changes import override
+from legpush.scenarios.file import dump_scenario, load_scenario
 from sim_proc.simulator import Simulator
 
 LEGPUSH = str(Path(sys.executable).with_name("legpush"))
@@ -19,7 +20,7 @@ LIMIT_S = 180.0
 
 def run(scenario_file: Path, out: Path) -> dict[str, Any]:
     """Run the mission to its success, or make the report of one that is over; returns the report."""
-    command = [LEGPUSH, "run", "--scenario", str(scenario_file), "--seed", "5", "--out", str(out), "--no-video"]
+    command = [LEGPUSH, "run", str(scenario_file), "--seed", "5", "--out", str(out), "--no-video"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "room.obstacles[7] at 6.0 s" in done.stdout

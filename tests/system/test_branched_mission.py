@@ -21,7 +21,7 @@ def test_a_branch_without_a_change_ends_as_its_parent_and_one_with_another_box_d
     assert done.returncode == 0, done.stdout + done.stderr
     assert crc_of(same) == crc_of(push_mission.out)
     assert "nothing is changed at 0:12: this repeats the recording" in done.stdout
-    changes = ("--box-mass-kg", "0.9", "--policy", "scripted")
+    changes = ("--set", "box.mass_kg=0.9", "--policy", "scripted")
     done = legpush(*flags, *changes, "--out", str(heavy), "--record", str(tmp_path / "heavy.mcap"))
     assert done.returncode in (0, 1), done.stdout + done.stderr
     assert crc_of(heavy) != crc_of(push_mission.out)

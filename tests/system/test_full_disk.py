@@ -41,7 +41,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
     own = tmp_path_factory.getbasetemp()
 
     def make(folder: Path) -> None:
-        do_mission(folder / "run", "--scenario", "push", "--policy", "scripted")
+        do_mission(folder / "run", "push", "--policy", "scripted")
 
     return once((own if worker_id == "master" else own.parent) / "full-disk-mission", make) / "run"
 
@@ -50,7 +50,7 @@ def run_twice(tmp_path: Path, size_kib: int, begun: Path | None = None) -> str:
     """Run a mission on a disk of this size, which is full before its end, then again with more space; its CRC."""
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     disk.mkdir()
-    command = shlex.join([*LEGPUSH, "run", "--scenario", "push", "--policy", "scripted", "--no-video"])
+    command = shlex.join([*LEGPUSH, "run", "push", "--policy", "scripted", "--no-video"])
     script = [
         DISK.format(size=size_kib, disk=disk),
         f"cp -r {begun} {disk}/run" if begun else ":",
@@ -66,7 +66,7 @@ def run_twice(tmp_path: Path, size_kib: int, begun: Path | None = None) -> str:
     assert done.returncode == 0, said + done.stdout + done.stderr
     assert re.search(r"^error: .*(No space left on device|disk quota)", said, re.MULTILINE | re.IGNORECASE), said
     words = " ".join(said.split())
-    assert f"after space is made, to go on: legpush run --scenario {disk}/run/scenario.toml --seed 0" in words
+    assert f"after space is made, to go on: legpush run {disk}/run/scenario.toml --seed 0" in words
     return crc_of(kept)
 
 

@@ -51,7 +51,7 @@ def test_a_hostile_client_changes_nothing(tmp_path: Path, attack: Callable[[Host
 def test_all_of_them_together_change_nothing_in_a_mission(push_mission: RecordedMission, tmp_path: Path) -> None:
     out = tmp_path / "run"
     over, attacked = Event(), []
-    with running_mission(out, "--scenario", "push") as running:
+    with running_mission(out, "push") as running:
         running.wait_for("pushing")
         run = next(run for run in find_live_runs() if run.folder == str(out))
         with hostile(run.connect, run.run) as client:

@@ -195,7 +195,7 @@ def test_an_interrupted_launcher_ends_with_130_and_says_how_to_go_on(
     text, _ = launcher.communicate(timeout=60)
     assert launcher.returncode == 130
     folder = tmp_path / "run"
-    assert f"interrupted by {number.name}; to go on: legpush run --scenario {folder}/scenario.toml --seed 0" in text
+    assert f"interrupted by {number.name}; to go on: legpush run {folder}/scenario.toml --seed 0" in text
     assert not any(map(is_running, pids_of(folder)))
 
 

@@ -16,7 +16,7 @@ ROOM = Path(__file__).with_name("random_room.toml")
 def test_a_mission_in_one_process_ends_in_the_state_that_three_processes_end_in(
     scenario: str, seed: int, tmp_path: Path
 ) -> None:
-    do_mission(tmp_path / "run", "--scenario", scenario, "--seed", str(seed), "--no-picture")
+    do_mission(tmp_path / "run", scenario, "--seed", str(seed), "--no-picture")
     three = json.loads((tmp_path / "run" / "report.json").read_bytes())
 
     one = legpush.run(scenario, seed=seed)

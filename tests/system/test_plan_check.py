@@ -26,7 +26,7 @@ def check(*arguments: str, command: tuple[str, ...]) -> "subprocess.CompletedPro
 
 def test_the_built_in_planner_passes_all_checks(tmp_path: Path) -> None:
     done = check(
-        "--deadline", "60", "--json", str(tmp_path / "report.json"), command=(sys.executable, "-m", "planner_proc")
+        "--deadline", "60", "--out", str(tmp_path / "report.json"), command=(sys.executable, "-m", "planner_proc")
     )
 
     assert done.returncode == 0, done.stdout + done.stderr

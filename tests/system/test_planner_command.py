@@ -12,7 +12,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "grid_planner.py"
 
 
 def test_the_example_planner_plans_a_mission(tmp_path: Path) -> None:
-    options = ["--scenario", "push", "--policy", "scripted", "--no-video", "--inject-faults", "0.05"]
+    options = ["push", "--policy", "scripted", "--no-video", "--inject-faults", "0.05"]
     command = [LEGPUSH, "run", *options, "--planner-command", f"{sys.executable} {EXAMPLE}", "--out", "mission"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=240)
 

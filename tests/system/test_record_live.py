@@ -65,7 +65,7 @@ def n_said(recording: Recording, role: str) -> int:
 
 def test_a_mission_that_runs_is_recorded(start: Start, tmp_path: Path) -> None:
     file = tmp_path / "mission.mcap"
-    mission = start("run", "--scenario", "push", "--no-video", "--out", "r1")
+    mission = start("run", "push", "--no-video", "--out", "r1")
     assert eventually(lambda: n_live(tmp_path) == 1, 30.0)
     recorder = start("record", file.name)
     out, err = mission.communicate(timeout=120.0)

@@ -46,7 +46,7 @@ def test_a_mission_is_verified_and_a_flipped_bit_found(push_mission: RecordedMis
 def test_a_mission_goes_on_without_its_recorder_and_says_so(tmp_path: Path) -> None:
     """The limit of a file's size stands for a disk that is full."""
     out, file = tmp_path / "run", tmp_path / "mission.mcap"
-    command = [*LEGPUSH, "run", "--scenario", "push", "--no-video", "--out", str(out), "--record", str(file)]
+    command = [*LEGPUSH, "run", "push", "--no-video", "--out", str(out), "--record", str(file)]
     launcher = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     limit, pause = 1_500_000, threading.Event()
     try:

@@ -15,7 +15,7 @@ CLI = [sys.executable, "-P", "-c", "import sys; from legpush.cli import main; sy
 
 def test_the_printed_command_goes_on_with_mission_and_recording(tmp_path: Path) -> None:
     file, out, pause = tmp_path / "m.mcap", tmp_path / "run", threading.Event()
-    command = ["run", "--scenario", "push", "--no-video", "--record", str(file), "--out", str(out)]
+    command = ["run", "push", "--no-video", "--record", str(file), "--out", str(out)]
     launcher = subprocess.Popen([*CLI, *command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         while launcher.poll() is None and not (file.exists() and file.stat().st_size > 300_000):

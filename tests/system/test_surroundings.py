@@ -44,7 +44,7 @@ def test_a_mission_is_the_same_in_hostile_surroundings(
     (tmp_path / "config" / "matplotlibrc").write_text(RC_FILE)
     surroundings = {**HOSTILE, **NO_UTF8, "MPLCONFIGDIR": str(tmp_path / "config"), "TMPDIR": str(temporary)}
 
-    done = in_shell(line, "run", "--scenario", "push", "--no-video", "--out", "run", cwd=tmp_path, **surroundings)
+    done = in_shell(line, "run", "push", "--no-video", "--out", "run", cwd=tmp_path, **surroundings)
 
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert crc_of(tmp_path / "run") == crc_of(push_mission.out)
@@ -57,7 +57,7 @@ COMMANDS = {
     "export": ("export", "{file}", "--to", "csv", "--out", "table.csv"),
     "verify": ("replay", "{file}", "--verify"),
     "canary": ("canary",),
-    "map": ("map", "show", "push"),
+    "map": ("map", "push"),
 }
 
 

@@ -13,16 +13,16 @@ from tests.system.conftest import RecordedMission
 OUT: Final = "OUT"
 RECORDING: Final = "RECORDING"
 COMMANDS: Final = {
-    "run": ("run", "--scenario", "push", "--out", OUT),
-    "run --record": ("run", "--scenario", "push", "--record", f"{OUT}.mcap"),
+    "run": ("run", "push", "--out", OUT),
+    "run --record": ("run", "push", "--record", f"{OUT}.mcap"),
     "train": ("train", "--simulators", "1", "--out", OUT),
     "evaluate": ("evaluate", "scripted", "--out", OUT),
     "evaluate --record": ("evaluate", "scripted", "--record", f"{OUT}.mcap"),
     "calibrate": ("calibrate", "--out", f"{OUT}.json"),
-    "plan-check": ("plan-check", "--json", f"{OUT}.json", "--", sys.executable, "-m", "planner_proc"),
+    "plan-check": ("plan-check", "--out", f"{OUT}.json", "--", sys.executable, "-m", "planner_proc"),
     "scenarios copy": ("scenarios", "copy", "default", f"{OUT}.toml"),
     "scenarios random": ("scenarios", "random", f"{OUT}.toml"),
-    "map show": ("map", "show", "push", "--output", f"{OUT}.png"),
+    "map show": ("map", "push", "--out", f"{OUT}.png"),
     "policy export": ("policy", "export", "variable", "--out", OUT),
     "record": ("record", f"{OUT}.mcap", "--connect", "unixsock-stream/nowhere.sock"),
     "recover": ("recover", RECORDING, "--out", f"{OUT}.mcap"),

@@ -175,7 +175,7 @@ def test_a_mission_is_shown_while_it_lasts_and_does_not_mind_who_looks(
     own = {"TMPDIR": str(tmp_path)}
     with viewer(env=own) as (url, watching), chrome.page(url) as page:
         shows(page, "Planner", "not there")
-        run = legpush("run", "--scenario", "push", "--no-video", "--out", str(tmp_path / "seen"), env=own)
+        run = legpush("run", "push", "--no-video", "--out", str(tmp_path / "seen"), env=own)
         shows(page, "Run seen", "push F", "reward")
         until(lambda: is_drawn(page), "robot and floor")
         assert 'data-process="agent"' in str(page.js("document.body.innerHTML"))

@@ -3,68 +3,24 @@
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import Annotated, Final, NoReturn
+from typing import Final
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, parse
+from legpush.cli.commands import COMMANDS, PROGRAMS, Group, Line, choice_of, find_command
 from legpush.cli.execute import execute
 from legpush.errors import exit_code_of
-from legpush.options.bench import Bench
 from legpush.options.conformance import PlanCheckOptions, split_at_dashes
-from legpush.options.export import ExportOptions
-from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
-from legpush.options.maps import MapOptions
-from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
-from legpush.options.policies import Policies
-from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
-from legpush.options.render import RenderOptions
+from legpush.options.numerics import PythonOptions
+from legpush.options.recordings import BranchOptions, ReplayOptions
 from legpush.options.run import RunOptions
-from legpush.options.scenarios import Scenarios
-from legpush.options.study import Studies
-from legpush.options.view import ViewOptions
 from legpush.output.guarded_streams import Output, with_guarded_output
-from legpush.processes.start_program import Program, start_program, start_python
+from legpush.output.reply import replying
+from legpush.processes.start_program import start_program, start_python
 
 DESCRIPTION: Final = (
     "A quadruped walks around obstacles to a box and pushes it to a goal pose with a front foot. "
-    "`legpush run` runs a whole mission; `legpush --version` prints the version."
-)
-
-
-PROGRAMS: Final[dict[type, Program]] = {
-    TrainOptions: "agent_proc.programs.train",
-    EvaluateOptions: "agent_proc.programs.evaluate",
-    CalibrateOptions: "agent_proc.programs.calibrate",
-    MapOptions: "agent_proc.programs.show_map",
-    Policies: "agent_proc.programs.policy",
-    ExportOptions: "sim_proc.export.program",
-    ViewOptions: "sim_proc.view.program",
-    CanaryOptions: "legpush.canary",
-}
-"""Programs that run in a process of their own, by the options of their command."""
-
-Command = (
-    Annotated[RunOptions, tyro.conf.subcommand("run")]
-    | Annotated[TrainOptions, tyro.conf.subcommand("train")]
-    | Annotated[EvaluateOptions, tyro.conf.subcommand("evaluate")]
-    | Annotated[CalibrateOptions, tyro.conf.subcommand("calibrate")]
-    | Annotated[PlanCheckOptions, tyro.conf.subcommand("plan-check")]
-    | Annotated[Scenarios, tyro.conf.subcommand("scenarios")]
-    | Annotated[MapOptions, tyro.conf.subcommand("map")]
-    | Annotated[Policies, tyro.conf.subcommand("policy")]
-    | Annotated[RenderOptions, tyro.conf.subcommand("render")]
-    | Annotated[RecordOptions, tyro.conf.subcommand("record")]
-    | Annotated[InfoOptions, tyro.conf.subcommand("info")]
-    | Annotated[RecoverOptions, tyro.conf.subcommand("recover")]
-    | Annotated[ReplayOptions, tyro.conf.subcommand("replay")]
-    | Annotated[BranchOptions, tyro.conf.subcommand("branch")]
-    | Annotated[ExportOptions, tyro.conf.subcommand("export")]
-    | Annotated[ViewOptions, tyro.conf.subcommand("view")]
-    | Annotated[PythonOptions, tyro.conf.subcommand("python")]
-    | Annotated[KernelOptions, tyro.conf.subcommand("kernel")]
-    | Annotated[CanaryOptions, tyro.conf.subcommand("canary")]
-    | Annotated[Studies, tyro.conf.subcommand("study")]
-    | Annotated[Bench, tyro.conf.subcommand("bench")]
+    "`legpush run` runs a whole mission, `legpush COMMAND --help` explains a command, `legpush --version` prints the "
+    "version."
 )
 
 
@@ -75,30 +31,35 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run_line(argv: Sequence[str], output: Output) -> int:
     """Run a command line and return the exit code."""
-    if list(argv[:1]) == ["python"] and not {"-h", "--help"} & set(argv[1:2]):
-        start_python(argv[1:])
     if list(argv) == ["--version"]:
         sys.stdout.write(f"legpush {version('legpush')}\n")
         return 0
-    return exit_code_of(
-        lambda: _plan_check(argv[1:]) if list(argv[:1]) == ["plan-check"] else _parse_and_run(argv, output)
-    )
+    return exit_code_of(lambda: _find_and_run(argv, output))
 
 
-def _parse_and_run(argv: Sequence[str], output: Output) -> int:
-    """Parse the command line, and run its command."""
-    command: object = tyro.cli(
-        Command,
-        prog="legpush",
-        description=DESCRIPTION,
-        args=argv,
-        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.PositionalRequiredArgs),
-    )
-    for options, program in PROGRAMS.items():
-        if isinstance(command, options):
-            start_program(program, argv[1:])
+def _find_and_run(argv: Sequence[str], output: Output) -> int:
+    """Parse the command line with the options of its command alone, and run the command.
+
+    Raises:
+        ConfigError: There is no such command, or its options cannot be used.
+    """
+    line = find_command(argv)
+    if line is None or isinstance(line, Group):
+        prog, table = ("legpush", COMMANDS) if line is None else (f"legpush {argv[0]}", line.commands)
+        about = DESCRIPTION if line is None else line.what
+        parse(choice_of(table), prog, argv[len(prog.split()) - 1 :] or ["--help"], description=about)
+    assert isinstance(line, Line)  # noqa: S101 - help has ended the process
+    prog = f"legpush {line.command}"
+    if line.options is PythonOptions and line.arguments[:1] not in (("-h",), ("--help",)):
+        start_python(line.arguments)
+    flags = split_at_dashes(line.arguments)[0] if line.options is PlanCheckOptions else line.arguments
+    command = parse(line.options, prog, flags)
+    if line.options in PROGRAMS:
+        program, *words = PROGRAMS[line.options]
+        start_program(program, (*words, *line.arguments))
     output.decides = not _is_mission(command)
-    return execute(command)
+    with replying(getattr(command, "output", USUAL_OUTPUT)):
+        return execute(command)
 
 
 def _is_mission(command: object) -> bool:
@@ -106,10 +67,3 @@ def _is_mission(command: object) -> bool:
     return isinstance(command, RunOptions | BranchOptions) or (
         isinstance(command, ReplayOptions) and command.as_role is not None
     )
-
-
-def _plan_check(argv: Sequence[str]) -> NoReturn:
-    """Check the flags before `--`, then start the program; the planner's command after `--` is not parsed here."""
-    flags, _ = split_at_dashes(argv)
-    tyro.cli(PlanCheckOptions, prog="legpush plan-check", args=flags)
-    start_program("planner_proc.conformance.program", argv)

@@ -2,20 +2,25 @@
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import singledispatch
 
+from legpush.arguments import parse
+from legpush.cli.commands import COMMANDS, choice_of
 from legpush.entry.interrupts import hold
 from legpush.errors import ConfigError, one_line, printable
-from legpush.options.bench import Bench, ListFaults, SoakOptions
+from legpush.options.bench import ListFaults, SoakOptions
 from legpush.options.checks import require_writable_folder
+from legpush.options.export import RenderOptions
 from legpush.options.numerics import KernelOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
-from legpush.options.render import RenderOptions
 from legpush.options.run import RunOptions
-from legpush.options.scenarios import CopyScenario, ListScenarios, RandomScenario, Scenarios, ShowScenario
-from legpush.options.study import MergeStudies, RunStudy, Studies, StudyStatus, StudyTable, VerifyStudy
+from legpush.options.scenarios import CopyScenario, ListScenarios, ShowScenario, changed_scenario
+from legpush.options.shell import CompletionOptions, DoctorOptions
+from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
+from legpush.output.reply import document
 from legpush.plugins import why_not_loaded
-from legpush.processes.start_program import start_program
 
 
 @singledispatch
@@ -34,27 +39,25 @@ def _run(command: RunOptions) -> int:
 
 
 @execute.register
-def _scenarios(command: Scenarios) -> int:
-    return execute(command.action)
-
-
-@execute.register
 def _list_scenarios(_: ListScenarios) -> int:
     from legpush.scenarios.file import load_scenario, scenario_names
 
-    for name in scenario_names():
-        sys.stdout.write(f"{name:<18}{load_scenario(name).description}\n")
+    found = {name: load_scenario(name).description for name in scenario_names()}
+    for name, description in found.items():
+        sys.stdout.write(f"{name:<18}{description}\n")
+    document([{"name": name, "description": description} for name, description in found.items()])
     return 0
 
 
 @execute.register
 def _show_scenario(command: ShowScenario) -> int:
-    from legpush.scenarios.file import dump_scenario, load_scenario
+    from legpush.scenarios.file import dump_scenario
     from legpush.scenarios.short import short_scenario
 
-    scenario = load_scenario(command.scenario)
+    scenario = changed_scenario(command.scenario, command.changes)
     text = dump_scenario(scenario, whole_robot=True) if command.defaults else short_scenario(scenario)
     sys.stdout.write(printable(text))
+    document(scenario)
     return 0
 
 
@@ -62,14 +65,11 @@ def _show_scenario(command: ShowScenario) -> int:
 def _copy_scenario(command: CopyScenario) -> int:
     from legpush.scenarios.file import copy_scenario
 
-    for path in copy_scenario(command.name, command.file):
+    files = copy_scenario(command.name, command.file)
+    for path in files:
         sys.stdout.write(f"wrote {path}\n")
+    document({"files": files})
     return 0
-
-
-@execute.register
-def _random_scenario(command: RandomScenario) -> int:
-    start_program("agent_proc.programs.draw_room", command.flags())
 
 
 @execute.register
@@ -78,8 +78,9 @@ def _render(command: RenderOptions) -> int:
 
     if not any(command.run_folder.glob("episode-*.journal")):
         raise ConfigError(f"Expected the folder of a run, with an episode-*.journal in it, got {command.run_folder}")
-    require_writable_folder(command.run_folder, "RUN_FOLDER")
-    argv = film_arguments(command.run_folder, command.camera)
+    require_writable_folder(command.run_folder, "DIR")
+    flags = [flag for flag, given in (("--json", command.output.json), ("--quiet", command.output.quiet)) if given]
+    argv = (*film_arguments(command.run_folder, command.camera), *flags)
     hold()
     os.execv(argv[0], argv)  # noqa: S606 - no shell is wanted
 
@@ -93,10 +94,12 @@ def _record(command: RecordOptions) -> int:
 
 @execute.register
 def _info(command: InfoOptions) -> int:
-    from legpush.recording.info import lines
+    from legpush.recording.info import facts_of, lines
     from legpush.recording.mcap_file.reader import read_recording
 
-    sys.stdout.write("".join(f"{one_line(line)}\n" for line in lines(read_recording(command.files))))
+    recording = read_recording(command.files)
+    sys.stdout.write("".join(f"{one_line(line)}\n" for line in lines(recording)))
+    document(facts_of(recording))
     return 0
 
 
@@ -129,11 +132,6 @@ def _kernel(command: KernelOptions) -> int:
 
 
 @execute.register
-def _bench(command: Bench) -> int:
-    return execute(command.action)
-
-
-@execute.register
 def _soak(command: SoakOptions) -> int:
     from rich.console import Console
 
@@ -146,17 +144,11 @@ def _soak(command: SoakOptions) -> int:
 def _list_faults(_: ListFaults) -> int:
     from legpush.soak.table import read_table
 
-    for cell in read_table():
+    cells = read_table()
+    document([{"name": cell.name, "expected": cell.expected, "why": cell.why} for cell in cells])
+    for cell in cells:
         sys.stdout.write(f"{cell.name:<32}{cell.expected:<9}{cell.why}".rstrip() + "\n")
     return 0
-
-
-@execute.register
-def _studies(command: Studies) -> int:
-    try:
-        return execute(command.action)
-    except ModuleNotFoundError as error:
-        raise ConfigError(f"Expected a study that can run, but {why_not_loaded(error)}") from error
 
 
 @execute.register
@@ -164,24 +156,24 @@ def _run_study(command: RunStudy) -> int:
     from rich.console import Console
 
     from legpush.entry.program import enter_profile_quietly
-    from legpush.study.run import run_study
 
-    enter_profile_quietly()
-    return run_study(command, Console())
+    with _study_libraries():
+        from legpush.study.run import run_study
+
+        enter_profile_quietly()
+        return run_study(command, Console())
 
 
 @execute.register
 def _study_status(command: StudyStatus) -> int:
-    from legpush.study.folder import StudyFolder
-    from legpush.study.status import status_lines
+    with _study_libraries():
+        from legpush.study.folder import StudyFolder
+        from legpush.study.status import status_lines, status_of
 
-    sys.stdout.write("".join(f"{line}\n" for line in status_lines(StudyFolder(command.folder))))
-    return 0
-
-
-@execute.register
-def _study_table(command: StudyTable) -> int:
-    start_program("agent_proc.programs.study_table", command.flags())
+        status = status_of(StudyFolder(command.folder))
+        sys.stdout.write("".join(f"{line}\n" for line in status_lines(status)))
+        document(status)
+        return 0
 
 
 @execute.register
@@ -189,16 +181,47 @@ def _verify_study(command: VerifyStudy) -> int:
     from rich.console import Console
 
     from legpush.entry.program import enter_profile_quietly
-    from legpush.study.verify import verify_study
 
-    enter_profile_quietly()
-    return verify_study(command, Console())
+    with _study_libraries():
+        from legpush.study.verify import verify_study
+
+        enter_profile_quietly()
+        return verify_study(command, Console())
 
 
 @execute.register
 def _merge_studies(command: MergeStudies) -> int:
-    from legpush.study.merge import merge_studies
+    with _study_libraries():
+        from legpush.study.merge import merge_studies
 
-    n_rows, n_cells = merge_studies(command.folders, command.folder)
+        n_rows, n_cells = merge_studies(command.folders, command.folder)
     sys.stdout.write(f"{n_rows} of {n_cells} cells; written to {command.folder}\n")
+    document({"folder": command.folder, "n_rows": n_rows, "n_cells": n_cells})
     return 0
+
+
+@execute.register
+def _doctor(command: DoctorOptions) -> int:
+    from legpush.doctor.examine import examine
+
+    return examine()
+
+
+@execute.register
+def _completion(command: CompletionOptions) -> int:
+    with suppress(SystemExit):  # it prints the script, and ends
+        parse(choice_of(COMMANDS), "legpush", ("--tyro-print-completion", command.shell))
+    return 0
+
+
+@contextmanager
+def _study_libraries() -> Iterator[None]:
+    """Let the work within import the libraries of studies.
+
+    Raises:
+        ConfigError: One of them is not installed.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"Expected a study that can run, but {why_not_loaded(error)}") from error

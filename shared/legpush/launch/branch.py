@@ -3,7 +3,6 @@
 import shlex
 import sys
 from pathlib import Path
-from typing import Final
 
 from rich.console import Console
 
@@ -18,9 +17,6 @@ from legpush.recording.facts import read_facts, unpack_mission
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.runs.temporary import temporary_folder
 
-BOX_CHANGES: Final = ("box_mass_kg", "box_friction", "box_foot_friction")
-"""Options that change the box from the branch point on."""
-
 
 def branch(options: BranchOptions) -> int:
     """Run the branch, and return the exit code of the mission."""
@@ -28,8 +24,8 @@ def branch(options: BranchOptions) -> int:
     recording = read_recording(options.files)
     RecordedPast(recording, at)
     flags = ["--branch-of", *(str(path.absolute()) for path in recording.files), "--branch-at", str(at)]
-    for name in ("planner", *BOX_CHANGES):
-        if (value := getattr(options, name)) is not None:
+    for name, value in {"planner": options.planner, **options.changed_box()}.items():
+        if value is not None:
             flags += [f"--branch-{name.replace('_', '-')}", str(value)]
 
     console, facts = Console(), read_facts(recording)
@@ -66,8 +62,9 @@ def branch(options: BranchOptions) -> int:
 
 def is_changed(options: BranchOptions, recorded_policy: str) -> bool:
     """Return whether the options change anything of the mission."""
-    changes = (options.planner, options.planner_command, *(getattr(options, name) for name in BOX_CHANGES))
-    return options.policy not in (None, recorded_policy) or any(change is not None for change in changes)
+    return options.policy not in (None, recorded_policy) or any(
+        (options.planner, options.planner_command, options.changes)
+    )
 
 
 def default_file(options: BranchOptions) -> Path:
@@ -80,8 +77,9 @@ def default_file(options: BranchOptions) -> Path:
 def again(options: BranchOptions, folder: Path) -> str:
     """Return the command that continues an interrupted branch; it records into a new file."""
     words = ["legpush", "branch", *map(str, options.files), "--at", options.at, "--out", str(folder)]
-    for name in ("policy", "past_policy", "planner", "planner_command", *BOX_CHANGES):
+    for name in ("policy", "past_policy", "planner", "planner_command"):
         if (value := getattr(options, name)) is not None:
             words += [f"--{name.replace('_', '-')}", str(value)]
+    words += [word for change in options.changes for word in ("--set", change)]
     words += [TRUST_FILE] if options.trust_policy_file else []
     return shlex.join([*words, "--video"] if options.video else words)

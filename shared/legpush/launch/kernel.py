@@ -10,6 +10,7 @@ from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.numerics.profile import X86_64_V3, profile_variables, why_not_here
 from legpush.options.numerics import KernelOptions
+from legpush.output.reply import document
 
 
 def install_kernel(options: KernelOptions) -> int:
@@ -37,6 +38,7 @@ def install_kernel(options: KernelOptions) -> int:
         raise ConfigError(f"Expected a folder that can be made, got {file.parent} ({error.strerror})") from error
     write_whole(file, (json.dumps(specification, indent=1) + "\n").encode())
     sys.stdout.write(f"wrote {file}\n")
+    document({"file": file})
     return 0
 
 

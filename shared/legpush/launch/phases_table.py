@@ -58,3 +58,20 @@ def phases_table(report: dict[str, Any]) -> Table | None:
             cells = ["-" if value is None else one_line(read(value)) for value in values]
             table.add_row(Text(title, style="dim"), *map(Text, cells))
     return table
+
+
+def odd_numbers(report: dict[str, Any]) -> list[str]:
+    """Return sentences about numbers of the phases that look wrong but are not."""
+    phases = [report[phase] for phase in PHASES if report.get(phase)]
+    said = []
+    if any(phase.get("n_outside_support") for phase in phases) and report.get("reason") != "fell":
+        said.append(
+            "A negative margin of the CoM is no fall: the CoM was above no foothold for these steps, and the next foot "
+            "caught it."
+        )
+    if any((phase.get("min_capture_margin_m") or 0.0) < 0.0 for phase in phases) and report.get("reason") != "fell":
+        said.append(
+            "A negative margin of the capture point is no fall either: left to itself the robot would have had to "
+            "step, and its control brought it back."
+        )
+    return said

@@ -43,7 +43,7 @@ def check_mission(options: RunOptions, scenario: Scenario, folder: Path, program
     if heavy := cannot_push(scenario):
         raise ConfigError(f"{scenario.name}: {heavy}; {REASONS['too_heavy'].remedy}")
     if options.planner_command is None and (fault := steering_fault(scenario.planning)):
-        raise ConfigError(f"{fault} (`planning` of the scenario, --planner, --steering, --turning-radius-m)")
+        raise ConfigError(f"{fault} (`planning` of the scenario, --planner, --set)")
     if policy_kind(options.policy) == "own" and options.push_map is None and not programs.agent_flags:
         return
     with temporary_folder("check-") as scratch:

@@ -1,5 +1,6 @@
 """Makes the command lines of the three processes of a mission."""
 
+import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -51,6 +52,9 @@ def agent_flags(options: RunOptions, place: Place) -> tuple[str, ...]:
         flags += ["--no-picture"]
     if options.record is not None and options.planner_command is not None:
         flags += ["--witness-planner"]
+    if options.planner_command is not None:
+        flags += ["--planner-command", options.planner_command]
+    flags += ["--command", shlex.join(["legpush", *sys.argv[1:]])]
     return tuple(flags)
 
 

@@ -2,19 +2,20 @@
 
 import logging
 import sys
+from dataclasses import asdict
 from time import time
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
-from legpush.errors import exit_code_of, printable
+from legpush.errors import printable
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.checks import require_writable_file
 from legpush.options.recordings import RecordOptions
-from legpush.output.guarded_streams import Output, with_guarded_output
+from legpush.output.reply import document
 from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
 from legpush.runs.choose_run import choose_run
-from legpush.service import start_log, stop_on_signals
+from legpush.service import run_command, start_log, stop_on_signals
 from legpush.versions import recorder_versions
 
 log = logging.getLogger(__name__)
@@ -27,7 +28,7 @@ def run_recorder(options: RecordOptions) -> int:
     chosen = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
     at = Endpoints(listen=options.listen, connect=chosen.endpoints.connect)
     stop = stop_on_signals()
-    start_log(f"recorder/{options.name}", "info")
+    start_log(f"recorder/{options.name}", "warning" if options.output.quiet else "info")
     about = {
         **dict(item.split("=", 1) for item in options.about),
         "run": chosen.run,
@@ -52,16 +53,11 @@ def run_recorder(options: RecordOptions) -> int:
     word = "complete" if completeness.complete else "NOT COMPLETE"
     sys.stdout.write(f"wrote {', '.join(map(str, file.parts))}: {completeness.n_recorded} messages, {word}\n")
     sys.stdout.write(printable("".join(f"    {note}\n" for note in completeness.notes)))
+    document({"files": file.parts, **asdict(completeness)})
     return 0 if completeness.complete else 1
 
 
 def main() -> int:
     """Run the recorder that a launcher starts."""
-    import tyro
-
-    def parse_and_record(output: Output) -> int:
-        options = tyro.cli(RecordOptions, prog="legpush record")
-        output.decides = False  # the exit code says whether the recording is complete
-        return run_recorder(options)
-
-    return with_guarded_output(lambda output: exit_code_of(lambda: parse_and_record(output)))
+    # The exit code says whether the recording is complete.
+    return run_command("record", RecordOptions, run_recorder, decides=False)

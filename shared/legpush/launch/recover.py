@@ -11,6 +11,7 @@ from legpush.history.entries import Opened
 from legpush.history.mending import step_back
 from legpush.options.checks import require_new_file
 from legpush.options.recordings import RecoverOptions
+from legpush.output.reply import document
 from legpush.policy_names import TRUST_FILE, runs_code
 from legpush.recording.recover import recover
 from legpush.runs.folder import COMMAND_FILE, LOGS, journals, own_folder
@@ -35,6 +36,7 @@ def run_recover(options: RecoverOptions) -> int:
     notes = recording.completeness["notes"].splitlines()
     said = "".join(f"    {note}\n" for note in notes)
     sys.stdout.write(printable(f"wrote {out}: {len(recording.messages)} messages\n{said}"))
+    document({"file": out, "n_messages": len(recording.messages), "notes": notes})
     return 0
 
 
@@ -43,10 +45,14 @@ def _recover_run(folder: Path) -> int:
     found = journals(folder)
     if not found:
         raise ConfigError(f"Expected a recording, or the folder of a run with a journal in it, got {folder}")
+    mended = []
     with own_folder(folder):
         for journal in found:
             opened, done = step_back(journal)
-            sys.stdout.write(printable(f"{done}\nto go on: {_command(folder, opened)}\n"))
+            command = _command(folder, opened)
+            sys.stdout.write(printable(f"{done}\nto go on: {command}\n"))
+            mended.append({"journal": journal, "done": done, "to_go_on": command})
+    document({"journals": mended})
     return 0
 
 

@@ -3,6 +3,7 @@
 import logging
 import sys
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
 from typing import Literal
@@ -20,6 +21,7 @@ from legpush.lockstep.client import SimLink
 from legpush.messages.common import Role
 from legpush.options.recordings import ReplayOptions
 from legpush.options.run import RunOptions
+from legpush.output.reply import document
 from legpush.plans.client import PlanLink
 from legpush.policy_names import require_repeated
 from legpush.processes.child_numerics import child_numerics
@@ -64,6 +66,7 @@ def publish_again(options: ReplayOptions) -> int:
             n += publish(bus, recording, options.rate, options.start_s, stop, turn)
             turn += 1
     sys.stdout.write(f"published {n} messages\n")
+    document({"run": options.run, "n_messages": n})
     return INTERRUPTED if stop.is_set() and not options.loop else 0
 
 
@@ -125,6 +128,7 @@ def play_agent(files: tuple[Path, ...], console: Console) -> int:
                     what = f"{numerics}; first difference" if numerics else "first divergence"
                     where = f"plan {number}, field {path}"
                     sys.stdout.write(printable(f"{what} at {where}: expected {one}, got {other}\n"))
+                    document({"identical": False, "plan": number, "field": path, "expected": one, "got": other})
                     return 1
             link.cancel()
     sys.stdout.write(f"identical: {len(plans)} plans\n")
@@ -158,6 +162,7 @@ def verify_files(files: tuple[Path, ...], console: Console) -> int:
         except StopRequestedError as error:
             raise StopRequestedError("interrupted: not verified") from error
     sys.stdout.write(printable(checked.words(perf_counter() - began)))
+    document({"identical": checked.is_sound, "complete": recording.is_complete, **asdict(checked)})
     if checked.is_sound and not recording.is_complete:
         notes = recording.completeness.get("notes") or "its recorder did not finish"
         sys.stdout.write(f"the recording is not complete: {one_line('; '.join(notes.splitlines()))}\n")

@@ -29,6 +29,7 @@ from legpush.launch.summary import print_summary
 from legpush.launch.supervisor import BAD_INPUT, GAVE_UP, NO_SUCCESS, SUCCESS, Limits, Supervisor, Verdict
 from legpush.messages.common import ROLES, Role
 from legpush.options.run import RunOptions
+from legpush.output.reply import document
 from legpush.policy_names import TRUST_FILE
 from legpush.processes.child import Command
 from legpush.processes.crew import Crew
@@ -47,6 +48,7 @@ from legpush.runs.folder import (
 from legpush.runs.live_runs import LiveRun, clear_killed_runs, shown, socket_directory
 from legpush.runs.reasons import ENDED_BY_ERROR
 from legpush.runs.report import add_note, read_report
+from legpush.scenarios.file import dump_scenario
 from legpush.scene.scenario import Scenario
 
 LIBRARIES: Final[dict[Role, tuple[str, ...]]] = {"planner": ("ompl",), "sim": ("mujoco",), "agent": ("matplotlib",)}
@@ -69,6 +71,10 @@ def launch_mission(
         programs = Programs()
     folder = options.out or default_folder(scenario, options.seed, datetime.now().astimezone())
     check_mission(options, scenario, folder, programs)
+    if options.dry_run:
+        console.print(Text(printable(dump_scenario(scenario))), soft_wrap=True)
+        document({"scenario": scenario, "seed": options.seed, "policy": options.policy, "folder": folder})
+        return SUCCESS
     again = programs.again(folder) if programs.again is not None else _again(options, folder)
     try:
         verdict = _run_and_tell(folder, scenario, options, programs, console, about or {}, again)
@@ -97,7 +103,7 @@ def _run_and_tell(
     with run_folder(folder, scenario):
         if (report := finished_report(folder, options)) is not None:
             console.print(Text(f"finished already; the report in {folder} is kept"), soft_wrap=True)
-            print_summary(console, folder, report)
+            _summarize(console, folder, report)
             return Verdict(SUCCESS if report["success"] else NO_SUCCESS)
         for journal in journals(folder):
             if done := mend(journal):
@@ -109,15 +115,21 @@ def _run_and_tell(
         if verdict.exit_code in (BAD_INPUT, GAVE_UP):
             sys.stderr.write(f"error: {printable(verdict.reason)}\n")
             if verdict.exit_code == BAD_INPUT and (folder / REPORT_FILE).exists():
-                print_summary(console, folder, read_report(folder))
+                _summarize(console, folder, read_report(folder))
         elif verdict.exit_code == INTERRUPTED:
             kept = f"; {options.record} stays as it is, the rest gets a file of its own" if options.record else ""
             console.print(Text(f"{verdict.reason}{kept}; to go on: {again}"), soft_wrap=True)
         elif verdict.exit_code != DISK_FULL:
             if verdict.reason:
                 console.print(Text(printable(verdict.reason), style="bold red"), soft_wrap=True)
-            print_summary(console, folder, read_report(folder))
+            _summarize(console, folder, read_report(folder))
         return verdict
+
+
+def _summarize(console: Console, folder: Path, report: dict[str, Any]) -> None:
+    """Tell people and programs what came out."""
+    print_summary(console, folder, report)
+    document({"folder": folder, **report})
 
 
 def finished_report(folder: Path, options: RunOptions) -> dict[str, Any] | None:
@@ -205,7 +217,7 @@ def _run_in(
 
 def _again(options: RunOptions, folder: Path) -> str:
     """Return the command that continues an interrupted run."""
-    words = ["legpush", "run", "--scenario", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
+    words = ["legpush", "run", str(folder / SCENARIO_FILE), "--seed", str(options.seed)]
     words += ["--out", str(folder), "--policy", options.policy]
     if options.trust_policy_file:
         words += [TRUST_FILE]

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from legpush.errors import one_line
-from legpush.launch.phases_table import phases_table
+from legpush.launch.phases_table import odd_numbers, phases_table
 from legpush.numerics.computed_with import computed_with
 from legpush.runs.folder import LOGS, PICTURE_FILE, REPORT_FILE, SCENARIO_FILE, VIDEO_FILE
 
@@ -43,23 +43,29 @@ ROWS: Final[dict[str, tuple[str, Callable[[Any], str]]]] = {
     "handover_distance_m": ("distance to the box at hand-over", lambda m: f"{m:.2f} m"),
     "trunk_max_abs_pitch_deg": ("trunk pitch, largest", lambda deg: f"{deg:.1f}°"),
     "trunk_max_abs_roll_deg": ("trunk roll, largest", lambda deg: f"{deg:.1f}°"),
-    "min_support_margin_m": ("support margin, least", lambda m: f"{100 * m:.1f} cm"),
     "n_better_paths": ("better paths taken while walking", str),
     "appeared": ("obstacles that appeared", lambda obstacles: ", ".join(map(_when, obstacles)) or "-"),
     "n_replans": ("new paths because of them", str),
     "n_push_cycles": ("push cycles", str),
     "n_footsteps": ("footsteps", str),
     "sim_time_s": ("simulated time", lambda s: f"{s:.1f} s"),
-    "wall_time_s": ("wall time", lambda s: f"{s:.1f} s"),
+    "wall_time_s": ("wall time, without start, picture and film", lambda s: f"{s:.1f} s"),
     "real_time_factor": ("times real time", lambda factor: f"{factor:.1f}"),
     "state_crc": ("state CRC", str),
+    "scenario": ("scenario", str),
     "seed": ("seed", str),
+    "policy": ("policy", str),
+    "planner": ("planner", str),
     "versions": ("computed with", _computed),
     "recording": ("recording", _recorded),
     "notes": ("note", "; ".join),
 }
 """Fields of the report in the order of the table, each with its title and its format."""
 
+NOT_SHOWN: Final = ("command", "scenario_sha256", "numerics", "min_support_margin_m")
+"""Fields without a row: they are for programs, or another row or table has them."""
+IF_FAILED: Final = ("reason", "detail", "remedy")
+"""Rows that say more than the errors of the box only if the mission was no success."""
 IF_APPEARED: Final = ("appeared", "n_replans")
 """Rows that are shown only if an obstacle appeared."""
 IF_ANY: Final = ("n_better_paths", "notes", "perceived_box_position_error_m", "perceived_box_angle_error_deg")
@@ -87,15 +93,15 @@ def print_summary(console: Console, folder: Path, report: dict[str, Any]) -> Non
             files.add_row(Text(name, style="cyan"), Text(what, style="dim"))
     console.print("", numbers, "", sep="\n")
     if (phases := phases_table(report)) is not None:
-        console.print(phases, "", sep="\n")
+        console.print(phases, *(Text(line, style="dim") for line in odd_numbers(report)), "", sep="\n")
     console.print(Text(f"In {folder}:"), soft_wrap=True)
     console.print(files)
 
 
 def _is_shown(field: str, report: dict[str, Any]) -> bool:
     """Return False for a row about something that did not happen."""
-    if field == "remedy":
-        return bool(report["remedy"])
+    if field in IF_FAILED:
+        return not report["success"] and bool(report[field])
     if field in IF_APPEARED:
         return bool(report.get("appeared"))
     return field not in IF_ANY or bool(report[field])

@@ -48,6 +48,8 @@ def pieces(console: Console, what: str, clock: Callable[[], float] = monotonic) 
 
     def show(n_done: int, n_all: int) -> None:
         nonlocal shown_s
+        if console.quiet:
+            return
         if console.is_terminal:
             console.file.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
             console.file.flush()

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Switch, arg
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 
@@ -20,28 +19,29 @@ class SoakOptions:
     is as expected, 1 something is not, 2 bad input, 3 an undisturbed mission failed, 130 interrupted.
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("runs/soak")
+    out: Annotated[Path, arg("DIR")] = Path("runs/soak")
     """Folder of the results; also keeps the missions that did not end as expected."""
-    cells: Annotated[tuple[str, ...], tyro.conf.arg(metavar="CELL")] = ()
+    cells: Annotated[tuple[str, ...], arg("CELL ...")] = ()
     """The cells of the table to run, such as kill-sim-walking, or all of a kind, such as kill; all if not given."""
-    table: bool = True
+    table: Switch = True
     """Run the table of faults."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, arg("N")] = 0
     """Seed of the mission and of the faults."""
-    repeat: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    repeat: Annotated[int, arg("N")] = 1
     """How often to run each cell, with the seeds from --seed on."""
-    retry: bool = False
+    retry: Flag = False
     """Run the cells again that were not as expected."""
-    steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    steps: Annotated[int | None, arg("N")] = None
     """Besides, do this many lockstep steps with a stub simulator, and watch memory, threads and open files."""
-    training: Annotated[float | None, tyro.conf.arg(metavar="HOURS")] = None
+    training: Annotated[float | None, arg("HOURS")] = None
     """Besides, train for about this long while a simulator is killed every 30 s and the learner ten times, and compare
     the policy with that of an undisturbed training, which runs beside it."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         require(Seed, self.seed, "--seed")
-        if self.repeat < 1:
-            raise ConfigError(f"Expected at least 1 for --repeat, got {self.repeat}")
+        if not 1 <= self.repeat <= MAX_STEPS:
+            raise ConfigError(f"Expected 1 to {MAX_STEPS} for --repeat, got {self.repeat}")
         if self.steps is not None and not 1 <= self.steps <= MAX_STEPS:
             raise ConfigError(f"Expected 1 to {MAX_STEPS} for --steps, got {self.steps}")
         if self.training is not None and not 0.0 < self.training <= 1000.0:
@@ -50,13 +50,8 @@ class SoakOptions:
             raise ConfigError("Expected --steps or --training with --no-table, and no --cells: nothing else is done")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ListFaults:
     """List the cells of the table of faults, with what is expected of each."""
 
-
-@dataclass(frozen=True)
-class Bench:
-    """Measure how missions and trainings stand what goes wrong."""
-
-    action: Annotated[SoakOptions, tyro.conf.subcommand("soak")] | Annotated[ListFaults, tyro.conf.subcommand("faults")]
+    output: OutputOptions = USUAL_OUTPUT

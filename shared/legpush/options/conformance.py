@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, arg
 from legpush.bounds import WaitS
 from legpush.errors import ConfigError
 from legpush.fields import require
 from legpush.options.checks import program_path, require_writable_file
 
-USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--json FILE] -- COMMAND..."
+USAGE = "legpush plan-check [--deadline S] [--only TEXT ...] [--out FILE] -- COMMAND..."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,17 +21,18 @@ class PlanCheckOptions:
     Exit codes: 0 all checks passed, 1 not all, 2 bad input, 130 interrupted.
     """
 
-    deadline_s: Annotated[float, tyro.conf.arg(name="deadline", metavar="S")] = 20.0
+    deadline_s: Annotated[float, arg("S", name="deadline")] = 20.0
     """Longest time that the planner may take for each answer."""
-    only: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT ...")] = ()
+    only: Annotated[tuple[str, ...], arg("TEXT ...")] = ()
     """Run only the checks that have one of these texts in their name."""
-    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Write the findings to this file as well."""
+    out: Annotated[Path | None, arg("FILE")] = None
+    """Write the findings to this JSON file as well."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         require(WaitS, self.deadline_s, "--deadline", "seconds")
-        if self.json is not None:
-            require_writable_file(self.json, "--json")
+        if self.out is not None:
+            require_writable_file(self.out, "--out")
 
 
 def split_at_dashes(argv: Sequence[str]) -> tuple[list[str], tuple[str, ...]]:

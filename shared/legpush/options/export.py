@@ -1,11 +1,10 @@
-"""Options of `legpush export`."""
+"""Options of `legpush export` and `legpush render`."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, get_args
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, arg
 from legpush.bounds import Count, FramesPerSecond, Speed, TimeS
 from legpush.errors import ConfigError
 from legpush.fields import require
@@ -24,30 +23,31 @@ class ExportOptions:
 
     files: Files
     """The recording, or its parts."""
-    to: Annotated[Format | None, tyro.conf.arg(metavar="foxglove|csv|parquet|mp4|gif")] = None
+    to: Annotated[Format | None, arg("foxglove|csv|parquet|mp4|gif")] = None
     """Format of the new file; without it, the ending of --out decides (foxglove: .mcap)."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[Path | None, arg("FILE")] = None
     """The new file. If not given, it is beside the recording and named after it."""
-    episode: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    episode: Annotated[int | None, arg("N")] = None
     """Episode to export, as numbered by `legpush info`. If not given, tables have all episodes, with a column
     `episode`, and the other formats have the longest one."""
-    partial: bool = False
+    partial: Flag = False
     """Export an incomplete episode up to its first gap or damage, instead of refusing it."""
-    camera: Annotated[View, tyro.conf.arg(metavar="|".join(get_args(View)))] = "follow"
+    camera: Annotated[View, arg("|".join(get_args(View)))] = "follow"
     """Films: position of the camera. `follow`: right of the robot, a little behind; `top`: above the robot; `room`:
     above, with the whole room in view; `box`: close to the box; `orbit`: circling the robot."""
-    speed: Annotated[float | None, tyro.conf.arg(metavar="X")] = None
+    speed: Annotated[float | None, arg("X")] = None
     """Films: simulated seconds per second. The default is 3, or more if the film would be longer than 30 s."""
-    fps: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    fps: Annotated[float | None, arg("N")] = None
     """Films: frames per second; 20 if not given, and 12.5 for a GIF."""
-    width: Annotated[int | None, tyro.conf.arg(metavar="PIXELS")] = None
+    width: Annotated[int | None, arg("PIXELS")] = None
     """Films: width of a frame; 854 if not given, and 480 for a GIF."""
-    height: Annotated[int | None, tyro.conf.arg(metavar="PIXELS")] = None
+    height: Annotated[int | None, arg("PIXELS")] = None
     """Films: height of a frame; 480 if not given, and 270 for a GIF."""
-    start_s: Annotated[float, tyro.conf.arg(name="start", metavar="S")] = 0.0
+    start_s: Annotated[float, arg("S", name="start")] = 0.0
     """Films: begin at this simulated time."""
-    end_s: Annotated[float | None, tyro.conf.arg(name="end", metavar="S")] = None
+    end_s: Annotated[float | None, arg("S", name="end")] = None
     """Films: end at this simulated time."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if not self.files:
@@ -115,3 +115,14 @@ class ExportOptions:
         require(TimeS, self.end_s, "--end")
         if self.end_s is not None and not self.end_s > self.start_s:
             raise ConfigError(f"Expected more than --start, {self.start_s:g}, for --end, got {self.end_s}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderOptions:
+    """Film a run again from its journal: write mission.mp4 into its folder."""
+
+    run_folder: Positional[Annotated[Path, arg("DIR")]]
+    """The folder of the run."""
+    camera: Annotated[View, arg("|".join(get_args(View)))] = "follow"
+    """Position of the camera; `legpush export --help` describes each."""
+    output: OutputOptions = USUAL_OUTPUT

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import MAX_DEPTH_M, Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require, require_seeds
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.options.checks import require_new_file
+from legpush.options.scenarios import Changes, ScenarioName
 
 DEFAULT_WORLD: Final = "mujoco"
 """The simulators, which are processes."""
@@ -31,19 +31,19 @@ def default_simulators() -> int:
 class SimulatorOptions:
     """The simulators to use."""
 
-    world: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = DEFAULT_WORLD
+    world: Annotated[str, arg("NAME|FILE")] = DEFAULT_WORLD
     """What is pushed in: `mujoco`, the simulators; `map`, a map of the default box without physics, about a hundred
     times as fast; `map_mean`, the same without its scatter; another plug-in; or the path of a map that `legpush
     calibrate --random-pushes` wrote. All but `mujoco` run in the process of the command."""
-    simulators: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    simulators: Annotated[int | None, arg("N")] = None
     """Number of simulators or other worlds; if not given, one per core, 8 at most."""
-    join: Annotated[str | None, tyro.conf.arg(metavar="RUN")] = None
+    join: Annotated[str | None, arg("RUN")] = None
     """Join the running simulators of this run instead of starting some."""
-    listen: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """With --join: endpoints to listen on for the simulators."""
-    connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT")] = ()
+    connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """With --join: endpoints on which the simulators listen."""
-    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    record: Annotated[Path | None, arg("FILE")] = None
     """Record all messages into this new MCAP file; see `legpush replay`."""
 
     def __post_init__(self) -> None:
@@ -73,35 +73,40 @@ class TrainOptions(SimulatorOptions):
     Exit codes: 0 trained, 2 bad input, 3 a simulator failed, 130 interrupted.
     """
 
-    profile: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "tuned"
+    profile: Annotated[str, arg("NAME|FILE")] = "tuned"
     """Training profile: tuned, paper-text, paper-observation, paper-learns, release, sac, td3, or the path of a profile
     file."""
-    task: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    task: Annotated[str | None, arg("NAME|FILE")] = None
     """Replaces the profile's task: tuned, paper-text, paper-observation, paper-learns, release, or the path of a task
     file."""
-    entry: Literal["fixed", "variable"] | None = None
+    entry: Annotated[Literal["fixed", "variable"] | None, arg()] = None
     """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
-    actions: Literal["continuous", "discrete"] | None = None
+    actions: Annotated[Literal["continuous", "discrete"] | None, arg()] = None
     """Replaces the task's form of the action; `discrete` is the published grid of w1, w2 and leg."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, arg("N")] = 0
     """Seed of initial weights, exploration and initial conditions."""
-    scenario: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE")] = None
+    scenario: Annotated[str | None, arg("NAME|FILE")] = None
     """Replaces the task's scenario, which has the robot ready to push, and the goal."""
-    steps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    changes: Changes = ()
+    """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
+    steps: Annotated[int | None, arg("N")] = None
     """Replaces the profile's number of push cycles."""
-    mass_kg: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    mass_kg: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
     """Draw the mass of the box for each episode."""
-    friction: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    friction: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
     """Draw the friction of the box for each episode."""
-    distance_m: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    distance_m: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
     """Draw the distance from box to goal for each episode."""
-    init: Annotated[str | None, tyro.conf.arg(metavar="POLICY|DIR")] = None
+    init: Annotated[str | None, arg("POLICY|DIR")] = None
     """Begin with the actor of this trained policy instead of random weights, or with actor and critics of the training
     in this folder."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder of the training; `runs/<time>-train-<profile>-<entry>-seed<N>` if not given."""
-    resume: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    resume: Annotated[Path | None, arg("DIR")] = None
     """Continue the training in this folder, with its own settings."""
+    dry_run: Flag = False
+    """Check the options, print the task with its scenario, and start nothing."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -127,32 +132,37 @@ class EvaluateOptions(SimulatorOptions):
     Exit codes: 0 evaluated, 2 bad input, 3 a simulator failed, 130 interrupted.
     """
 
-    policy: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="POLICY")]
+    policy: Positional[Annotated[str, arg("POLICY")]]
     """The policy: scripted, the name of a shipped policy, a policy folder, a model file (.zip) that Stable-Baselines3
     saved, or module:factory for a policy of your own."""
-    normalizer: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    normalizer: Annotated[Path | None, arg("FILE")] = None
     """With a model file: the file of `VecNormalize.save`, if the training normalized observations."""
-    trust_policy_file: bool = False
+    trust_policy_file: Flag = False
     """Load the model file and its normalizer. They are pickles: loading one runs any code in it."""
-    episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 20
+    episodes: Annotated[int, arg("N")] = 20
     """Number of episodes for each swept value."""
-    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 9000
+    seed: Annotated[int, arg("N")] = 9000
     """Seed of the first episode's initial conditions; each later episode has the next seed."""
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "push"
+    scenario: ScenarioName = "push"
     """Scenario with the robot ready to push, and the goal with its tolerances."""
-    sweep: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="FIELD=VALUE,...")] = ()
+    changes: Changes = ()
+    """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
+    sweep: Annotated[Repeated[str], arg("FIELD=VALUE,...")] = ()
     """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9, box.size_m=0.4x0.5x0.4,0.8x0.4x0.4,
     box.shape=cuboid,l_shape or room.slope_deg=0,5. Give it again for other fields."""
-    grid: bool = False
+    grid: Flag = False
     """Evaluate every combination of the swept values instead of one field after the other."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder for episodes.csv, episodes.parquet, summary.json and evaluation.png; `runs/<time>-evaluate-<policy>` if
     not given."""
+    dry_run: Flag = False
+    """Check the options, print the scenario of each case, and start nothing."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require(Amount, self.episodes, "--episodes")
-        require_seeds(self.first_seed, self.episodes, "--first-seed")
+        require_seeds(self.seed, self.episodes, "--seed")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,36 +173,32 @@ class CalibrateOptions(SimulatorOptions):
     input, 3 a simulator failed, 130 interrupted.
     """
 
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
+    scenario: Positional[ScenarioName] = "default"
     """Scenario whose box is measured, on an open floor."""
-    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
-    """Replaces the scenario's box mass."""
-    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Replaces the scenario's friction of box and floor."""
-    box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Replaces the scenario's friction of box and foot."""
-    depths_m: Annotated[tuple[float, ...], tyro.conf.arg(metavar="M ...")] = SERIES_DEPTHS_M
+    changes: Changes = ()
+    """Change a field of the scenario, such as box.mass_kg=0.9; may be given several times."""
+    depths_m: Annotated[tuple[float, ...], arg("M ...")] = SERIES_DEPTHS_M
     """Depths of the pushes."""
-    curves: Annotated[tuple[float, ...], tyro.conf.arg(metavar="W ...")] = SERIES_CURVES
+    curves: Annotated[tuple[float, ...], arg("W ...")] = SERIES_CURVES
     """Shapes of the curve: w1 = w2. Missions use the first one."""
-    random_pushes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    random_pushes: Annotated[int | None, arg("N")] = None
     """Measure N or more random pushes at each face instead of series of equal ones, with random leg, curve and depth,
     and fit a map for --world to them."""
-    series: Annotated[int, tyro.conf.arg(metavar="N")] = N_SERIES
+    series: Annotated[int, arg("N")] = N_SERIES
     """Number of series of eight pushes, four with each leg, for every face, curve and depth."""
-    first_seed: Annotated[int, tyro.conf.arg(metavar="N")] = 8000
+    seed: Annotated[int, arg("N")] = 8000
     """Seed of the place of the box in the first series; each later series has the next seed."""
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")] = Path("push_map.json")
+    out: Annotated[Path, arg("FILE")] = Path("push_map.json")
     """The new file."""
+    dry_run: Flag = False
+    """Check the options, print the scenario with all changes, and start nothing."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(BoxMass, self.box_mass_kg, "--box-mass-kg")
-        require(Friction, self.box_friction, "--box-friction")
-        require(Friction, self.box_foot_friction, "--box-foot-friction")
         require(Amount, self.series, "--series")
         require(Amount, self.random_pushes, "--random-pushes")
-        require_seeds(self.first_seed, max(self.series, self.random_pushes or 0), "--first-seed")
+        require_seeds(self.seed, max(self.series, self.random_pushes or 0), "--seed")
         usual = (self.depths_m, self.curves, self.series) == (SERIES_DEPTHS_M, SERIES_CURVES, N_SERIES)
         if self.random_pushes is not None and not usual:
             raise ConfigError("Expected either --random-pushes or --depths-m, --curves and --series, got both")

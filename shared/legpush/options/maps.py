@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, arg
 from legpush.bounds import Resolution
 from legpush.errors import ConfigError
 from legpush.fields import require
+from legpush.options.scenarios import Changes
 from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 
 
@@ -20,17 +20,18 @@ class MapOptions:
     Exit codes: 0 drawn, 2 bad input.
     """
 
-    action: tyro.conf.Positional[Literal["show"]]
-    """The action."""
-    file: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME|FILE")]
+    file: Positional[Annotated[str, arg("NAME|FILE")]]
     """A built-in scenario, a scenario file, the YAML file of a ROS map, or a grid of 0 and 1 in a .csv or .npy file."""
-    output: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
+    changes: Changes = ()
+    """Change a field of the scenario, such as room.size_m=8x6; may be given several times."""
+    out: Annotated[Path | None, arg("FILE")] = None
     """The picture; `<name>_map.png` in the working directory if not given. It may replace only a picture that this
     command made."""
-    cell_m: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    cell_m: Annotated[float | None, arg("M")] = None
     """Side of a cell; required for .csv and .npy files, which do not have it."""
-    first_row: FirstRow | None = None
+    first_row: Annotated[FirstRow | None, arg()] = None
     """Place of the first row of a .csv or .npy file: at the highest y, or at y = 0."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         """Check that the flags fit the type of the file.
@@ -42,15 +43,17 @@ class MapOptions:
         if suffix in IMAGE_SUFFIXES:
             valid = " or ".join(MAP_SERVER_SUFFIXES)
             raise ConfigError(f"{self.file}: expected a map with its scale; for an image, name its {valid} file")
+        if self.changes and suffix in (*CELL_SUFFIXES, *MAP_SERVER_SUFFIXES):
+            raise ConfigError(f"{self.file}: expected --set only with a scenario")
         for flag, value in (("--cell-m", self.cell_m), ("--first-row", self.first_row)):
             if value is None and suffix in CELL_SUFFIXES:
                 raise ConfigError(f"{self.file}: expected --cell-m and --first-row, which a {suffix} file lacks")
             if value is not None and suffix not in CELL_SUFFIXES:
                 raise ConfigError(f"{self.file}: expected {flag} only with {' and '.join(CELL_SUFFIXES)} files")
         require(Resolution, self.cell_m, "--cell-m")
-        if self.output is not None and (suffix_of(self.output.name) != ".png" or not self.output.parent.is_dir()):
-            raise ConfigError(f"Expected a .png file in an existing folder for --output, got {self.output}")
+        if self.out is not None and (suffix_of(self.out.name) != ".png" or not self.out.parent.is_dir()):
+            raise ConfigError(f"Expected a .png file in an existing folder for --out, got {self.out}")
 
     def picture(self) -> Path:
         """Return the path of the picture."""
-        return Path(f"{Path(self.file).stem}_map.png") if self.output is None else self.output
+        return Path(f"{Path(self.file).stem}_map.png") if self.out is None else self.out

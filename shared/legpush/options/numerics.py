@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, arg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,10 +19,11 @@ class PythonOptions:
 class KernelOptions:
     """Install a Jupyter kernel that starts this Python under the numerics profile; it needs the package ipykernel."""
 
-    name: Annotated[str, tyro.conf.arg(metavar="NAME")] = "legpush"
+    name: Annotated[str, arg("NAME")] = "legpush"
     """Name of its folder."""
-    prefix: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    prefix: Annotated[Path | None, arg("DIR")] = None
     """Install into DIR/share/jupyter/kernels, such as the folder of a virtual environment, instead of the user's."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,3 +32,5 @@ class CanaryOptions:
 
     Exit codes: 0 it is the published one, or none was published for these numerics; 1 it is another one.
     """
+
+    output: OutputOptions = USUAL_OUTPUT

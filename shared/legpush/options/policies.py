@@ -4,18 +4,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, arg
 from legpush.errors import ConfigError
 from legpush.options.checks import require_writable_folder
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ShowPolicy:
     """Print what a trained policy sees and does, and how it was trained."""
 
-    policy: Annotated[str, tyro.conf.arg(metavar="POLICY")]
+    policy: Positional[Annotated[str, arg("POLICY")]]
     """The name of a shipped policy, or a policy folder."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,23 +26,15 @@ class ExportPolicy:
     observation as it is measured and gives the action. Exit codes: 0 written, 2 bad input.
     """
 
-    policy: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="POLICY")]
+    policy: Positional[Annotated[str, arg("POLICY")]]
     """The name of a shipped policy, or a policy folder."""
-    to: Literal["safetensors", "onnx"] = "safetensors"
+    to: Annotated[Literal["safetensors", "onnx"], arg()] = "safetensors"
     """Format of the weights."""
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("policy")
+    out: Annotated[Path, arg("DIR")] = Path("policy")
     """The new folder."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if self.out.exists() or not self.out.parent.is_dir():
             raise ConfigError(f"Expected a new folder in an existing one for --out, got {self.out}")
         require_writable_folder(self.out, "--out")
-
-
-@dataclass(frozen=True)
-class Policies:
-    """Show or export a trained policy."""
-
-    action: (
-        Annotated[ShowPolicy, tyro.conf.subcommand("show")] | Annotated[ExportPolicy, tyro.conf.subcommand("export")]
-    )

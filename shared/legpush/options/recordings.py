@@ -2,18 +2,24 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Final, Literal
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import BoxMass, FileMegabytes, Friction, Speed, TimeS, WaitS
 from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
 from legpush.fields import Name, episode_and_step, require
+from legpush.options.scenarios import Changes
 from legpush.scene.names import PlannerName
 
-File = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
-Files = Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")]
+BOX_CHANGES: Final[dict[str, tuple[str, Any]]] = {
+    "box.mass_kg": ("box_mass_kg", BoxMass),
+    "box.friction": ("box_friction", Friction),
+    "box.foot_friction": ("box_foot_friction", Friction),
+}
+"""What a branch may change of the box: the field of `Alter`, and its bounds."""
+File = Positional[Annotated[Path, arg("FILE")]]
+Files = Positional[Annotated[tuple[Path, ...], arg("FILE")]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,26 +32,27 @@ class RecordOptions:
 
     file: File
     """The new recording, such as mission.mcap."""
-    run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
+    run: Annotated[str | None, arg("NAME|FOLDER")] = None
     """The run to record. If not given, it is the run in LEGPUSH_RUN, else the live run of a launcher, else `local`, the
     run of processes started by hand."""
-    name: str = "main"
+    name: Annotated[str, arg("NAME")] = "main"
     """Name of the recorder, to distinguish several recorders of one run."""
-    listen: tuple[str, ...] = ()
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints to listen on."""
-    connect: tuple[str, ...] = ()
+    connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of planner, simulator and agent. If not given, --run finds them, or they are the ports of processes
     started by hand."""
-    topics: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PATTERN ...")] = ()
+    topics: Annotated[tuple[str, ...], arg("PATTERN ...")] = ()
     """Record only these topics, such as "sim/*" "plan/*"."""
-    split_mb: Annotated[float | None, tyro.conf.arg(metavar="MB")] = None
+    split_mb: Annotated[float | None, arg("MB")] = None
     """Continue in another file, FILE-001 and so on, when a file has this size."""
-    split_s: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
+    split_s: Annotated[float | None, arg("S")] = None
     """Continue in another file after this many seconds."""
-    duration_s: Annotated[float | None, tyro.conf.arg(name="duration", metavar="S")] = None
+    duration_s: Annotated[float | None, arg("S", name="duration")] = None
     """Stop after this many seconds."""
-    about: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME=VALUE")] = ()
-    """Metadata for the file. Give it again for more."""
+    about: Annotated[Repeated[str], arg("NAME=VALUE")] = ()
+    """Metadata for the file; may be given several times."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         require(Name, self.name, "--name")
@@ -66,6 +73,7 @@ class InfoOptions:
 
     files: Files
     """The recording, or its parts."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,11 +83,12 @@ class RecoverOptions:
     Exit codes: 0 recovered, 2 nothing to recover, or nothing can be recovered.
     """
 
-    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE|RUN_FOLDER")]
+    file: Positional[Annotated[Path, arg("FILE|DIR")]]
     """The recording, which is not changed; or the folder of a run, whose damaged journal is cut off before its first
     damage and kept beside it."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[Path | None, arg("FILE")] = None
     """The new file; FILE-recovered.mcap if not given."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,28 +101,27 @@ class ReplayOptions:
 
     files: Files
     """The recording, or its parts."""
-    verify: bool = False
+    verify: Flag = False
     """Send the recorded motions to a fresh simulator, compare every answer bit for bit, and list all damage."""
-    as_role: Annotated[
-        Literal["planner", "sim", "agent"] | None, tyro.conf.arg(name="as", metavar="planner|sim|agent")
-    ] = None
+    as_role: Annotated[Literal["planner", "sim", "agent"] | None, arg("planner|sim|agent", name="as")] = None
     """Let the recording take the part of this process; the other processes are live."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """With --as: folder of the run; `runs/<time>-...` if not given."""
-    policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    policy: Annotated[str | None, arg("POLICY")] = None
     """With --as planner|sim: the policy of the recording, repeated because it runs code and you trust it."""
-    trust_policy_file: bool = False
+    trust_policy_file: Flag = False
     """Load it if it is a model file (.zip) of Stable-Baselines3, which is a pickle: loading it runs any code in it."""
-    rate: Annotated[float, tyro.conf.arg(metavar="X")] = 1.0
+    rate: Annotated[float, arg("X")] = 1.0
     """Publish this many times as fast as it was recorded."""
-    loop: bool = False
+    loop: Flag = False
     """Publish again and again, until Ctrl-C."""
-    start_s: Annotated[float, tyro.conf.arg(name="start", metavar="S")] = 0.0
+    start_s: Annotated[float, arg("S", name="start")] = 0.0
     """Begin to publish this many seconds after the beginning."""
-    run: str = "replay"
+    run: Annotated[str, arg("NAME")] = "replay"
     """Name of the run in which the recording is published."""
-    listen: tuple[str, ...] = local("agent").listen
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = local("agent").listen
     """Endpoints for the recorders and viewers of that run."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if not self.files:
@@ -137,36 +145,50 @@ class BranchOptions:
 
     files: Files
     """The recording of a mission, or its parts."""
-    at: Annotated[str, tyro.conf.arg(metavar="EPISODE:STEP")] = ""
+    at: Annotated[str, arg("EPISODE:STEP")] = ""
     """The first step that differs from the recording, such as 0:12; `legpush info` lists episodes and steps."""
-    policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    policy: Annotated[str | None, arg("POLICY")] = None
     """Policy that chooses the pushes from that step on; if not given, that of the recording. Repeat that one if it runs
     code and you trust it."""
-    past_policy: Annotated[str | None, tyro.conf.arg(metavar="POLICY")] = None
+    past_policy: Annotated[str | None, arg("POLICY")] = None
     """The policy of the recording, repeated because it runs code and you trust it, where --policy is another one."""
-    trust_policy_file: bool = False
+    trust_policy_file: Flag = False
     """Load a model file (.zip) of Stable-Baselines3. It is a pickle: loading it runs any code in it."""
-    planner: PlannerName | None = None
+    planner: Annotated[PlannerName | None, arg()] = None
     """Search that the planner uses from that step on."""
-    planner_command: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
+    planner_command: Annotated[str | None, arg("COMMAND")] = None
     """Planner process from that step on."""
-    box_mass_kg: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
-    """Mass of the box from that step on; the mission is not told about it."""
-    box_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Friction of box and floor from that step on; the mission is not told about it."""
-    box_foot_friction: Annotated[float | None, tyro.conf.arg(metavar="MU")] = None
-    """Friction of box and foot from that step on; the mission is not told about it."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    changes: Changes = ()
+    """Change the box from that step on: box.mass_kg, box.friction or box.foot_friction, such as box.mass_kg=0.9. The
+    mission is not told about it. May be given several times."""
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder of the run; `runs/<time>-<scenario>-seed<N>` if not given. An unfinished run in this folder continues."""
-    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    record: Annotated[Path | None, arg("FILE")] = None
     """The new recording, which names the old one; FILE-branch-EPISODE-STEP.mcap if not given."""
-    video: bool = False
+    video: Flag = False
     """Render mission.mp4 at the end."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if not self.files:
             raise ConfigError("Expected the file of a recording, got none")
         episode_and_step(self.at, "--at")
-        require(BoxMass, self.box_mass_kg, "--box-mass-kg")
-        require(Friction, self.box_friction, "--box-friction")
-        require(Friction, self.box_foot_friction, "--box-foot-friction")
+        self.changed_box()
+
+    def changed_box(self) -> dict[str, float]:
+        """Return the new numbers of the box, by the names that `Alter` has for them.
+
+        Raises:
+            ConfigError: A change is none of the box, or its number cannot be used.
+        """
+        from legpush.scenarios.changes import parse_changes
+
+        changed = {}
+        for path, value in parse_changes(self.changes).items():
+            if path not in BOX_CHANGES:
+                valid = ", ".join(BOX_CHANGES)
+                raise ConfigError(f"Expected one of {valid} for --set of a branch, got {path}")
+            name, kind = BOX_CHANGES[path]
+            require(kind, value, f"--set {path}")
+            changed[name] = float(value)
+        return changed

@@ -1,40 +1,70 @@
-"""Options of `legpush scenarios`."""
+"""Options of `legpush scenarios` and `legpush examples`, and how every command takes a scenario."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 from legpush.options.checks import require_writable_file
 from legpush.scenarios.random_room import RandomRoom
 
+if TYPE_CHECKING:
+    from legpush.scene.scenario import Scenario
 
-@dataclass(frozen=True)
+ScenarioName = Annotated[str, arg("NAME|FILE")]
+"""A built-in scenario, or the path of a scenario file."""
+Changes = Annotated[Repeated[str], arg("FIELD=VALUE", name="set")]
+"""Other values of fields of the scenario."""
+
+
+def changed_scenario(name: str, changes: tuple[str, ...]) -> "Scenario":
+    """Load a scenario, and change what `--set` says.
+
+    Raises:
+        ConfigError: A change has another form than `FIELD=VALUE`.
+        ScenarioError: The scenario, a field or a value cannot be used.
+    """
+    from legpush.scenarios.changes import override, parse_changes
+    from legpush.scenarios.file import load_scenario
+
+    given = parse_changes(changes)
+    scenario = load_scenario(name)
+    return override(scenario, given, "--set") if given else scenario
+
+
+@dataclass(frozen=True, kw_only=True)
 class ListScenarios:
     """List the built-in scenarios."""
 
+    output: OutputOptions = USUAL_OUTPUT
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class ShowScenario:
     """Check a scenario and print it; comments of its file are not kept."""
 
-    scenario: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")]
+    scenario: Positional[ScenarioName]
     """A built-in scenario or the path of a scenario file."""
-    defaults: Annotated[bool, tyro.conf.arg(name="defaults")] = False
+    changes: Changes = ()
+    """Change a field, such as box.mass_kg=0.9; may be given several times."""
+    defaults: Flag = False
     """Print fields with their default values, too."""
 
+    output: OutputOptions = USUAL_OUTPUT
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class CopyScenario:
     """Copy a built-in scenario, with its comments, to a new file for you to edit."""
 
-    name: Annotated[str, tyro.conf.arg(metavar="NAME")]
+    name: Positional[Annotated[str, arg("NAME")]]
     """A built-in scenario."""
-    file: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    file: Positional[Annotated[Path, arg("FILE")]]
     """The new file."""
+
+    output: OutputOptions = USUAL_OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,10 +74,12 @@ class RandomScenario(RandomRoom):
     A planner checks that the robot can walk and push there. If not, another room is drawn.
     """
 
-    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    file: Positional[Annotated[Path, arg("FILE")]]
     """The new file."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """Equal seeds give equal rooms."""
+    seed: Annotated[int, arg("N")] = 0
+    """Seed of the room. Equal seeds give equal rooms."""
+
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -55,25 +87,3 @@ class RandomScenario(RandomRoom):
         if self.file.exists() or not self.file.parent.is_dir():
             raise ConfigError(f"{self.file}: expected a new file in an existing folder")
         require_writable_file(self.file, "FILE")
-
-    def flags(self) -> list[str]:
-        """Return these options as a command line."""
-        words = []
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name != "file":
-                values = value if isinstance(value, tuple) else (value,)
-                words += [f"--{field.name.replace('_', '-')}", *map(str, values)]
-        return [*words, str(self.file)]
-
-
-@dataclass(frozen=True)
-class Scenarios:
-    """List, show, copy or draw scenarios."""
-
-    action: (
-        Annotated[ListScenarios, tyro.conf.subcommand("list")]
-        | Annotated[ShowScenario, tyro.conf.subcommand("show")]
-        | Annotated[CopyScenario, tyro.conf.subcommand("copy")]
-        | Annotated[RandomScenario, tyro.conf.subcommand("random")]
-    )

@@ -3,38 +3,39 @@
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.errors import ConfigError
 from legpush.fields import Seed, require
 from legpush.options.checks import require_new_file
+
+MOST_WORKERS: Final = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
 class EngineOptions:
     """Where cells are run, and what code they may run."""
 
-    on: Annotated[str, tyro.conf.arg(metavar="ENGINE")] = "local"
+    on: Annotated[str, arg("ENGINE")] = "local"
     """Where to run the cells: `local`, in processes on this machine; `inline`, in this process alone, for a debugger or
     an emulator; `ray`, on a Ray cluster that is started on this
     machine; `ray:HOST:PORT`, on a running one of which this machine is a node; `ray://HOST:PORT`, on one of which it is
     none; or `slurm`."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    workers: Annotated[int | None, arg("N")] = None
     """Number of worker processes, or of jobs in the queue of Slurm; if not given, one per core of this machine. A
     running Ray cluster has its own number."""
-    slurm_option: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    slurm_option: Annotated[Repeated[str], arg("NAME=VALUE")] = ()
     """Give Slurm this option of `sbatch` for each job, such as `partition=cpu` or `time=120` (minutes); may be given
     several times. `cluster=local` needs no Slurm: it runs the same jobs on this machine, as a rehearsal."""
-    cell: Annotated[str | None, tyro.conf.arg(metavar="MODULE:FUNCTION")] = None
+    cell: Annotated[str | None, arg("MODULE:FUNCTION")] = None
     """Run cells of this kind, which is your own code. A study file alone never names code."""
-    policy: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME")] = ()
+    policy: Annotated[Repeated[str], arg("POLICY")] = ()
     """Allow this policy of the study file, which runs code; may be given several times."""
 
     def __post_init__(self) -> None:
-        if self.workers is not None and self.workers < 1:
-            raise ConfigError(f"Expected at least 1 for --workers, got {self.workers}")
+        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
+            raise ConfigError(f"Expected 1 to {MOST_WORKERS} for --workers, got {self.workers}")
         for option in self.slurm_option:
             if not all(option.partition("=")):
                 raise ConfigError(f"Expected NAME=VALUE for --slurm-option, got {option!r}")
@@ -58,14 +59,15 @@ class RunStudy(EngineOptions):
     2 bad input, 3 the engine failed, 5 the disk is full, 130 interrupted.
     """
 
-    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    file: Positional[Annotated[Path, arg("FILE")]]
     """The study: a TOML file."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """Folder of the study; `runs/` and the name of the file if not given. A study in this folder continues."""
-    retry_failed: bool = False
+    retry_failed: Flag = False
     """Run again the cells that failed by themselves; without it, only those whose workers were lost."""
-    yes: bool = False
+    yes: Flag = False
     """Run more than a million cells."""
+    output: OutputOptions = USUAL_OUTPUT
 
     @property
     def folder(self) -> Path:
@@ -77,8 +79,9 @@ class RunStudy(EngineOptions):
 class StudyStatus:
     """Show how far a study is, and why cells failed."""
 
-    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    folder: Positional[Annotated[Path, arg("DIR")]]
     """Folder of the study."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,12 +91,13 @@ class VerifyStudy(EngineOptions):
     Exit codes: 0 equal, 1 a cell differs, 2 bad input, 3 the engine failed, 130 interrupted.
     """
 
-    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    folder: Positional[Annotated[Path, arg("DIR")]]
     """Folder of the study."""
-    share: float = 0.05
+    share: Annotated[float, arg("X")] = 0.05
     """Share of the cells to run again, at least one."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, arg("N")] = 0
     """Seed of the choice of cells."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -106,10 +110,11 @@ class VerifyStudy(EngineOptions):
 class MergeStudies:
     """Write the rows of several folders of one kind of cell into one table."""
 
-    folders: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="DIR")]
+    folders: Positional[Annotated[tuple[Path, ...], arg("DIR")]]
     """Folders of studies with equal code."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, arg("DIR")] = None
     """New folder for all of them; the name of the first one with `-merged` if not given."""
+    output: OutputOptions = USUAL_OUTPUT
 
     @property
     def folder(self) -> Path:
@@ -122,18 +127,19 @@ class MergeStudies:
 class StudyTable:
     """Print a table of a study: means with 95 % intervals, by the axes."""
 
-    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    folder: Positional[Annotated[Path, arg("DIR")]]
     """Folder of the study."""
-    by: Annotated[tuple[str, ...], tyro.conf.arg(metavar="AXIS")] = ()
+    by: Annotated[tuple[str, ...], arg("AXIS ...")] = ()
     """Columns whose values make the groups; if not given, every axis but the seed."""
-    measure: Annotated[tuple[str, ...], tyro.conf.arg(metavar="COLUMN")] = ()
+    measure: Annotated[tuple[str, ...], arg("COLUMN ...")] = ()
     """Columns to summarize; if not given, every result that is a number or a truth value."""
-    paired: Annotated[str | None, tyro.conf.arg(metavar="AXIS=VALUE")] = None
+    paired: Annotated[str | None, arg("AXIS=VALUE")] = None
     """Show the mean difference from the cells with this value, between cells whose other axes are the same."""
-    csv: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    csv: Annotated[Path | None, arg("FILE")] = None
     """Write the table into this new file."""
-    plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    plot: Annotated[Path | None, arg("FILE")] = None
     """Draw the table into this new PNG file."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         for path, flag in ((self.csv, "--csv"), (self.plot, "--plot")):
@@ -141,23 +147,3 @@ class StudyTable:
                 require_new_file(path, flag)
         if self.paired is not None and "=" not in self.paired:
             raise ConfigError(f"Expected AXIS=VALUE for --paired, such as policy=scripted, got {self.paired!r}")
-
-    def flags(self) -> list[str]:
-        """Return these options as a command line."""
-        several = (("--by", self.by), ("--measure", self.measure))
-        single = (("--paired", self.paired), ("--csv", self.csv), ("--plot", self.plot))
-        words = [word for flag, names in several if names for word in (flag, *names)]
-        return [str(self.folder), *words, *(word for flag, value in single if value for word in (flag, str(value)))]
-
-
-@dataclass(frozen=True)
-class Studies:
-    """Run a study, look at it, check it, or put several together."""
-
-    action: (
-        Annotated[RunStudy, tyro.conf.subcommand("run")]
-        | Annotated[StudyStatus, tyro.conf.subcommand("status")]
-        | Annotated[StudyTable, tyro.conf.subcommand("table")]
-        | Annotated[VerifyStudy, tyro.conf.subcommand("verify")]
-        | Annotated[MergeStudies, tyro.conf.subcommand("merge")]
-    )

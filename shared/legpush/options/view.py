@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
 
-import tyro
-
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, arg
 from legpush.errors import ConfigError
 
 EVERYWHERE: Final = "0.0.0.0"  # noqa: S104 (a user has to ask for it)
@@ -22,19 +21,20 @@ class ViewOptions:
     printed address, which contains a token.
     """
 
-    files: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="FILE")] = ()
+    files: Positional[Annotated[tuple[Path, ...], arg("FILE")]] = ()
     """A recording, or its parts; without any, the live run, or the next one that begins."""
-    run: Annotated[str | None, tyro.conf.arg(metavar="NAME|FOLDER")] = None
+    run: Annotated[str | None, arg("NAME|FOLDER")] = None
     """The run to show, if there are several; if not given, the one in LEGPUSH_RUN."""
-    connect: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ENDPOINT ...")] = ()
+    connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of the processes, if no launcher of this machine started them."""
-    host: str = "127.0.0.1"
+    host: Annotated[str, arg("ADDRESS")] = "127.0.0.1"
     """Address to listen on; 0.0.0.0 lets other machines open the page, without encryption. A tunnel is safer; it has to
     keep the port, as in ssh -L 8765:127.0.0.1:8765 HOST."""
-    port: int = PORT
+    port: Annotated[int, arg("N")] = PORT
     """Port to listen on; 0 for any free port."""
-    open: bool = False
+    open: Flag = False
     """Open the page in the default browser."""
+    output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if self.files and (self.run is not None or self.connect):

@@ -20,6 +20,7 @@ Program = Literal[
     "agent_proc.programs.study_table",
     "planner_proc.conformance.program",
     "sim_proc.export.program",
+    "sim_proc.render.probe",
     "sim_proc.view.program",
     "legpush.canary",
     "legpush.recording.play",

@@ -1,6 +1,7 @@
 """`legpush info`: describes a recording for people."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import msgspec
@@ -53,6 +54,48 @@ def lines(recording: Recording) -> Iterator[str]:
             yield f"  {attachment.name:<28}{len(attachment.data):>9} bytes  {attachment.media_type}{state}"
 
 
+def facts_of(recording: Recording) -> dict[str, Any]:
+    """Return the description as plain data; what cannot be read is None."""
+    times = [message.copy.time_ns for message in recording.messages]
+    return {
+        "files": recording.files,
+        "about": recording.about,
+        "duration_s": (max(times) - min(times)) / 1e9 if times else 0.0,
+        "n_bytes": sum(path.stat().st_size for path in recording.files),
+        "n_messages": len(recording.messages),
+        "completeness": recording.completeness,
+        "damage": list(map(str, damage_of(recording))),
+        "mission": _readable(lambda: read_facts(recording)) if recording.attachment(MISSION_FILE) else None,
+        "computed_with": _readable(lambda: recorded_with(recording)),
+        "report": _readable(lambda: _report(recording)),
+        "channels": Counter(message.topic for message in recording.messages),
+        "episodes": [
+            {
+                "episode": episode.index,
+                "sim": episode.sim,
+                "number": episode.number,
+                "n_steps": len(episode.carried_out()),
+                "damage": [{"step": each.step, "field": each.field} for each in episode.damage],
+            }
+            for episode in read_episodes(recording)
+        ],
+        "attachments": {each.name: len(each.data) for each in recording.attachments.values()},
+    }
+
+
+def _readable(read: Callable[[], Any]) -> Any:
+    """Return what can be read, and None for what is damaged."""
+    try:
+        return read()
+    except (RecordingError, msgspec.DecodeError, UnicodeDecodeError):
+        return None
+
+
+def _report(recording: Recording) -> dict[str, Any] | None:
+    report = recording.attachment("report.json")
+    return None if report is None else msgspec.json.decode(report.data, type=dict[str, Any])
+
+
 def _completeness(recording: Recording) -> Iterator[str]:
     stated = recording.completeness
     word = {"yes": "yes", "no": "no"}.get(stated.get("complete", ""), "unknown: its recorder did not finish")
@@ -93,11 +136,10 @@ def _numerics(recording: Recording) -> Iterator[str]:
 
 def _result(recording: Recording) -> Iterator[str]:
     try:
-        report = recording.attachment("report.json")
-        if report is None:
+        numbers = _report(recording)
+        if numbers is None:
             yield "result        none recorded"
             return
-        numbers = msgspec.json.decode(report.data, type=dict[str, Any])
     except (RecordingError, msgspec.DecodeError, UnicodeDecodeError):
         yield "result        cannot be read: report.json is damaged"
         return

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import sleep
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
-import tyro
 from msgspec.structs import replace
 
+from legpush.arguments import Positional, arg
 from legpush.bus.bus import Bus
 from legpush.errors import LegpushError, MotionError, RecordingError
 from legpush.lockstep.server import serve_actions
@@ -35,7 +35,7 @@ IDLE_S: Final = 0.01
 class PlayConfig(ServiceConfig):
     """Options of any process, and the recording to play."""
 
-    files: tyro.conf.Positional[tuple[Path, ...]] = ()
+    files: Positional[Annotated[tuple[Path, ...], arg("FILE")]] = ()
     """The recording, or its parts."""
 
 

@@ -121,6 +121,18 @@ class Report(Struct, frozen=True, kw_only=True):
     state_crc: str
     """Of the last state, eight hexadecimal digits: equal missions have equal ones."""
     seed: int
+    scenario: str
+    """Name of the scenario."""
+    scenario_sha256: str
+    """Of the scenario with every field, as `scenario.toml` in the folder of the run has it."""
+    policy: str
+    """What chose the pushes: a name, a path or `module:function`; of an object in Python, its type."""
+    planner: str
+    """What planned: the search of the scenario, or the command of another planner process."""
+    command: str
+    """The command that began the mission; empty if a Python program did."""
+    numerics: str | None
+    """Name of the numerics that it was computed with, such as `x86-64-v3/1a2b3c4d`; None if it was not noted."""
     versions: dict[str, str | None]
     """Of the host that wrote the report; None for what is not installed there."""
     notes: tuple[str, ...] = ()

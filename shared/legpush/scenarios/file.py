@@ -4,21 +4,20 @@ import re
 import tomllib
 from collections.abc import Mapping
 from difflib import get_close_matches
-from functools import reduce
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from operator import getitem
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 import tomli_w
 
-from legpush.errors import MessageError, ScenarioError
+from legpush.errors import ScenarioError
 from legpush.files import new_file
 from legpush.messages.codec import convert
 from legpush.realism.settings import Realism
-from legpush.scenarios.checks import check_scenario, scenario_faults
+from legpush.scenarios.changes import override
+from legpush.scenarios.checks import scenario_faults
 from legpush.scenarios.grid import GRID_FIELDS, GridSource, frame_note, furnished, read_grid, take_grid
 from legpush.scenarios.lines import Lines, lines_of, located_faults
 from legpush.scenarios.map_files import OccupancyMap, file_inside
@@ -26,7 +25,6 @@ from legpush.scenarios.schema_faults import schema_faults
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.robot import RobotSpec
 from legpush.scene.scenario import Scenario
-from legpush.schema_errors import explain
 
 SUFFIX: Final = ".toml"
 _DEFAULT_ROBOT: Final[dict[str, Any]] = msgspec.to_builtins(RobotSpec())
@@ -134,38 +132,6 @@ def resolve_scenario(
     }
     loaded = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
     return override(loaded, {field: value for field, value in replaced.items() if value is not None})
-
-
-def override(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
-    """Return the scenario with other values at paths such as `box.mass_kg`.
-
-    Raises:
-        ScenarioError: A path or value cannot be used.
-    """
-    changed = change_fields(scenario, changes)
-    check_scenario(changed, "command line")
-    return changed
-
-
-def change_fields(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
-    """Return the same as `override`, without the check that the scenario can be carried out.
-
-    Raises:
-        ScenarioError: A path or value cannot be used.
-    """
-    plain = msgspec.to_builtins(scenario)
-    for path, value in changes.items():
-        *tables, field = path.split(".")
-        try:
-            reduce(getitem, tables, plain)[field] = value
-        except (KeyError, TypeError) as error:
-            raise ScenarioError(
-                f"command line: expected the path of a field, such as box.mass_kg, got {path}"
-            ) from error
-    try:
-        return convert(plain, Scenario)
-    except MessageError as error:
-        raise ScenarioError(f"command line: {explain(str(error), plain, Scenario)}") from error
 
 
 def scenario_names() -> tuple[str, ...]:

@@ -1,8 +1,9 @@
 """Parameters of rooms that are drawn at random."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Annotated, Final
 
+from legpush.arguments import arg
 from legpush.bounds import AngleTolerance, BoxMass, Friction, Length
 from legpush.errors import ConfigError
 from legpush.fields import require
@@ -14,27 +15,27 @@ MOST_SIZE_M: Final = 200.0
 class RandomRoom:
     """Parameters of a random room, apart from its seed."""
 
-    size_m: tuple[float, float] = (8.0, 8.0)
+    size_m: Annotated[tuple[float, float], arg("X Y")] = (8.0, 8.0)
     """Extent of the room along x and y."""
-    obstacles: int = 10
+    obstacles: Annotated[int, arg("N")] = 10
     """Number of rectangles in the room."""
-    obstacle_m: tuple[float, float] = (0.2, 1.0)
+    obstacle_m: Annotated[tuple[float, float], arg("LOW HIGH")] = (0.2, 1.0)
     """Shortest and longest side of a rectangle."""
-    corridor_m: float = 1.5
+    corridor_m: Annotated[float, arg("M")] = 1.5
     """Least width of the passage from start to box to goal."""
-    push_m: float = 1.0
+    push_m: Annotated[float, arg("M")] = 1.0
     """Least distance from the box to its goal."""
-    mass_kg: float = 0.1
+    mass_kg: Annotated[float, arg("KG")] = 0.1
     """Mass of the box."""
-    friction: float = 0.5
+    friction: Annotated[float, arg("MU")] = 0.5
     """Friction of the box."""
-    box_xy_m: float = 0.05
+    box_xy_m: Annotated[float, arg("M")] = 0.05
     """Largest offset of the box from its place in the scenario, along x and along y."""
-    box_yaw_deg: float = 5.0
+    box_yaw_deg: Annotated[float, arg("DEG")] = 5.0
     """Largest turn of the box from its heading in the scenario."""
-    position_tolerance_m: float = 0.03
+    position_tolerance_m: Annotated[float, arg("M")] = 0.03
     """Position tolerance of the goal."""
-    angle_tolerance_deg: float = 3.0
+    angle_tolerance_deg: Annotated[float, arg("DEG")] = 3.0
     """Angle tolerance of the goal."""
 
     def __post_init__(self) -> None:

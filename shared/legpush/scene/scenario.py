@@ -207,6 +207,9 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Length of the straight stretch before the goal."""
     face_change_m: Distance = 0.5
     """Cost of a walk around the box, as a length of pushing."""
+    docking_m: Distance = 0.35
+    """How near to its goal the box is docked: pushed by whatever short sequence of pushes and walks brings it there,
+    instead of along a path. 0: never."""
     max_iterations: ShortIterations = 12_000
     """Budget of the search for a path."""
     goal_bias: Unit = 0.1

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from legpush.errors import INTERRUPTED, ConfigError, StopRequestedError
 from legpush.options.bench import SoakOptions
+from legpush.output.reply import document
 from legpush.runs.folder import own_folder
 from legpush.service import stop_on_signals
 from legpush.soak.cell_run import run_cell, undisturbed
@@ -48,6 +49,7 @@ def run_soak(options: SoakOptions, console: Console) -> int:
         finally:
             write_results(options.out, results)
     console.print(Text("\n".join(table_lines(results))), soft_wrap=True)
+    document(results)
     return 0 if results.is_as_expected else 1
 
 

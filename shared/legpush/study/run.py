@@ -16,6 +16,7 @@ from legpush.errors import INTERRUPTED, ConfigError, DiskFullError
 from legpush.files import DiskError
 from legpush.options.checks import require_writable_folder
 from legpush.options.study import RunStudy
+from legpush.output.reply import document
 from legpush.service import stop_on_signals
 from legpush.study.engines.choose import INLINE, LOCAL, make_engine, require_engine
 from legpush.study.file import Study, load_study
@@ -54,6 +55,7 @@ def run_study(options: RunStudy, console: Console) -> int:
                 raise DiskFullError(f"{error}; to go on: {again}") from error
             raise
     console.print(Text(f"{line(tally, 0.0)}; written to {folder.table}"), soft_wrap=True)
+    document({"table": folder.table, "n_cells": tally.n_cells, "n_done": tally.n_done, "n_failed": tally.n_failed})
     if tally.n_failed:
         console.print(Text(f"failed cells have their last words in {folder.failed}"), soft_wrap=True)
         return 1

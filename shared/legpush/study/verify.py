@@ -12,6 +12,7 @@ from rich.text import Text
 from legpush.errors import INTERRUPTED, ConfigError, OtherVersionError
 from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.options.study import VerifyStudy
+from legpush.output.reply import document
 from legpush.service import stop_on_signals
 from legpush.study.engines.choose import SLURM, make_engine, require_engine
 from legpush.study.file import Study, read_study
@@ -78,6 +79,7 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
     for line in lines:
         _say(console, line)
     _say(console, f"{n - len(lines)} of {n} cells are equal, of {len(cells)} in the study")
+    document({"n_equal": n - len(lines), "n_verified": n, "n_cells": len(cells), "differences": lines})
     return 1 if lines else 0
 
 

@@ -10,7 +10,7 @@ from agent_proc.policies.registry import make_policy
 from agent_proc.policies.scripted import ScriptedPolicy
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Push
-from legpush.scenarios.file import override
+from legpush.scenarios.changes import override
 from tests.agent.evaluation.rows import row
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 

@@ -21,7 +21,8 @@ from legpush.lockstep.local import LocalWorld
 from legpush.messages import codec
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
-from legpush.scenarios.file import change_fields, load_scenario
+from legpush.scenarios.changes import change_fields
+from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import FRONT_LEGS, FrontLeg
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.names import Face

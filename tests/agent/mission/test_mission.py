@@ -91,7 +91,7 @@ def test_the_box_is_an_obstacle_of_both_plans_and_the_goals_are_clear_of_it() ->
 
     run(world, scenario)
 
-    nominal, measured = world.queries()
+    nominal, measured = world.queries()[:2]
     assert sum(nominal.grid.cells) > sum(measured.grid.cells) > 0
     for query in (nominal, measured):
         assert clearance_at(query.grid, Pose2(x_m=6.0, y_m=3.0, yaw_rad=0.0)) == 0.0

@@ -232,8 +232,8 @@ def test_the_journal_of_another_seed_or_scenario_is_refused(sockets: Path, scena
     [
         ({"seed": -1}, "Expected a seed from 0 to 4294967295 for --seed, got -1"),
         ({"seed": 2**32}, "Expected a seed from 0 to 4294967295"),
-        ({"deadline_s": 0.0}, "Expected 0.001 to 1e\\+06 seconds for --deadline-s"),
-        ({"deadline_s": inf}, "Expected 0.001 to 1e\\+06 seconds for --deadline-s"),
+        ({"deadline_s": 0.0}, "Expected 0.001 to 1e\\+06 seconds for --deadline"),
+        ({"deadline_s": inf}, "Expected 0.001 to 1e\\+06 seconds for --deadline"),
         ({"sim": "a/b"}, "for --sim, got 'a/b'"),
         ({"name": ""}, "for --name"),
     ],

@@ -15,14 +15,15 @@ from agent_proc.push_model.map import load_push_map
 from agent_proc.push_model.model import NOMINAL
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.learning import CalibrateOptions
-from legpush.scenarios.file import change_fields, dump_scenario, load_scenario
+from legpush.scenarios.changes import change_fields
+from legpush.scenarios.file import dump_scenario, load_scenario
 from tests.agent.programs.conftest import stopping
 
 
 @pytest.fixture
 def options(tmp_path: Path) -> CalibrateOptions:
     return CalibrateOptions(
-        simulators=2, depths_m=(0.02, 0.05), series=1, box_mass_kg=0.7, out=tmp_path / "push_map.json"
+        simulators=2, depths_m=(0.02, 0.05), series=1, changes=("box.mass_kg=0.7",), out=tmp_path / "push_map.json"
     )
 
 
@@ -112,7 +113,7 @@ def test_an_interrupted_calibration_goes_on_to_the_map_of_an_undisturbed_one(
             run(options, Console(file=io.StringIO()))
     stop.clear()
     with pytest.raises(ConfigError, match="got some with another box; remove the file to begin again"):
-        run(replace(options, box_mass_kg=0.5), Console(file=io.StringIO()))
+        run(replace(options, changes=("box.mass_kg=0.5",)), Console(file=io.StringIO()))
 
     console = Console(file=io.StringIO(), width=200)
     assert run(options, console) == 0

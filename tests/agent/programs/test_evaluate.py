@@ -22,7 +22,7 @@ from tests.agent.programs.conftest import stopping
 @pytest.fixture
 def options(tmp_path: Path) -> EvaluateOptions:
     return EvaluateOptions(
-        policy="scripted", simulators=2, episodes=2, first_seed=40, sweep=("box.mass_kg=0.1,0.5",), out=tmp_path / "out"
+        policy="scripted", simulators=2, episodes=2, seed=40, sweep=("box.mass_kg=0.1,0.5",), out=tmp_path / "out"
     )
 
 

@@ -20,7 +20,7 @@ OLD = Path(__file__).parents[2] / "compatibility" / "policies"
 
 
 def test_a_policy_is_shown_with_its_training_and_its_elements(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(ShowPolicy("variable")) == 0
+    assert run(ShowPolicy(policy="variable")) == 0
 
     said = capsys.readouterr().out
     for words in ("legpush train --profile tuned", "| box.x | m | goal |", "| depth | -1, 1 |", "success 100%"):

@@ -1,4 +1,4 @@
-"""`legpush map show`: what it writes, and which files it does not touch."""
+"""`legpush map`: what it writes, and which files it does not touch."""
 
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from tests.legpush.scenarios.map_examples import CELLS, grey_of, write_csv, writ
 
 
 def options(file: str | Path, **flags: Any) -> MapOptions:
-    return MapOptions(action="show", file=str(file), **flags)
+    return MapOptions(file=str(file), **flags)
 
 
 @pytest.fixture
@@ -37,8 +37,8 @@ def test_only_a_picture_of_its_own_is_overwritten(here: Path) -> None:
     before = (here / "plan.png").read_bytes()
     for _ in range(2):
         assert run(options("map.csv", cell_m=0.5, first_row="top")) == 0
-    with pytest.raises(ConfigError, match=r"plan\.png: expected a new file for --output, or a picture of `legpush map"):
-        run(options("map.csv", cell_m=0.5, first_row="top", output=Path("plan.png")))
+    with pytest.raises(ConfigError, match=r"plan\.png: expected a new file for --out, or a picture of `legpush map"):
+        run(options("map.csv", cell_m=0.5, first_row="top", out=Path("plan.png")))
     assert (here / "plan.png").read_bytes() == before
 
 
@@ -47,6 +47,6 @@ def test_nothing_is_drawn_of_a_map_that_cannot_be_read(here: Path) -> None:
     with pytest.raises(LegpushError, match=r"map\.yaml: at `resolution`: expected a value, got nothing"):
         run(options("map.yaml"))
     (here / "folder.png").mkdir()
-    with pytest.raises(ConfigError, match=r"Expected a file in an existing folder for --output, got .*folder\.png"):
-        run(options("default", output=Path("folder.png")))
+    with pytest.raises(ConfigError, match=r"Expected a file in an existing folder for --out, got .*folder\.png"):
+        run(options("default", out=Path("folder.png")))
     assert sorted(path.name for path in here.iterdir()) == ["folder.png", "map.yaml"]

@@ -40,4 +40,3 @@ def test_differences_are_printed(tmp_path: Path) -> None:
     options = StudyTable(folder=folder_of(tmp_path), measure=("error_m",), paired="policy=a")
     assert run(options, Console(file=text, width=200)) == 0
     assert "paired, all values equal of differences" in text.getvalue()
-    assert options.flags() == [str(tmp_path), "--measure", "error_m", "--paired", "policy=a"]

@@ -45,7 +45,7 @@ def test_no_number_is_beyond_what_a_scenario_may_say() -> None:
     budget = budget_of(None)
     budget.take_path(stages(500.0), 7)
     assert budget.n_cycles == MAX_PUSH_CYCLES
-    assert f"to {MAX_PUSH_CYCLES}" in budget.used_up(stages(500.0), 0.0, "box error").remedy
+    assert f"to {MAX_PUSH_CYCLES}" in budget.used_up_on_path(stages(500.0), 0.0, "box error").remedy
 
 
 def test_the_number_of_the_scenario_holds_whatever_the_path() -> None:

@@ -208,13 +208,18 @@ def goal_ahead(distance_m: float, tolerance_m: float = 0.05) -> Scenario:
 
 
 @pytest.mark.parametrize(
-    ("distance_m", "reason", "n_paths"),
-    [(AIM_M - 0.005, "success", 0), (AIM_M + 0.005, "success", MAX_BETTER), (0.06, "tolerance_missed", 1)],
+    ("distance_m", "push_scale", "reason", "n_paths"),
+    [
+        (AIM_M - 0.005, 1.0, "success", 0),
+        (AIM_M + 0.005, 1.0, "success", 1),
+        (AIM_M + 0.005, 0.0, "success", MAX_BETTER),
+        (0.06, 1.0, "tolerance_missed", 1),
+    ],
 )
 def test_a_box_within_the_tolerances_but_not_the_aim_is_pushed_on_a_few_times(
-    distance_m: float, reason: str, n_paths: int
+    distance_m: float, push_scale: float, reason: str, n_paths: int
 ) -> None:
-    world = FakeWorld()
+    world = FakeWorld(push_scale=push_scale)
 
     result = run_mission(world, goal_ahead(distance_m), 7, Never())
 

@@ -20,7 +20,7 @@ from tests.legpush.scenarios.map_examples import UNKNOWN as UNKNOWN_GREY
 def drawn(file: Path, **flags: Any) -> Path:
     """The picture of a map, beside it."""
     picture = file.with_name("picture.png")
-    save_map_picture(read_view(MapOptions(action="show", file=str(file), **flags)), picture)
+    save_map_picture(read_view(MapOptions(file=str(file), **flags)), picture)
     return picture
 
 

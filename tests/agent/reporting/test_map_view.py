@@ -1,4 +1,4 @@
-"""What is read for `legpush map show`, and what it says about a map."""
+"""What is read for `legpush map`, and what it says about a map."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from tests.legpush.scenarios.map_examples import CELLS, UNKNOWN, grey_of, write_
 
 
 def view_of(file: str | Path, **flags: Any) -> MapView:
-    return read_view(MapOptions(action="show", file=str(file), **flags))
+    return read_view(MapOptions(file=str(file), **flags))
 
 
 @pytest.mark.parametrize("first_row", ["top", "bottom"])

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from agent_proc.endings import MissionResult
 from agent_proc.reporting.mission_record import MissionRecord, read_record
 from agent_proc.reporting.phases import phase_report, travel_m, unexpected_notes
-from agent_proc.reporting.report import make_report
+from agent_proc.reporting.report import Begun, make_report
 from legpush.history.steps import StepRecord
 from legpush.messages.stepping import Push, Walk
 from tests.agent.reporting.missions import journal_by_hand
@@ -80,7 +80,7 @@ def test_unexpected_contacts_are_noted_in_the_report() -> None:
     record = measured()
     (note,) = unexpected_notes(record.steps)
     assert note == "unexpected contacts: FL_lower with wall_0 (2 physics steps, 7.5 N)"
-    assert make_report(record, RESULT, 1.0, {}).notes == (note,)
+    assert make_report(record, RESULT, 1.0, {}, Begun(policy="scripted")).notes == (note,)
     assert unexpected_notes(read_record(journal_by_hand()).steps) == ()
 
 

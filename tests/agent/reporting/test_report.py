@@ -11,7 +11,7 @@ from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.queries import query_for_box
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import box_path_rms_m, make_report, tracking_rms_m
+from agent_proc.reporting.report import Begun, box_path_rms_m, make_report, tracking_rms_m
 from legpush.geometry import Pose2
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.messages.planning import Plan
@@ -40,12 +40,14 @@ REPORT_KEYS = (
         "min_support_margin_m",
     ),
     *("walking", "pushing", "n_better_paths", "n_replans", "appeared"),
-    *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed", "versions"),
+    *("n_push_cycles", "n_footsteps", "sim_time_s", "wall_time_s", "real_time_factor", "state_crc", "seed"),
+    *("scenario", "scenario_sha256", "policy", "planner", "command", "numerics", "versions"),
     *("notes", "perceived_box_position_error_m", "perceived_box_angle_error_deg"),
 )
 
 
 BOX_QUERY = query_for_box(SCENARIO, 5, BOX, {"rear": PushEstimate(SCENARIO.box)}, None)
+BEGUN = Begun(policy="scripted")
 
 
 def box_plan(*points: tuple[float, float]) -> Plan:
@@ -61,7 +63,7 @@ def pushed_to(*boxes: tuple[float, float]) -> list[StepRecord]:
 
 
 def test_every_number_of_the_report_is_that_of_the_journal() -> None:
-    report = make_report(read_record(journal_by_hand()), DONE, 0.016, {"python": "3", "ompl": None})
+    report = make_report(read_record(journal_by_hand()), DONE, 0.016, {"python": "3", "ompl": None}, BEGUN)
 
     assert tuple(report.__struct_fields__) == REPORT_KEYS
     assert (report.success, report.reason, report.handover_distance_m) == (True, "success", 2.9)
@@ -88,13 +90,13 @@ def test_a_box_that_is_perceived_beside_its_place_has_two_errors() -> None:
     box = replace(world.box, position_m=(goal.x_m, goal.y_m + 0.01, 0.2))
     perceived = Perceived(trunk=goal, trunk_tick=0, box=box, box_tick=0)
     seen = last._replace(outcome=replace(last.outcome, world=replace(world, perceived=perceived)))
-    report = make_report(read_record([*before, seen]), DONE, 1.0, {})
+    report = make_report(read_record([*before, seen]), DONE, 1.0, {}, BEGUN)
     assert report.box_position_error_m == pytest.approx(0.02)
     assert report.perceived_box_position_error_m == pytest.approx(0.01)
 
 
 def test_what_was_not_measured_is_none() -> None:
-    report = make_report(read_record(journal_by_hand()[:1]), DONE, 1.0, {})
+    report = make_report(read_record(journal_by_hand()[:1]), DONE, 1.0, {}, BEGUN)
 
     assert report.walk_tracking_rms_m is None
     assert report.box_path_rms_m is None
@@ -109,7 +111,7 @@ def test_the_report_of_a_mission_depends_on_its_records_alone() -> None:
     world = FakeWorld()
     result = run_mission(world, SCENARIO, 5, ScriptedPolicy())
 
-    first, second = (make_report(read_record(iter(world.records)), result, 1.0, {}) for _ in range(2))
+    first, second = (make_report(read_record(iter(world.records)), result, 1.0, {}, BEGUN) for _ in range(2))
 
     assert first == second
     assert first.n_push_cycles == result.n_push_cycles
@@ -130,7 +132,7 @@ def test_each_gait_cycle_is_measured_against_the_path_that_was_followed_then() -
 
 
 def test_the_report_says_what_appeared_when_and_how_often_that_was_in_the_way() -> None:
-    report = make_report(*blocked_mission(), 1.0, {})
+    report = make_report(*blocked_mission(), 1.0, {}, BEGUN)
 
     assert [(each.obstacle, each.time_s) for each in report.appeared] == [(1, 3.2), (2, pytest.approx(4.8))]
     assert report.n_replans == 1

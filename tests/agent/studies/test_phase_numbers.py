@@ -1,7 +1,7 @@
 """Columns of a mission about its phases."""
 
 from agent_proc.reporting.mission_record import read_record
-from agent_proc.reporting.report import make_report
+from agent_proc.reporting.report import Begun, make_report
 from agent_proc.studies.phase_numbers import PHASE_COLUMNS, phase_numbers
 from legpush.runs.report import PhaseReport
 from tests.agent.reporting.missions import journal_by_hand
@@ -11,7 +11,7 @@ UNITS = {"_n_m": "N m", "_rad_s": "rad/s", "_w": "W", "_deg": "deg", "_j": "J", 
 
 
 def test_every_column_has_its_value_and_its_unit() -> None:
-    values = phase_numbers(make_report(measured(), RESULT, 1.0, {}))
+    values = phase_numbers(make_report(measured(), RESULT, 1.0, {}, Begun(policy="scripted")))
     assert list(values) == [column.name for column in PHASE_COLUMNS]
     for column in PHASE_COLUMNS:
         unit = next((unit for ending, unit in UNITS.items() if column.name.endswith(ending)), "")
@@ -24,7 +24,7 @@ def test_every_column_has_its_value_and_its_unit() -> None:
 
 
 def test_a_phase_that_did_not_happen_has_no_numbers() -> None:
-    values = phase_numbers(make_report(read_record(journal_by_hand()[:1]), RESULT, 1.0, {}))
+    values = phase_numbers(make_report(read_record(journal_by_hand()[:1]), RESULT, 1.0, {}, Begun(policy="scripted")))
     assert set(values.values()) == {None}
 
 

@@ -71,8 +71,9 @@ def test_the_version_is_that_of_the_package() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "Expected one of {run, train, evaluate, calibrate, plan-check, scenarios,"),
-        (["walk"], "walk"),
+        (["rum"], "error: Expected a command (run, train, evaluate, "),
+        (["rum"], "got `rum` (did you mean `run`?)"),
+        (["scenarios", "shw"], "got `shw` (did you mean `show`?)"),
         (["run", "--sed", "3"], "Unrecognized options: --sed, 3"),
         (["run", "--seed", "three"], "three"),
         (["run", "--seed", "-1"], "error: Expected a seed from 0 to 4294967295 for --seed, got -1\n"),
@@ -88,11 +89,11 @@ def test_the_version_is_that_of_the_package() -> None:
             ["calibrate", "--out", "full/file"],
             "error: Expected a new file in an existing folder for --out, got full/file",
         ),
-        (["run", "--scenario", "nope"], "error: Expected the name of a scenario (blocked_way, default, dubins_loop, "),
-        (["run", "--scenario", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
+        (["run", "nope"], "error: Expected the name of a scenario (blocked_way, default, dubins_loop, "),
+        (["run", "./nope.toml"], "error: nope.toml: expected a readable scenario file"),
         (
-            ["run", "--box-mass-kg", "-1"],
-            "error: Expected 0.001 to 1000 for --box-mass-kg, got -1.0\n",
+            ["run", "--set", "box.mass_kg=-1"],
+            "error: --set: at `box.mass_kg`: expected a number from 0.001 to 1000, got -1\n",
         ),
         (["run", "--record", "no-such-folder/a.mcap"], "error: Expected a new file in an existing folder for --record"),
         (["record"], "FILE"),
@@ -113,7 +114,19 @@ def test_the_version_is_that_of_the_package() -> None:
         (["export", "a.mcap"], "error: Expected --to with one of foxglove, csv, parquet, mp4, gif, or --out with its"),
         (["export", "no-such.mcap", "--to", "csv"], "error: no-such.mcap: expected a recording that can be read"),
         (["branch", "a.mcap"], "error: Expected EPISODE:STEP for --at, such as 0:12, got ''"),
-        (["branch", "a.mcap", "--at", "0:3", "--box-friction", "0"], "error: Expected 1e-05 to 10 for --box-friction"),
+        (
+            ["run", "--set", "box.mass_kg"],
+            "error: Expected FIELD=VALUE for --set, such as box.mass_kg=0.9, got 'box",
+        ),
+        (["run", "--set", "box.mas=1"], "error: --set: at `box.mas`: unknown field (did you mean `mass_kg`?)"),
+        (
+            ["branch", "a.mcap", "--at", "0:3", "--set", "box.friction=0"],
+            "error: Expected 1e-05 to 10 for --set box.fri",
+        ),
+        (
+            ["branch", "a.mcap", "--at", "0:3", "--set", "room.slope_deg=1"],
+            "Expected one of box.mass_kg, box.friction, ",
+        ),
         (["branch", "no-such.mcap", "--at", "0:3"], "error: no-such.mcap: expected a recording that can be read"),
         (["train", "--join", "r", "--record", "a.mcap"], "error: Expected either --join or --record, got both"),
         (["run", "--inject-faults", "2"], "error: Expected a probability in [0, 1) for --inject-faults, got 2.0\n"),
@@ -125,29 +138,28 @@ def test_the_version_is_that_of_the_package() -> None:
             ["run", "--planner-command", "'"],
             'Expected a command for --planner-command, got "\'" (No closing quotation)',
         ),
-        (["run", "--scenario", "push", "--out", "full"], "error: full: expected a new or empty folder"),
+        (["run", "push", "--out", "full"], "error: full: expected a new or empty folder"),
         (["scenarios", "show", "defalt"], "(did you mean `default`?)"),
         (["scenarios", "copy", "default", "full/file"], "error: full/file: expected a new file"),
         (
-            ["map", "show", "map.pgm"],
+            ["map", "map.pgm"],
             "error: map.pgm: expected a map with its scale; for an image, name its .yaml or",
         ),
-        (["map", "show", "map.csv", "--cell-m", "1"], "map.csv: expected --cell-m and --first-row, which a .csv file"),
-        (["map", "show", "map.npy", "--first-row", "top"], "map.npy: expected --cell-m and --first-row, which a .npy"),
-        (["map", "show", "map.yaml", "--cell-m", "1"], "map.yaml: expected --cell-m only with .csv and .npy files\n"),
-        (["map", "show", "push", "--first-row", "top"], "push: expected --first-row only with .csv and .npy files\n"),
+        (["map", "map.csv", "--cell-m", "1"], "map.csv: expected --cell-m and --first-row, which a .csv file"),
+        (["map", "map.npy", "--first-row", "top"], "map.npy: expected --cell-m and --first-row, which a .npy"),
+        (["map", "map.yaml", "--cell-m", "1"], "map.yaml: expected --cell-m only with .csv and .npy files\n"),
+        (["map", "push", "--first-row", "top"], "push: expected --first-row only with .csv and .npy files\n"),
         (
-            ["map", "show", "map.csv", "--first-row", "top", "--cell-m", "0"],
+            ["map", "map.csv", "--first-row", "top", "--cell-m", "0"],
             "0.001 to 100 for --cell-m, got 0.0\n",
         ),
         (
-            ["map", "show", "push", "--output", "no/map.png"],
-            "in an existing folder for --output, got no/map.png",
+            ["map", "push", "--out", "no/map.png"],
+            "in an existing folder for --out, got no/map.png",
         ),
-        (["map", "show", "push", "--output", "map.jpg"], "a .png file in an existing folder for --output, got map.jpg"),
-        (["map", "show", "map.yaml"], "error: map.yaml: expected a readable map file (No such file or directory)\n"),
-        (["map", "show", "defalt"], "(did you mean `default`?)"),
-        (["map", "draw", "push"], "draw"),
+        (["map", "push", "--out", "map.jpg"], "a .png file in an existing folder for --out, got map.jpg"),
+        (["map", "map.yaml"], "error: map.yaml: expected a readable map file (No such file or directory)\n"),
+        (["map", "defalt"], "(did you mean `default`?)"),
         (["render", "full"], "error: Expected the folder of a run, with an episode-*.journal in it, got full\n"),
     ],
 )
@@ -181,7 +193,7 @@ def test_a_copied_scenario_can_be_shown(tmp_path: Path) -> None:
 
 
 def test_a_map_is_drawn_into_a_picture(tmp_path: Path) -> None:
-    drawn = legpush("map", "show", "published", cwd=tmp_path)
+    drawn = legpush("map", "published", cwd=tmp_path)
     assert drawn.returncode == 0, drawn.stderr
     assert drawn.stdout.splitlines() == [
         "size        60 x 60 m",
@@ -201,7 +213,7 @@ def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyP
         return 1
 
     monkeypatch.setattr("legpush.launch.run.launch_mission", run_mission)
-    words = "run --scenario push --seed 3 --out here --planner rrt --box-mass-kg 0.9 --no-video --deadline 60"
+    words = "run push --seed 3 --out here --planner rrt --set box.mass_kg=0.9 --no-video --deadline 60"
     assert cli.main([*words.split(), "--inject-faults", "0.2"]) == 1
     assert cli.main(["run"]) == 1
     assert taken == [
@@ -210,7 +222,7 @@ def test_run_takes_its_options_from_the_command_line(monkeypatch: pytest.MonkeyP
             seed=3,
             out=Path("here"),
             planner="rrt",
-            box_mass_kg=0.9,
+            changes=("box.mass_kg=0.9",),
             video=False,
             deadline_s=60.0,
             inject_faults=0.2,

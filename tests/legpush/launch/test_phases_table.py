@@ -7,7 +7,7 @@ from msgspec import to_builtins
 from msgspec.structs import replace
 from rich.console import Console
 
-from legpush.launch.phases_table import PHASE_ROWS, phases_table
+from legpush.launch.phases_table import PHASE_ROWS, odd_numbers, phases_table
 from legpush.runs.report import PhaseReport
 from tests.legpush.launch.phases import WALKING
 
@@ -55,3 +55,11 @@ def test_a_report_without_phases_has_no_table(report: dict[str, None]) -> None:
 
 def test_rows_are_fields_of_a_phase() -> None:
     assert PHASE_ROWS.keys() <= set(PhaseReport.__struct_fields__)
+
+
+def test_numbers_that_look_wrong_are_explained_unless_the_robot_fell() -> None:
+    report = {"walking": to_builtins(WALKING), "pushing": None, "reason": "success"}
+    assert len(odd_numbers(report)) == 2
+    assert odd_numbers({**report, "reason": "fell"}) == []
+    usual = replace(WALKING, n_outside_support=0, min_support_margin_m=0.01, min_capture_margin_m=0.01)
+    assert odd_numbers({**report, "walking": to_builtins(usual)}) == []

@@ -52,7 +52,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ({"policy": "nosuch"}, r"Expected a policy \(fixed, scripted, variable.*got 'nosuch'"),
         ({"policy": "empty"}, r"empty/card\.json"),
         (
-            {"box_mass_kg": 80.0},
+            {"changes": ("box.mass_kg=80",)},
             r"push: the box of 80 kg .* at least \d+ N .*lower `box\.mass_kg`",
         ),
         ({"policy": "json:loads"}, r"json:loads: the factory raised TypeError: loads\(\) missing 1 required"),
@@ -64,9 +64,12 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             {"push_map": Path("map.json")},
             r"map\.json: at `box`: expected a value, got nothing\n.*map\.json: at `effects`: expected a value",
         ),
-        ({"steering": "dubins"}, r"min_turning_radius_m above 0 m for the steering dubins, got 0"),
+        ({"changes": ("planning.steering=dubins",)}, r"min_turning_radius_m above 0 m for the steering dubins, got 0"),
         (
-            {"steering": "reeds_shepp", "turning_radius_m": 0.5, "planner": "prm_star"},
+            {
+                "changes": ("planning.steering=reeds_shepp", "planning.min_turning_radius_m=0.5"),
+                "planner": "prm_star",
+            },
             r"a planner that can be steered by reeds_shepp \(rrt, .*\), got prm_star \(`planning` of the scenario",
         ),
         ({"out": Path("mine.py/run")}, r"for --out, got mine\.py/run \(Not a directory: .*mine\.py\)"),

@@ -35,11 +35,11 @@ def test_a_damaged_run_goes_back_before_its_damage_and_is_told_how_to_go_on(
 ) -> None:
     path = a_damaged_run(tmp_path)
     (tmp_path / LOGS).mkdir()
-    (tmp_path / LOGS / COMMAND_FILE).write_text("legpush run --scenario here\n")
+    (tmp_path / LOGS / COMMAND_FILE).write_text("legpush run here\n")
     assert run_recover(RecoverOptions(file=tmp_path)) == 0
     said = capsys.readouterr().out.splitlines()
     assert "it goes on from step 0, and the original is episode-0000.journal.damaged" in said[0]
-    assert said[1] == "to go on: legpush run --scenario here"
+    assert said[1] == "to go on: legpush run here"
     assert list(read_entries(path)) == [opened()]
 
 

@@ -9,7 +9,7 @@ from msgspec import to_builtins
 from rich.console import Console
 
 from legpush.launch.phases_table import PHASES
-from legpush.launch.summary import ROWS, print_summary
+from legpush.launch.summary import IF_FAILED, NOT_SHOWN, ROWS, print_summary
 from legpush.runs.report import Report, read_report
 from tests.legpush.launch.phases import WALKING
 
@@ -37,7 +37,13 @@ REPORT = {
     "wall_time_s": 7.5,
     "real_time_factor": 13.5,
     "state_crc": 123456789,
+    "scenario": "corridor",
+    "scenario_sha256": "ab" * 32,
     "seed": 3,
+    "policy": "variable",
+    "planner": "rrt_star",
+    "command": "legpush run corridor.toml",
+    "numerics": "x86-64-v3/1a2b3c4d",
     "recording": {"file": "mission.mcap", "complete": True, "notes": []},
     "notes": ["no mission.png: it is too dark", "no video: it is too late"],
     "versions": {"legpush": "0.1.0", "numerics": "x86-64-v3/1a2b3c4d", "motions": "2"},
@@ -51,15 +57,17 @@ def test_the_summary_tells_every_number_and_only_the_files_that_are_there(tmp_pa
     print_summary(console, tmp_path, read_report(tmp_path))
     assert isinstance(console.file, StringIO)
     text = console.file.getvalue()
-    for title, _ in ROWS.values():
-        assert title in text
+    for field, (title, _) in ROWS.items():
+        assert (title in text) == (field not in IF_FAILED)
     for value in (
         "success",
         "1.2 cm",
         "1.3°",
         "-",
         "0.95 m",
-        "3.1 cm",
+        "corridor",
+        "variable",
+        "rrt_star",
         "17",
         "101.2 s",
         "13.5",
@@ -90,9 +98,18 @@ def test_the_summary_tells_what_appeared_if_anything_did(
     assert ("new paths because of them" in text) == shown
 
 
+def test_the_summary_of_a_failure_says_why_and_what_would_change_it(tmp_path: Path) -> None:
+    console = Console(file=StringIO(), width=200)
+    print_summary(console, tmp_path, {**REPORT, "success": False, "reason": "stuck", "detail": "the box is stuck"})
+    assert isinstance(console.file, StringIO)
+    text = console.file.getvalue()
+    for words in ("no success", "stuck", "the box is stuck", "raise `mission.max_push_cycles`"):
+        assert words in text
+
+
 def test_the_table_shows_every_field_of_a_report() -> None:
-    assert ROWS.keys() == REPORT.keys()
-    assert {*ROWS, *PHASES} == {*Report.__struct_fields__, "recording"}
+    assert {*ROWS, *NOT_SHOWN} == REPORT.keys()
+    assert {*ROWS, *NOT_SHOWN, *PHASES} == {*Report.__struct_fields__, "recording"}
 
 
 def test_the_summary_has_a_table_of_each_phase_that_was_measured(tmp_path: Path) -> None:

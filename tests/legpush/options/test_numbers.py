@@ -4,39 +4,28 @@ import types
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, Final, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Final, Union, get_args, get_origin, get_type_hints
 
 import pytest
 
 from legpush.cli import command as cli
-from legpush.options.scenarios import Scenarios
+from legpush.cli.commands import all_commands
 
 NEEDED: Final[dict[str, list[str]]] = {
     "evaluate": ["scripted"],
     "scenarios random": ["new.toml"],
-    "map": ["show", "map.csv", "--first-row", "top"],
+    "map": ["map.csv", "--first-row", "top"],
     "record": ["new.mcap"],
     "replay": ["old.mcap"],
     "branch": ["old.mcap", "--at", "0:1"],
+    "study run": ["study.toml"],
+    "study verify": ["study"],
     "export": ["old.mcap", "--to", "mp4"],
 }
 """What a command needs besides the number."""
 AFTER: Final[dict[str, list[str]]] = {"plan-check": ["--", "sh"]}
 """The same, after the number."""
 WRONG: Final = ("-1", "nan", "inf", "1e308", "1" + 308 * "0")
-
-
-def commands(union: Any) -> Iterator[tuple[str, type[Any]]]:
-    """The commands of a union by name, with their options; those below `scenarios` have both names."""
-    for one in get_args(union):
-        options: Any
-        about: Any
-        options, about = get_args(one)
-        if options is Scenarios:
-            for name, below in commands(get_type_hints(Scenarios, include_extras=True)["action"]):
-                yield f"{about.name} {name}", below
-        else:
-            yield about.name, options
 
 
 def numeric_flags(options: type) -> Iterator[tuple[str, int]]:
@@ -54,15 +43,13 @@ def numeric_flags(options: type) -> Iterator[tuple[str, int]]:
                 yield f"--{name.replace('_', '-')}", len([item for item in items if item is not Ellipsis])
 
 
-FLAGS = [(command, *flag) for command, options in commands(cli.Command) for flag in numeric_flags(options)]
+FLAGS = [(command, *flag) for command, options in all_commands().items() for flag in numeric_flags(options)]
 
 
 def test_the_options_with_numbers_are_found() -> None:
     found = {(command, flag) for command, flag, _ in FLAGS}
     assert {
-        ("run", "--box-mass-kg"),
         ("run", "--deadline"),
-        ("branch", "--box-friction"),
         ("scenarios random", "--size-m"),
         ("calibrate", "--depths-m"),
         ("evaluate", "--episodes"),

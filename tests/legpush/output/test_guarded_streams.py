@@ -144,7 +144,7 @@ PROGRAMS = {
     "scenarios list": ["legpush", "scenarios", "list"],
     "scenarios show": ["legpush", "scenarios", "show", "default"],
     "bench faults": ["legpush", "bench", "faults"],
-    "map": ["legpush", "map", "show", "push"],
+    "map": ["legpush", "map", "push"],
     "planner": ["-m", "planner_proc", "--help"],
     "simulator": ["-m", "sim_proc", "--help"],
     "agent": ["-m", "agent_proc", "--help"],

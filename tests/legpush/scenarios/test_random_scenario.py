@@ -2,15 +2,12 @@
 
 import subprocess
 import sys
-from dataclasses import fields
 from math import hypot
 from pathlib import Path
 
 import pytest
-import tyro
 
 from legpush.errors import ConfigError
-from legpush.options.scenarios import RandomScenario
 from legpush.scenarios.checks import check_scenario
 from legpush.scenarios.random_room import RandomRoom
 from legpush.scenarios.random_scenario import random_scenario
@@ -63,16 +60,6 @@ def test_a_room_that_is_not_solvable_is_drawn_anew() -> None:
     assert second.room != first.room
     with pytest.raises(ConfigError, match=r"None of 20 rooms was solvable"):
         random_scenario(RandomRoom(), 4, lambda _: False)
-
-
-@pytest.mark.parametrize("options", [RandomRoom(), RandomRoom(size_m=(6.0, 9.0), obstacle_m=(0.3, 0.5), mass_kg=0.9)])
-def test_options_are_the_same_on_a_command_line(options: RandomRoom, tmp_path: Path) -> None:
-    plain = {field.name: getattr(options, field.name) for field in fields(RandomRoom)}
-    command = RandomScenario(file=tmp_path / "room.toml", seed=7, **plain)
-
-    again = tyro.cli(RandomScenario, args=command.flags())
-
-    assert again == command
 
 
 @pytest.mark.parametrize(

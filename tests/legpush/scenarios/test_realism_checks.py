@@ -3,7 +3,8 @@
 import pytest
 
 from legpush.errors import ScenarioError
-from legpush.scenarios.file import dump_scenario, load_scenario, override, scenario_table
+from legpush.scenarios.changes import override
+from legpush.scenarios.file import dump_scenario, load_scenario, scenario_table
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def test_only_the_results_that_are_named_are_kept(tmp_path: Path) -> None:
     ("more", "error"),
     [
         (["--on", "cluster"], "Expected one of local"),
-        (["--workers", "0"], "Expected at least 1 for --workers, got 0"),
+        (["--workers", "0"], "Expected 1 to 100000 for --workers, got 0"),
     ],
 )
 def test_bad_options_are_refused_before_the_folder_is_made(

@@ -1,0 +1,90 @@
+"""Parses command lines into typed options, and says how `--help` shows each argument."""
+
+import types
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, Literal, TypeVar, Union, get_args, get_origin
+
+import tyro
+from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, PrimitiveTypeInfo
+
+NOT_SHOWN: Final = ("", "''", "None", "False")
+"""Defaults that tell a reader nothing."""
+
+
+def _shown_default(label: str) -> str:
+    """Return what `--help` says about a default."""
+    return "" if label in NOT_SHOWN else f"(default: {'yes' if label == 'True' else label})"
+
+
+def arg(metavar: str | None = None, *, name: str | None = None, aliases: tuple[str, ...] | None = None) -> Any:
+    """Describe an argument for `--help`: what its value is, such as `FILE`, and its name if the field has another.
+
+    A default that says nothing, such as None or an empty list, is not shown.
+    """
+    return tyro.conf.arg(metavar=metavar, name=name, aliases=aliases, help_behavior_hint=_shown_default)
+
+
+def subcommand(name: str, description: str | None = None) -> Any:
+    """Describe one command of several."""
+    return tyro.conf.subcommand(name, description=description)
+
+
+T = TypeVar("T")
+
+Flag = Annotated[bool, tyro.conf.FlagCreatePairsOff, arg()]
+"""A switch that is off unless it is given."""
+Switch = Annotated[bool, arg()]
+"""A switch that is on unless its negation, `--no-...`, is given."""
+Positional = Annotated[T, tyro.conf.Positional, arg()]
+"""An argument without a flag."""
+Repeated = Annotated[tuple[T, ...], tyro.conf.UseAppendAction]
+"""An argument whose flag may be given several times, with one value each."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions:
+    """What every command can be asked for."""
+
+    json: Flag = False
+    """Print the result as one JSON document on standard output. All else goes to standard error."""
+    quiet: Annotated[bool, tyro.conf.FlagCreatePairsOff, arg(aliases=("-q",))] = False
+    """Print nothing but errors, and with --json the document."""
+
+
+USUAL_OUTPUT: Final = OutputOptions()
+"""Lines for people, on standard output."""
+
+_CONFIG: Final = (
+    tyro.conf.OmitSubcommandPrefixes,
+    tyro.conf.OmitArgPrefixes,
+    tyro.conf.PositionalRequiredArgs,
+    tyro.conf.DisallowNone,
+)
+_REGISTRY: Final = ConstructorRegistry()
+
+
+@_REGISTRY.primitive_rule
+def _choice_or_nothing(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any] | None:
+    """A choice that may be left out has its choices in their order, and no `None` among them."""
+    kinds = [kind for kind in get_args(info.type) if kind is not types.NoneType]
+    if info.type_origin not in (Union, types.UnionType) or len(kinds) != 1 or get_origin(kinds[0]) is not Literal:
+        return None
+    choices = tuple(map(str, get_args(kinds[0])))
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="{" + ",".join(choices) + "}",
+        instance_from_str=lambda words: words[0],
+        is_instance=lambda value: value is None or value in choices,
+        str_from_instance=lambda value: [str(value)],
+        choices=choices,
+    )
+
+
+def parse(kind: Any, prog: str, argv: Sequence[str] | None = None, **more: Any) -> Any:
+    """Return the options of a command line, of the type `kind`; without `argv`, that of this process.
+
+    A wrong command line ends the process with exit code 2 and a text on standard error, and `--help` with 0. `prog` is
+    the command as the user types it. `more` goes to `tyro.cli`.
+    """
+    return tyro.cli(kind, prog=prog, args=argv, config=_CONFIG, registry=_REGISTRY, **more)

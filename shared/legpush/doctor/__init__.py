@@ -1,0 +1,1 @@
+"""`legpush doctor`: checks what this machine has for missions, films, pages and trainings."""
