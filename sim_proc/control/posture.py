@@ -184,17 +184,19 @@ class Posture:
         self._joint_velocities_rad_s, self._joint_torques_n_m = step / CONTROL_PERIOD_S, torques
         return log
 
-    def resume(self, touchdown_m: float, contact_n: float) -> None:
+    def resume(self, touchdown_m: float, contact_n: float, *, uneven: bool = False) -> None:
         """Go on from where trunk and feet are, after a motion that was not planned.
 
         A foot that carries `contact_n` is down, and its planned height is `touchdown_m`. The others are put down as
-        high as those stand.
+        high as those stand, or where they are if the floor is uneven.
         """
         state = self.plant.body_state()
         trunk = self.plant.trunk_pose()
         self.trunk_xy_m, self.yaw_rad, self.yaw_rate_rad_s = trunk.xy(), trunk.yaw_rad, 0.0
         self.feet_m = self.plant.tips_m().copy()
         down = state.loads_n >= contact_n
+        if uneven:
+            down[:] = True
         for leg in np.flatnonzero(down).tolist():
             self.put_down(leg, touchdown_m)
         self.feet_m[~down, 2] = self.feet_m[down, 2].mean() if down.any() else touchdown_m

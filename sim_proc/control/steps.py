@@ -113,7 +113,7 @@ class Steps(StepMotion):
         if posture.plant.fallen:
             return logs
         self.captured, self.landed, self._carried = True, None, ()
-        posture.resume(self._touchdown_m, self._contact_n)
+        posture.resume(self._touchdown_m, self._contact_n, uneven=self._terrain.rough)
         self._terrain.feel(posture.feet_m, missed=False)
         posture.height_goal_m = self._terrain.trunk_height_m(posture.feet_m)
         logs.append(self._come_to_rest())
