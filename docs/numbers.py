@@ -4,6 +4,9 @@ A template in `docs/templates/` has places such as `{missions:scenarios/default/
 `experiments/results/` or `benchmarks/results/`, and the path of a value in it. A form may follow: `|cm.2` is a length
 in metres, shown in centimetres with two digits, and with its interval if it has one; `!` at the end of the form leaves
 out unit and interval. Below each table stands with which version and commit its numbers were made.
+
+A line that begins with `?` is left out as long as one of its numbers has not been measured: then there is no file or no
+value.
 """
 
 import json
@@ -27,6 +30,8 @@ UNITS: Final = {
 }
 """Factor and text of each unit; `ms` is of values in milliseconds."""
 WIDTH: Final = 120
+IF_MEASURED: Final = "? "
+"""Begins a line that is left out without its numbers."""
 _PLACE: Final = re.compile(r"\{(?P<source>\w+):(?P<path>[^|}]+)(?:\|(?P<unit>\w+)\.(?P<digits>\d)(?P<bare>!?))?\}")
 
 
@@ -40,8 +45,27 @@ def filled_template(name: str) -> str:
     Raises:
         NumberError: A number is missing.
     """
-    text = (TEMPLATES / f"{name}.md").read_text().rstrip()
+    text = measured_lines((TEMPLATES / f"{name}.md").read_text().rstrip())
     return f"{filled_text(text)}\n\n{made_words(sources_of(text))}\n"
+
+
+def measured_lines(text: str) -> str:
+    """Return a text without its lines for numbers that have not been measured, and without the marks of the others."""
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith(IF_MEASURED):
+            lines.append(line)
+        elif all(map(_is_measured, _PLACE.finditer(line))):
+            lines.append(line.removeprefix(IF_MEASURED))
+    return "\n".join(lines)
+
+
+def _is_measured(found: re.Match[str]) -> bool:
+    try:
+        _found_value(found)
+    except NumberError:
+        return False
+    return True
 
 
 def filled_text(text: str) -> str:

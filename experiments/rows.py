@@ -53,6 +53,11 @@ class Rows:
         return [row for row in self.rows if all(row[name] == value for name, value in values.items())]
 
 
+def has_rows(name: str, folder: Path = ROWS) -> bool:
+    """Whether the rows of a study have been kept."""
+    return (folder / f"{name}{SUFFIX}").exists()
+
+
 def read_rows(name: str, folder: Path = ROWS) -> Rows:
     """Read the rows of a study in a folder of rows.
 

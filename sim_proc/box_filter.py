@@ -1,9 +1,10 @@
 """Where the box is, from all looks at it: a Kalman filter of a body that stands still unless a foot moves it."""
 
 import struct
-from collections.abc import Iterable
 from math import cos, hypot, radians, sin
 from typing import Final
+
+import numpy as np
 
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
@@ -38,17 +39,15 @@ class BoxFilter:
         self._n_included = 0
         """How many of them there were at the time of the last look."""
 
-    def pass_tick(self, tips_m: Iterable[tuple[float, float]]) -> None:
-        """Take note of where the feet are over the floor at the end of a tick."""
-        x_m, y_m = self.pose.x_m, self.pose.y_m
+    def pass_ticks(self, tips_m: Floats) -> None:
+        """Take note of where the feet are at the ends of ticks, (n, 4, 3)."""
+        dx, dy = tips_m[..., 0] - self.pose.x_m, tips_m[..., 1] - self.pose.y_m
         c, s = cos(self.pose.yaw_rad), sin(self.pose.yaw_rad)
         half_x_m, half_y_m = self._half_m
-        for tip_x_m, tip_y_m in tips_m:
-            dx, dy = tip_x_m - x_m, tip_y_m - y_m
-            beside_m = max(abs(c * dx + s * dy) - half_x_m, 0.0), max(abs(c * dy - s * dx) - half_y_m, 0.0)
-            if hypot(*beside_m) < NEAR_M:
-                self.n_moving += 1
-                return
+        ahead = np.maximum(np.abs(c * dx + s * dy) - half_x_m, 0.0)
+        beside = np.maximum(np.abs(c * dy - s * dx) - half_y_m, 0.0)
+        near = ahead * ahead + beside * beside < NEAR_M**2
+        self.n_moving += int(np.count_nonzero(near.any(axis=1)))
 
     def look(self, seen: Pose2, n_moving: int) -> None:
         """Take in a look that was made when `n_moving` ticks had moved the box."""
@@ -80,9 +79,3 @@ def _weighed(before: float, noise: float, off: float) -> tuple[float, float]:
         before = off**2
     share = max(before / (before + noise), LEAST_SHARE)
     return share, share * noise
-
-
-def places(tips_m: Floats) -> list[list[tuple[float, float]]]:
-    """Return where feet (n, 4, 3) are over the floor, for each of n ticks."""
-    rows: list[list[tuple[float, float]]] = tips_m[..., :2].tolist()
-    return rows

@@ -90,8 +90,8 @@ class EstimatedRobot:
             lifted[first:end, until.leg] = True
         return lifted
 
-    def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats]:
-        """The centre of mass and its velocity in the ticks of the present run, (n, 3) each, as they are estimated."""
+    def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats, Floats]:
+        """Centre of mass and its velocity, (n, 3) each, and feet, (n, 4, 3), as estimated in the ticks of the run."""
         return self._estimator.foresee(self._senses.readings(n_ticks), self._lifted(n_ticks, until))
 
     def push_forces_n(self, log: TickLog, leg: int) -> Floats:
@@ -160,10 +160,6 @@ class _WatchedEstimate(Watch):
         self._watch.forget()
 
     def alarm(self, com_m: Floats, com_velocity_m_s: Floats, tips_m: Floats) -> int | None:
-        """The first tick after which the motion is estimated to be too far from the plan, if it is.
-
-        Whether a foot slips off an edge within a run is not estimated.
-        """
-        del com_velocity_m_s
-        unknown = np.full_like(tips_m, np.inf)
-        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until), unknown)
+        """The first tick after which the motion is estimated to be too far from the plan, if it is."""
+        del com_velocity_m_s, tips_m
+        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until))

@@ -4,8 +4,8 @@ All looks at the box are filtered."""
 
 import struct
 from dataclasses import dataclass
-from itertools import count
-from math import ceil, cos, radians, sin
+from math import ceil, cos, inf, radians, sin
+from statistics import NormalDist
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,8 +16,10 @@ from legpush.messages.stepping import BoxState, Perceived
 from legpush.realism.reality import BOX_STREAM, LOCALIZATION_STREAM, Reality, Sensed
 from legpush.scene.conventions import BOX_QPOS, CONTROL_PERIOD_S, TRUNK_QPOS
 from legpush.scene.scenario import Box
-from sim_proc.box_filter import BoxFilter, places
+from sim_proc.box_filter import BoxFilter
 
+CHUNK: Final = 32
+"""Number of measurements whose noise comes from one generator."""
 ROUNDING_TICKS: Final = 1e-6
 """A time this close above a whole number of ticks counts as that number."""
 
@@ -61,6 +63,10 @@ class PoseSensor:
         self._period_ticks = 1.0 / (sensed.rate_hz * CONTROL_PERIOD_S)
         self.late_ticks = ceil(sensed.latency_s / CONTROL_PERIOD_S - ROUNDING_TICKS)
         """Age of a measurement when it becomes known."""
+        self._lost_below = NormalDist().inv_cdf(sensed.dropouts) if sensed.dropouts > 0.0 else -inf
+        """A measurement is lost if its fourth random number is below this quantile."""
+        self._chunk, self._drawn = -1, list[list[float]]()
+        """The number of the chunk of measurements whose random numbers were drawn last, and these numbers."""
         self._n_made = 0
         """Number of measurements that were made, or lost."""
         self._next_tick = 0
@@ -69,6 +75,11 @@ class PoseSensor:
         self.known = self._measured(0, first, late_ticks=0, n_moving=0)
         """The last one that is known."""
         self._count()
+
+    @property
+    def next_change(self) -> int:
+        """The next tick at whose end a measurement is made or becomes known."""
+        return min(self._next_tick, self._coming[0].given_tick) if self._coming else self._next_tick
 
     def pass_tick(self, tick: int, true: Floats, n_moving: int = 0) -> bool:
         """Measure at the end of a tick, when the body is at `true`, (7,); returns whether something new is known."""
@@ -86,12 +97,19 @@ class PoseSensor:
         self._next_tick = ceil(self._n_made * self._period_ticks - ROUNDING_TICKS)
 
     def _is_lost(self) -> bool:
-        generator = np.random.default_rng([self._seed, self._stream, self._n_made, 1])
-        return bool(generator.random() < self._sensed.dropouts)
+        return self._draw()[3] < self._lost_below
+
+    def _draw(self) -> list[float]:
+        """Four standard normal numbers of the next measurement. Some measurements share a generator."""
+        chunk, row = divmod(self._n_made, CHUNK)
+        if chunk != self._chunk:
+            generator = np.random.default_rng([self._seed, self._stream, chunk])
+            self._chunk, self._drawn = chunk, generator.standard_normal((CHUNK, 4)).tolist()
+        return self._drawn[row]
 
     def _measured(self, tick: int, true: Floats, late_ticks: int, n_moving: int) -> Measurement:
         sensed = self._sensed
-        x, y, turn = np.random.default_rng([self._seed, self._stream, self._n_made]).standard_normal(3).tolist()
+        x, y, turn, _ = self._draw()
         return Measurement(
             tick=tick,
             given_tick=tick + late_ticks,
@@ -132,16 +150,21 @@ class Perception:
 
     def take(self, first_tick: int, qpos: Floats, tips_m: Floats) -> None:
         """Measure at the ends of ticks from `first_tick` on, with `qpos` (n, 26) and feet at `tips_m` (n, 4, 3)."""
+        end = first_tick + len(qpos)
         if self._box is not None and self._filter is not None:
-            for tick, true, tips in zip(count(first_tick), qpos[:, BOX_QPOS], places(tips_m), strict=False):
-                self._filter.pass_tick(tips)
-                if self._box.pass_tick(tick, true, self._filter.n_moving):
+            tick = first_tick
+            while (change := max(self._box.next_change, tick)) < end:
+                self._filter.pass_ticks(tips_m[tick - first_tick : change - first_tick + 1])
+                if self._box.pass_tick(change, qpos[change - first_tick, BOX_QPOS], self._filter.n_moving):
                     self._filter.look(self._box.known.seen, self._box.known.n_moving)
+                tick = change + 1
+            self._filter.pass_ticks(tips_m[tick - first_tick :])
         if self._trunk is not None:
-            self._fixes = []
-            for tick, true in enumerate(qpos[:, TRUNK_QPOS], first_tick):
-                if self._trunk.pass_tick(tick, true):
+            self._fixes, tick = [], first_tick
+            while (change := max(self._trunk.next_change, tick)) < end:
+                if self._trunk.pass_tick(change, qpos[change - first_tick, TRUNK_QPOS]):
                     self._fixes.append(_fix(self._trunk.known))
+                tick = change + 1
 
     def box(self, qpos: Floats) -> Floats:
         """Position and quaternion of the box as it is known, (7,), from the true `qpos` (26,)."""

@@ -1,15 +1,19 @@
 """`python -m benchmarks.robot.disturbances`: walks and pushes in worlds that are not as they are taken to be.
 
-Control is not told of it. The numbers go to `results/disturbances.json`.
+Control is not told of it. The numbers go to `results/disturbances.json`. It takes 40 min of CPU, and can be interrupted
+at any time: the same command goes on, from results in `runs/benchmarks`.
 """
 
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import Final
 
 import tyro
 
+from benchmarks.kept import Kept
 from benchmarks.report import write_report
-from benchmarks.robot.motions import curved_walk, pushes, summary
+from benchmarks.robot.motions import Done, curved_walk, pushes, summary
 from legpush.realism.settings import FloorTiles, Gusts, Realism
 
 MASS_KG: Final = 1.0
@@ -47,10 +51,11 @@ DISTURBANCES: Final[dict[str, Realism]] = {
 def main(config: Config) -> None:
     """Walk and push with each disturbance, and report what was measured."""
     seeds = range(config.first_seed, config.first_seed + config.seeds)
-    found = {}
+    found, kept = {}, Kept("disturbances", Path(__file__).parent)
     for name, realism in DISTURBANCES.items():
-        walking = summary([curved_walk(seed, realism=realism) for seed in seeds])
-        pushing = summary([pushes(seed, MASS_KG, realism=realism) for seed in seeds])
+        walk, push = partial(curved_walk, realism=realism), partial(pushes, mass_kg=MASS_KG, realism=realism)
+        walking = summary([kept.result(f"{name}, walk {seed}", Done, partial(walk, seed)) for seed in seeds])
+        pushing = summary([kept.result(f"{name}, push {seed}", Done, partial(push, seed)) for seed in seeds])
         found[name] = {"walking": walking, "pushing": pushing}
         print(name, walking, flush=True)
     write_report("disturbances", {"n": config.seeds, "first_seed": config.first_seed, "disturbances": found})

@@ -3,11 +3,14 @@
 Each curved walk is controlled by the estimate. Its rivals are fed with the same readings: kinematic odometry, which
 takes the feet that carry load as fixed and turns with the gyroscope, without a filter; the same with rolling feet; and
 the estimator with feet that do not roll. The rival of the filtered fixes is the last fix. The numbers go to
-`results/estimation.json`.
+`results/estimation.json`. It takes 6 min of CPU, and can be interrupted at any time: the same command goes on, from
+results in `runs/benchmarks`. Times are measured at once, in the same process as the bare steps.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
@@ -17,6 +20,7 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from agent_proc.statistics.intervals import mean, median
+from benchmarks.kept import Kept
 from benchmarks.push_cycle import TimedSimulator
 from benchmarks.report import write_report
 from benchmarks.robot.motions import curved_walk
@@ -47,6 +51,9 @@ LOADED_N: Final = 30.0
 """A foot that carries more is taken as fixed by the rivals without a filter."""
 REPEATS: Final = 5
 """How often the compiled functions take the ticks of a walk, to time them."""
+
+
+Row = dict[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,16 +108,9 @@ class RecordedRobot(EstimatedRobot):
 
 def main(config: Config) -> None:
     """Walk and push, and report how well the motion was known and what that cost."""
-    found, costs, usual = [], [], vars(simulator)["_estimated"]
-    vars(simulator)["_estimated"] = lambda physics: RecordedRobot(physics, physics.senses)
-    for seed in range(config.first_seed, config.first_seed + config.seeds):
-        RecordedRobot.walks.clear()
-        walked = curved_walk(seed, realism=REAL)
-        walk = RecordedRobot.walks[-1]
-        found.append({"seed": seed, "way_m": walked.way_m, "fell": walked.fell, **_errors(walk, walked.way_m)})
-        costs.append(_cost(walk))
-        print(found[-1], costs[-1], flush=True)
-    vars(simulator)["_estimated"] = usual
+    kept, seeds = Kept("estimation", Path(__file__).parent), range(config.first_seed, config.first_seed + config.seeds)
+    walks = [kept.result(f"walk {seed}", tuple[Row, Row], partial(_walked, seed)) for seed in seeds]
+    found, costs = [walk for walk, _ in walks], [cost for _, cost in walks]
     names = [name for name in found[0] if name not in ("seed", "fell", "way_m")]
     write_report(
         "estimation",
@@ -125,6 +125,22 @@ def main(config: Config) -> None:
             "walks": found,
         },
     )
+
+
+def _walked(seed: int) -> tuple[Row, Row]:
+    """Walk along a curve: how well the motion was known, and what that cost."""
+    usual = vars(simulator)["_estimated"]
+    vars(simulator)["_estimated"] = lambda physics: RecordedRobot(physics, physics.senses)
+    try:
+        RecordedRobot.walks.clear()
+        walked = curved_walk(seed, realism=REAL)
+        walk = RecordedRobot.walks[-1]
+        errors = {"seed": seed, "way_m": walked.way_m, "fell": walked.fell, **_errors(walk, walked.way_m)}
+        cost = _cost(walk)
+    finally:
+        vars(simulator)["_estimated"] = usual
+    print(errors, cost, flush=True)
+    return errors, cost
 
 
 def _errors(walk: Recorded, way_m: float) -> dict[str, float]:

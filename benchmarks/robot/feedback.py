@@ -1,23 +1,30 @@
 """`python -m benchmarks.robot.feedback`: what the robot takes with and without feedback.
 
 Without it there are no capture steps, no second steps and no higher steps on a rough floor, and the slope is the one of
-the room. The numbers go to `results/feedback.json`.
+the room. The numbers go to `results/feedback.json`. With `--profile real` the rest of the world is that of the profile,
+always with feedback, and they go to `results/feedback_real.json`.
+
+Both take TIME_A and TIME_B of CPU. They can be interrupted at any time: the same command goes on, from results in
+`runs/benchmarks`.
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
+from pathlib import Path
 from typing import Any, Final
 from unittest.mock import patch
 
 import tyro
 from msgspec.structs import replace
 
+from benchmarks.kept import Kept
 from benchmarks.report import write_report
 from benchmarks.robot.edges import floor_with_edge
 from benchmarks.robot.motions import Done, curved_walk, pushes, straight_walk
-from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Realism
+from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Profile, Realism
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.robot import RobotSpec
 from sim_proc.estimation.plumb_line import PlumbLine
@@ -46,12 +53,15 @@ class Config:
     tile_seeds: int = 10
     """Number of walks over tiles."""
     first_seed: int = 1200
+    profile: Profile = "ideal"
+    """The world but for the disturbance."""
     only: str = ""
     """Only disturbances with this in their names; nothing is written then."""
 
 
-Runs = Iterator[Done]
-Case = Callable[[RobotSpec], Runs]
+Runs = Iterator[Callable[[], Done]]
+"""Walks and pushes that have not been made."""
+Case = Callable[[RobotSpec, Profile], Runs]
 
 
 def without_feedback() -> RobotSpec:
@@ -67,37 +77,41 @@ def gust(force_n: float, at_s: float, direction_deg: float) -> Realism:
     return Realism(gusts=Gusts(force_n=force_n, duration_s=0.2, at_s=at_s, direction_deg=direction_deg))
 
 
-def gusts_while_walking(force_n: float, robot: RobotSpec) -> Runs:
+def gusts_while_walking(force_n: float, robot: RobotSpec, profile: Profile) -> Runs:
     """A walk of 3 m for each phase and direction."""
     gait = robot.gait
     cycle_s = 4 * (gait.shift_ticks + gait.swing_ticks) * CONTROL_PERIOD_S
     for direction_deg, phase in product(DIRECTIONS_DEG, range(PHASES)):
         at_s = FIRST_S + phase * cycle_s / PHASES
-        yield straight_walk(3.0, robot=robot, realism=gust(force_n, at_s, direction_deg))
+        realism = replace(gust(force_n, at_s, direction_deg), profile=profile)
+        yield partial(straight_walk, 3.0, robot=robot, realism=realism)
 
 
-def slopes(slope_deg: float, robot: RobotSpec) -> Runs:
+def slopes(slope_deg: float, robot: RobotSpec, profile: Profile) -> Runs:
     """A walk of 3 m in each of twelve directions on a slope that the robot is not told."""
     for index in range(12):
-        realism = Realism(slope_deg=slope_deg, uphill_deg=15.0 + 30.0 * index)
-        yield straight_walk(3.0, robot=robot, realism=realism)
+        realism = Realism(profile=profile, slope_deg=slope_deg, uphill_deg=15.0 + 30.0 * index)
+        yield partial(straight_walk, 3.0, robot=robot, realism=realism)
 
 
-def edges(height_m: float, robot: RobotSpec) -> Runs:
+def edges(height_m: float, robot: RobotSpec, profile: Profile) -> Runs:
     """A walk of 2.5 m up a step, for each place of its edge."""
-    for edge_m in EDGES_M:
-        with floor_with_edge(edge_m, height_m):
-            yield straight_walk(2.5, robot=robot)
+    return (partial(_up_a_step, edge_m, height_m, robot, profile) for edge_m in EDGES_M)
 
 
-def walks(seeds: range, realism: Realism, robot: RobotSpec) -> Runs:
+def _up_a_step(edge_m: float, height_m: float, robot: RobotSpec, profile: Profile) -> Done:
+    with floor_with_edge(edge_m, height_m):
+        return straight_walk(2.5, robot=robot, realism=Realism(profile=profile))
+
+
+def walks(seeds: range, realism: Realism, robot: RobotSpec, profile: Profile) -> Runs:
     """Walks along curves."""
-    return (curved_walk(seed, robot=robot, realism=realism) for seed in seeds)
+    return (partial(curved_walk, seed, robot=robot, realism=replace(realism, profile=profile)) for seed in seeds)
 
 
-def pushing(seeds: range, realism: Realism, robot: RobotSpec) -> Runs:
+def pushing(seeds: range, realism: Realism, robot: RobotSpec, profile: Profile) -> Runs:
     """Boxes that are pushed four times."""
-    return (pushes(seed, MASS_KG, robot=robot, realism=realism) for seed in seeds)
+    return (partial(pushes, seed, MASS_KG, robot=robot, realism=replace(realism, profile=profile)) for seed in seeds)
 
 
 def cases(config: Config) -> dict[str, Case]:
@@ -109,7 +123,8 @@ def cases(config: Config) -> dict[str, Case]:
     together = Realism(command_latency_s=0.06, motor_strength=0.8, foot_friction=0.5)
     loaded = replace(slope, payload_kg=10.0, box_pose=PoseSensor(noise_m=0.01, noise_deg=1.0))
     late = Realism(command_latency_s=0.1)
-    found: dict[str, Case] = {
+    found: dict[str, Case] = {"walking: nothing": partial(walks, seeds, Realism())}
+    found |= {
         f"walking: a gust of {force_n:g} N": partial(gusts_while_walking, force_n) for force_n in (100.0, 150.0, 200.0)
     }
     for height_m in (0.05, 0.08):
@@ -131,9 +146,9 @@ def cases(config: Config) -> dict[str, Case]:
     return found
 
 
-def counted(runs: Runs) -> dict[str, Any]:
-    """How many did not fall and came to the end of their path."""
-    done = list(runs)
+def counted(runs: Runs, key: str, kept: Kept) -> dict[str, Any]:
+    """How many did not fall and came to the end of their path. `key` says what they are."""
+    done = [kept.result(f"{key}, {index}", Done, run) for index, run in enumerate(runs)]
     way_m, duration_s = sum(run.way_m for run in done), sum(run.duration_s for run in done)
     return {
         "n": len(done),
@@ -145,18 +160,23 @@ def counted(runs: Runs) -> dict[str, Any]:
 
 def main(config: Config) -> None:
     """Walk and push with each disturbance, with and without feedback."""
-    found = {}
+    found: dict[str, dict[str, Any]] = {}
+    kept = Kept("feedback", Path(__file__).parent)
     for name, case in cases(config).items():
         if config.only not in name:
             continue
-        with_it = counted(case(RobotSpec()))
-        with patch.object(PlumbLine, "feel"):  # the IMU tells nothing about the slope
-            without = counted(case(without_feedback()))
-        found[name] = {"with": with_it, "without": without}
+        found[name] = {}
+        for variant in ("with", "without") if config.profile == "ideal" else ("with",):
+            robot = RobotSpec() if variant == "with" else without_feedback()
+            key = f"{name}, {variant}, {config.profile}, from {config.first_seed}"
+            # Without feedback the IMU tells nothing about the slope.
+            with nullcontext() if variant == "with" else patch.object(PlumbLine, "feel"):
+                found[name][variant] = counted(case(robot, config.profile), key, kept)
         print(name, found[name], flush=True)
     if config.only:
         return
-    write_report("feedback", {"first_seed": config.first_seed, "disturbances": found})
+    name = "feedback" if config.profile == "ideal" else "feedback_real"
+    write_report(name, {"first_seed": config.first_seed, "disturbances": found})
 
 
 if __name__ == "__main__":

@@ -1,14 +1,17 @@
 """`python -m benchmarks.robot.realism`: the default mission in an ideal world and in a real one, seed by seed.
 
 The rival of the filter of the box is its last look. A mission that ends in an error counts as one without success. The
-numbers go to `results/realism.json`.
+numbers go to `results/realism.json`. It takes 10 min of CPU, and can be interrupted at any time: the same command goes
+on, from results in `runs/benchmarks`.
 """
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from math import degrees, nan
+from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any, Final, get_args
@@ -21,6 +24,7 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.policies.registry import make_policy
 from agent_proc.statistics.intervals import mean, share
 from agent_proc.studies.cell_parts import planner
+from benchmarks.kept import Kept
 from benchmarks.report import write_report
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
@@ -94,6 +98,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "median_push_cycles": median(row["n_push_cycles"] for row in good) if good else nan,
         "most_push_cycles": max((row["n_push_cycles"] for row in good), default=0),
         "n_falls": sum(row["fell"] for row in rows),
+        "times_real_time": median(row["sim_time_s"] / row["wall_time_s"] for row in rows),
         **{
             name: msgspec.to_builtins(mean([float(row[name]) for row in good]))
             for name in ("position_error_m", "angle_error_deg")
@@ -103,11 +108,13 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 def main(config: Config) -> None:
     """Run all missions, and report them."""
+    kept = Kept("realism", Path(__file__).parent)
     rows: dict[str, list[dict[str, Any]]] = {variant: [] for variant in VARIANTS}
     for seed in range(config.first_seed, config.first_seed + config.seeds):
         for variant, found in rows.items():
+            run = partial(mission, config.scenario, "ideal" if variant == "ideal" else "real", seed)
             with last_look_only() if variant == LAST_LOOK else nullcontext():
-                found.append(mission(config.scenario, "ideal" if variant == "ideal" else "real", seed))
+                found.append(kept.result(f"{config.scenario}, {variant}, {seed}", dict[str, Any], run))
             print(variant, found[-1], flush=True)
     write_report(
         "realism",

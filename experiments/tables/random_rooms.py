@@ -9,7 +9,7 @@ import numpy as np
 
 from agent_proc.figures import Axes, Figure, Polygon
 from agent_proc.statistics.intervals import mean, median, share
-from experiments.rows import Row, read_rows
+from experiments.rows import Row, has_rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
 from legpush.scene.footprints import box_footprint, obstacle_footprint
 from legpush.scene.scenario import Scenario
@@ -24,6 +24,9 @@ MEASURES: Final = (
     "robot_travel_m",
 )
 STUDIES: Final = ("random_rooms", "unseen_rooms")
+PAIRED: Final = "random_rooms_real"
+"""The study of the same rooms in an ideal world and in a real one."""
+PROFILE: Final = "realism.profile"
 N_COLUMNS: Final = 12
 GOOD, BAD = "#2b8a4b", "#c0392b"
 
@@ -33,13 +36,33 @@ def texts() -> dict[str, str]:
     files = {}
     for name in STUDIES:
         study = read_rows(name)
-        table = [
-            {key: value for key, value in row.items() if not isinstance(value, list) and key != "drawn_scenario"}
-            for row in study.rows
-        ]
-        files[f"{name}.csv"] = as_csv(table)
+        files[f"{name}.csv"] = _csv(study.rows)
         files[f"{name}.json"] = as_json(made_of(**{name: study}), summarize(study.rows))
+    if has_rows(PAIRED):
+        study = read_rows(PAIRED)
+        files[f"{PAIRED}.csv"] = _csv(study.rows)
+        files[f"{PAIRED}.json"] = as_json(made_of(**{PAIRED: study}), compare(study.rows))
     return files
+
+
+def _csv(rows: list[Row]) -> str:
+    return as_csv(
+        [
+            {key: value for key, value in row.items() if not isinstance(value, list) and key != "drawn_scenario"}
+            for row in rows
+        ]
+    )
+
+
+def compare(rows: list[Row]) -> Row:
+    """Summarize missions of each profile, and count the rooms in which they ended differently."""
+    profiles = {each: [row for row in rows if row[PROFILE] == each] for each in ("ideal", "real")}
+    succeeded = {name: {row["seed"] for row in of if row["success"]} for name, of in profiles.items()}
+    return {
+        "profiles": {name: summarize(of) for name, of in profiles.items()},
+        "n_only_ideal": len(succeeded["ideal"] - succeeded["real"]),
+        "n_only_real": len(succeeded["real"] - succeeded["ideal"]),
+    }
 
 
 def summarize(rows: list[Row]) -> Row:
@@ -80,7 +103,10 @@ def summarize(rows: list[Row]) -> Row:
 
 def pictures() -> dict[str, Figure]:
     """Draw all rooms; the frame is green if the mission succeeded, else red."""
-    return {f"{name}.png": _mosaic(read_rows(name).rows) for name in STUDIES}
+    figures = {f"{name}.png": _mosaic(read_rows(name).rows) for name in STUDIES}
+    if has_rows(PAIRED):
+        figures[f"{PAIRED}.png"] = _mosaic(read_rows(PAIRED).where(**{PROFILE: "real"}))
+    return figures
 
 
 def _mosaic(rows: list[Row]) -> Figure:

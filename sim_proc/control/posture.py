@@ -121,6 +121,7 @@ class Posture:
         until: Touchdown | None = None,
         watch: Watch | None = None,
         push: PushForce | None = None,
+        uncorrected: Floats | None = None,
     ) -> TickLog:
         """Carry out a motion of trunk (n, 2) and (n,) and feet (n, 4, 3), one row per tick, world frame.
 
@@ -144,7 +145,7 @@ class Posture:
         forces[:, :, :2] = np.einsum("nij,nlj->nli", from_world, forces[:, :, :2])
         torques = -np.einsum("nlij,nli->nlj", self._kinematics.jacobian(planned, SIDE), forces).reshape(n, 12)
         planned = planned.reshape(n, 12)
-        left = self._uncorrected[:n]
+        left = (self._uncorrected if uncorrected is None else uncorrected)[:n]
         # Measured feet move the joints of the commanded trunk and feet away from the last commands.
         planned[: len(left)] += left[:, None] * (self.joints_rad - present)
         motion = knots(self.joints_rad, self._joint_velocities_rad_s, planned)
@@ -163,6 +164,11 @@ class Posture:
             self._stop_leg(until.leg)
         return log
 
+    def commanded_tips_b(self) -> Floats:
+        """Where the feet are commanded to be, (4, 3), trunk frame."""
+        tips: Floats = self._kinematics.forward(self.joints_rad.reshape(len(SIDE), 3), SIDE) + self._kinematics.hips_b
+        return tips
+
     def react(self, tips_b: Floats, forces_b: Floats) -> TickLog:
         """Move the feet to `tips_b` (4, 3) in one tick, and push with `forces_b` (4, 3) on the floor; trunk frame.
 
@@ -178,17 +184,19 @@ class Posture:
         self._joint_velocities_rad_s, self._joint_torques_n_m = step / CONTROL_PERIOD_S, torques
         return log
 
-    def resume(self, touchdown_m: float, contact_n: float) -> None:
+    def resume(self, touchdown_m: float, contact_n: float, *, uneven: bool = False) -> None:
         """Go on from where trunk and feet are, after a motion that was not planned.
 
         A foot that carries `contact_n` is down, and its planned height is `touchdown_m`. The others are put down as
-        high as those stand.
+        high as those stand, or where they are if the floor is uneven.
         """
         state = self.plant.body_state()
         trunk = self.plant.trunk_pose()
         self.trunk_xy_m, self.yaw_rad, self.yaw_rate_rad_s = trunk.xy(), trunk.yaw_rad, 0.0
         self.feet_m = self.plant.tips_m().copy()
         down = state.loads_n >= contact_n
+        if uneven:
+            down[:] = True
         for leg in np.flatnonzero(down).tolist():
             self.put_down(leg, touchdown_m)
         self.feet_m[~down, 2] = self.feet_m[down, 2].mean() if down.any() else touchdown_m

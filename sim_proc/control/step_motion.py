@@ -62,7 +62,13 @@ class StepMotion:
         return lean
 
     def _move(
-        self, step: Step, plan: ComPlan, swing: Swing | None, until: Touchdown | None, *, watched: bool = True
+        self,
+        step: Step,
+        plan: ComPlan,
+        swing: Swing | None,
+        until: Touchdown | None,
+        *,
+        uncorrected: Floats | None = None,
     ) -> TickLog:
         """Carry out a step with its planned motion of the CoM, up to the touchdown of a foot that is to land."""
         posture, gait = self.posture, self._gait
@@ -92,8 +98,9 @@ class StepMotion:
             plan.zmp_m[:n] + self._lean_m,
             plan.acceleration_m_s2[:n],
             until,
-            watch if watched else None,
+            watch,
             None if step.push is None else step.push.after(step.shift_ticks),
+            uncorrected,
         )
         if not log.left_plan:
             self._deviation.learn(watch)

@@ -7,17 +7,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from math import ceil
+from typing import Final
 
 import numpy as np
 
 from legpush.arrays import Floats
 from legpush.scene.conventions import LEGS, Leg
 from sim_proc.control.feedback.capture import CaptureTrot
+from sim_proc.control.feedback.footing import Footing
 from sim_proc.control.plant import TickLog, joined
 from sim_proc.control.posture import Posture
 from sim_proc.control.step import Planned, Step, Swing, rest
 from sim_proc.control.step_motion import StepMotion
-from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, search_swing
+from sim_proc.control.swing import APEX_SHARE, flight_ticks, landing_swing, minimum_jerk, search_swing
+
+MOST_AGAIN: Final = 6
+"""How often a foot that missed its place, or whose leg an edge holds, steps again before the robot goes on."""
+UNLEVELLED: Final = 1.0 - minimum_jerk(24)
+"""Share of a correction that is left after each of the first ticks, while a robot that has slipped levels its trunk."""
 
 
 class Steps(StepMotion):
@@ -48,9 +55,11 @@ class Steps(StepMotion):
         """
         self.without_floor, self.captured, self._missed = None, False, False
         logs = self._step(ahead, swing, lands=lands, planned=planned)
-        if self._missed and not self.posture.plant.fallen and not logs[-1].left_plan:
-            again = replace(ahead[0], shift_ticks=0, target_m=self._second_place_m(ahead[0]))
-            logs.append(self._lift_and_swing([again, *ahead[1:]], None, lands=True))
+        for _ in range(MOST_AGAIN):
+            if not self._missed or self.posture.plant.fallen or logs[-1].left_plan:
+                break
+            ahead = [replace(ahead[0], shift_ticks=0, target_m=self._next_place_m(ahead[0])), *ahead[1:]]
+            logs.append(self._lift_and_swing(ahead, None, lands=True))
         if logs[-1].left_plan and not self.posture.plant.fallen:
             logs += self._capture(None if ahead[0].leg is None else LEGS.index(ahead[0].leg))
         return joined(logs)
@@ -80,11 +89,10 @@ class Steps(StepMotion):
         lifted = None if carries else leg
         logs: list[TickLog] = []
         if self._terrain.rough:
-            logs += self._recover([] if lifted is None else self._set_down(LEGS[lifted]))
-            for _ in range(posture.plant.robot.capture.most_trots):
+            for _ in range(posture.plant.robot.capture.most_trots + 1):
+                logs += self._recover([])
                 if posture.plant.fallen or not logs[-1].left_plan:
                     return logs
-                logs += self._recover([])
             lifted = None
         for _ in range(posture.plant.robot.capture.most_trots):
             trot = CaptureTrot(posture, uneven=self._terrain.rough)
@@ -99,25 +107,18 @@ class Steps(StepMotion):
     def _recover(self, logs: list[TickLog]) -> list[TickLog]:
         """Come to rest after a motion that was not planned."""
         posture = self.posture
+        if self._terrain.rough and not posture.plant.fallen:
+            logs += Footing(posture).run()
+            self._deviation.forget()
         if posture.plant.fallen:
             return logs
         self.captured, self.landed, self._carried = True, None, ()
-        posture.resume(self._touchdown_m, self._contact_n)
+        posture.resume(self._touchdown_m, self._contact_n, uneven=self._terrain.rough)
         self._terrain.feel(posture.feet_m, missed=False)
         posture.height_goal_m = self._terrain.trunk_height_m(posture.feet_m)
         logs.append(self._come_to_rest())
         self._footholds_m = posture.feet_m.copy()
         return logs
-
-    def _set_down(self, leg: Leg) -> list[TickLog]:
-        """Put a foot down where it is, at once."""
-        posture, index = self.posture, LEGS.index(leg)
-        curve = self._terrain.down(posture.feet_m[index], posture.plant.tips_m())
-        middle_m = posture.feet_m[:, :2].mean(axis=0)
-        step = replace(rest(self._gait, middle_m, posture.yaw_rad), leg=leg, shift_ticks=0, swing_ticks=len(curve))
-        step = replace(step, target_m=curve[0, :2])
-        until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=True, blocked_tick=2)
-        return [self._move(step, self._plan_com([step]), lambda _: curve, until, watched=False)]
 
     def _lift_and_swing(
         self, ahead: Sequence[Step], swing: Swing | None, *, lands: bool, planned: Planned | None = None
@@ -169,8 +170,11 @@ class Steps(StepMotion):
         self._missed = self.without_floor is None and (far or (self._rests and self._terrain.rough))
         self._terrain.feel(posture.feet_m, missed=self._missed)
 
-    def _second_place_m(self, step: Step) -> Floats:
-        """Where a foot that missed its place steps next, (2,): to the same place, or nearer if an edge holds it."""
+    def _next_place_m(self, step: Step) -> Floats:
+        """Where a foot that missed its place steps next, (2,): to the same place, or nearer if an edge holds its leg.
+
+        The nearest place is the one where it stood before.
+        """
         if not self._rests or step.leg is None:
             return step.target_m
         back_m = self._footholds_m[LEGS.index(step.leg), :2] - step.target_m
@@ -187,7 +191,7 @@ class Steps(StepMotion):
         """The same, up to where the robot is too far from that plan, and without measuring the feet before."""
         posture = self.posture
         step, plan = self._plan([rest(self._gait, posture.feet_m[:, :2].mean(axis=0), posture.yaw_rad)])
-        log = self._move(step, plan, None, None)
+        log = self._move(step, plan, None, None, uncorrected=UNLEVELLED if self._terrain.rough else None)
         posture.com_state[1:] = 0.0
         return log
 

@@ -47,13 +47,17 @@ class Estimator:
         self.rows = np.empty((len(readings), layout.N_OUT))
         kernel.advance(*self._arrays, self._body, readings, lifted, self.rows)
 
-    def foresee(self, readings: Floats, lifted: Flags) -> tuple[Floats, Floats]:
-        """The centre of mass and its velocity at the ends of ticks that may be taken next, (n, 3) each."""
+    def foresee(self, readings: Floats, lifted: Flags) -> tuple[Floats, Floats, Floats]:
+        """What may be known at the ends of ticks that may be taken next.
+
+        The centre of mass and its velocity, (n, 3) each, and the centres of the feet, (n, 4, 3), of the time of their
+        readings.
+        """
         arrays, rows = Begin(*(array.copy() for array in self._arrays)), np.empty((len(readings), layout.N_OUT))
         kernel.advance(*arrays, self._body, readings, lifted, rows)
         self._foreseen = readings, lifted, arrays, rows
         velocities = rows[:, COM_VELOCITY]
-        return rows[:, COM] + self._age_s * velocities, velocities
+        return rows[:, COM] + self._age_s * velocities, velocities, rows[:, TIPS].reshape(-1, 4, 3)
 
     def state(self) -> BodyState:
         """The motion at the end of the last tick."""

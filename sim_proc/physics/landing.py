@@ -1,6 +1,7 @@
 """Ends a run at the touchdown of a foot."""
 
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -12,8 +13,12 @@ from sim_proc.control.plant import Touchdown
 BLOCKED_SHARE: Final = 0.25
 """A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
 
+SUDDEN_SHARE: Final = 0.3
+"""Nor does one that has come to stay behind by this share of that angle since the leg became slow."""
+MOST_LATE_TICKS: Final = 8
+"""Largest delay of a leg that is looked for in its flight."""
 STILL_RAD: Final = 2e-3
-"""A joint that turns farther in a tick moves on: it is only late, as after a command that comes late."""
+"""A joint of a leg that has not flown before, which turns farther in a tick, moves on: it may only be late."""
 
 Lag = tuple[slice, Floats, Floats]
 
@@ -46,6 +51,10 @@ class Landing:
         """Column of the vertical force of the foot."""
         self._measured, positions, self._allowed_rad = joints
         self._positions = _earlier(positions, late_steps) if late_steps else positions
+        self._flown: dict[int, Floats] = {}
+        """Measured angles of the leg at the ends of the ticks of its flight."""
+        self._usual_rad: Floats = np.zeros(len(JOINTS))
+        """How far the joints of the leg stay behind when it has become slow."""
         self._joints = slice(touchdown.leg * len(JOINTS), (touchdown.leg + 1) * len(JOINTS))
 
     def controls(self, tick: int, controls: Floats, sensors: Floats) -> Iterable[Floats]:
@@ -88,6 +97,8 @@ class Landing:
         """Whether the foot touched down in a tick with sensors (steps, n)."""
         if tick < self._touchdown.first_tick:
             return False
+        if tick < self._touchdown.blocked_tick:
+            self._flown[tick] = sensors[-1, self._measured][self._joints]
         is_down = (-sensors[:, self._force] >= self._force_n).any()
         return bool(is_down) or self._is_blocked(tick, sensors)
 
@@ -95,10 +106,29 @@ class Landing:
         """Whether a slow leg is stopped by something that its foot does not feel, such as an edge under the shank."""
         if tick < self._touchdown.blocked_tick:
             return False
-        behind = np.abs(self._positions[tick] - sensors[:, self._measured])[:, self._joints]
         measured = sensors[:, self._measured][:, self._joints]
-        still = np.abs(measured[-1] - measured[0]) < STILL_RAD
-        return bool((behind > self._allowed_rad[self._joints]).any() and still.all())
+        allowed_rad = self._allowed_rad[self._joints]
+        if not self._flown:
+            still = np.abs(measured[-1] - measured[0]) < STILL_RAD
+            behind = np.abs(self._positions[tick][:, self._joints] - measured) > allowed_rad
+            return bool(behind.any() and still.all())
+        steps = np.arange(tick * len(measured), (tick + 1) * len(measured)) - self._late_steps
+        behind_rad = (
+            self._positions.reshape(-1, self._positions.shape[-1])[np.maximum(steps, 0), self._joints] - measured
+        )
+        if tick == self._touchdown.blocked_tick:
+            self._usual_rad = behind_rad[-1]
+        suddenly = np.abs(behind_rad - self._usual_rad) > SUDDEN_SHARE * allowed_rad
+        return bool(((np.abs(behind_rad) > allowed_rad) | suddenly).any(axis=1).all())
+
+    @cached_property
+    def _late_steps(self) -> int:
+        """By how many steps the leg moved later than planned in its flight: commands take time."""
+        rows = self._positions.reshape(-1, self._positions.shape[-1])[:, self._joints]
+        ends = (np.array(list(self._flown)) + 1) * self._positions.shape[1] - 1
+        late = np.arange(MOST_LATE_TICKS * self._positions.shape[1] + 1)
+        errors = rows[np.maximum(ends - late[:, None], 0)] - np.array(list(self._flown.values()))
+        return int(np.argmin(np.abs(errors).sum(axis=(1, 2))))
 
     def not_down(self, tick: int, sensors: Floats) -> int | None:
         """The leg whose foot is not down at the end of a tick after which another foot is to be lifted."""

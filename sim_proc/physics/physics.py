@@ -69,11 +69,10 @@ class Physics:
         joints = robot.joints.in_order()
         self._compliances = np.array(len(LEGS) * [1.0 / joint.position_gain_n_m_rad for joint in joints])
         self._velocity_gains = np.array(len(LEGS) * [joint.velocity_gain_n_m_s_rad for joint in joints])
-        self._limits = ActuatorLimits(self.actual_robot)
+        self._limits, self._falls = ActuatorLimits(self.actual_robot), Falls(robot)
         self._dynamics = InverseDynamics(self.assumed.model, robot)
         self.contacts = ContactWatch(model, sensors)
         """Counts the contacts that no plan asked for."""
-        self._falls = Falls(robot)
         data.qpos[:] = standing_qpos(scenario, trunk, box)
         self._places, self._box = (trunk, box), scenario.box
         data.ctrl[:] = data.qpos[JOINT_QPOS]
@@ -85,8 +84,7 @@ class Physics:
         self.appeared: tuple[Appearance, ...] = ()
         """Obstacles that have appeared, in that order."""
         mujoco.mj_forward(model, data)
-        self.tick = 0
-        self.fallen = False
+        self.tick, self.fallen = 0, False
         self.perception = Perception(reality, data.qpos, scenario.box)
         self.senses = senses_of(reality, sensors, model, data)
         """The robot's own sensors."""
@@ -136,7 +134,8 @@ class Physics:
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
         require_sound(self._warnings, qpos, self.tick)
-        self._plumb_line.feel(*self._sensors.imu(sensors), self.data.qvel[:3] - speed)
+        if self._reality.senses.exact:
+            self._plumb_line.feel(*self._sensors.imu(sensors), self.data.qvel[:3] - speed)
         steps, felt = self._sensors.steps(sensors), self.senses.of_tick(len(qpos) - 1, sensors)
         self.perception.take(self.tick - len(qpos) + 1, qpos, steps.tips_m[:, -1])
         self.senses.end_run(len(qpos))

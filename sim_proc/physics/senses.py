@@ -117,6 +117,8 @@ class OwnSenses:
             self._true[:, columns] = first[source]
         self._true[:, ACCELERATION] = _specific_forces(np.repeat(self._moved, 2, axis=0), gravity_m_s2)
         self._errors = np.empty((0, N_READINGS))
+        self._read: Floats | None = None
+        """Readings of the run as it is now, if they have been asked for."""
         self.last = np.empty((0, COMMANDS_PER_TICK, N_READINGS))
         """Readings of the last run, (ticks, steps, N_READINGS)."""
         self.tare_n = np.zeros(len(range(N_READINGS)[FORCES]))
@@ -125,6 +127,7 @@ class OwnSenses:
     def begin_run(self, tick: int, n_ticks: int) -> None:
         """Begin a run of at most `n_ticks` after `tick`."""
         self._errors = self._biases + self._deviations * self._noise(tick, n_ticks)
+        self._read = None
         past = self._true[: self.late_steps]
         self._true = np.empty((self.late_steps + n_ticks * COMMANDS_PER_TICK, N_READINGS))
         self._true[: self.late_steps] = past
@@ -132,7 +135,7 @@ class OwnSenses:
 
     def feel(self, step: int, sensors: Floats) -> None:
         """Take all sensors of the model, (n, nsensordata), in the steps of the run from `step` on."""
-        n = len(sensors)
+        n, self._read = len(sensors), None
         rows, moved = self._true[self.late_steps + step :][:n], self._moved[step + 1 :][:n]
         moved[:, :3], moved[:, 3:] = sensors[:, self._velocity], sensors[:, self._orientation]
         for columns, source in self._sources:
@@ -156,8 +159,11 @@ class OwnSenses:
     def readings(self, n_ticks: int) -> Floats:
         """Readings in the first ticks of the run, (n_ticks, steps, N_READINGS)."""
         n = n_ticks * COMMANDS_PER_TICK
+        if self._read is not None and len(self._read) == n_ticks:
+            return self._read
         self._true[self.late_steps :][:n, ACCELERATION] = _specific_forces(self._moved[: n + 1], self._gravity_m_s2)
-        return (self._true[:n] + self._errors[:n]).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+        self._read = (self._true[:n] + self._errors[:n]).reshape(n_ticks, COMMANDS_PER_TICK, N_READINGS)
+        return self._read
 
     def _tared(self, step: int, n: int) -> Floats:
         readings: Floats = self._true[step : step + n] + self._errors[step : step + n]
@@ -191,9 +197,12 @@ class OwnSenses:
     def _push_noise_n(self, tick: int, n_ticks: int) -> Floats:
         """Noise of the mean force that a foot feels in each tick after `tick`, along all axes, (n_ticks, 3)."""
         deviation_n = float(self._deviations[FORCES].max()) / sqrt(COMMANDS_PER_TICK)
-        ticks = range(tick, tick + n_ticks)
-        noise = [np.random.default_rng([self._seed, PUSH_STREAM, each]).standard_normal(3) for each in ticks]
-        scaled: Floats = deviation_n * np.array(noise)
+        first, last = tick // CHUNK_TICKS, (tick + n_ticks - 1) // CHUNK_TICKS
+        chunks = [
+            np.random.default_rng([self._seed, PUSH_STREAM, chunk]).standard_normal((CHUNK_TICKS, 3))
+            for chunk in range(first, last + 1)
+        ]
+        scaled: Floats = deviation_n * np.concatenate(chunks)[tick - first * CHUNK_TICKS :][:n_ticks]
         return scaled
 
     def as_bytes(self) -> bytes:

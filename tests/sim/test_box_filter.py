@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.realism.reality import EXACT
 from legpush.scenarios.file import load_scenario
@@ -13,7 +14,7 @@ from sim_proc.box_filter import LEAST_SHARE, NEAR_M, BoxFilter
 
 BOX = load_scenario("push").box
 SENSED = replace(EXACT, noise_m=0.01, noise_deg=1.0)
-FAR = [(9.0, 9.0)]
+FAR = np.array([[[9.0, 9.0, 0.02]]])
 
 
 def looks(n: int, at: Pose2, seed: int = 0) -> list[Pose2]:
@@ -32,7 +33,7 @@ def off_m(seen: Pose2, at: Pose2) -> float:
 def filtered(seen: list[Pose2]) -> BoxFilter:
     box = BoxFilter(BOX, SENSED, seen[0])
     for look in seen[1:]:
-        box.pass_tick(FAR)
+        box.pass_ticks(FAR)
         box.look(look, box.n_moving)
     return box
 
@@ -46,6 +47,11 @@ def test_looks_at_a_box_that_stands_are_averaged(n: int, yaw_deg: float) -> None
     np.testing.assert_allclose(box.pose.xy(), np.mean([look.xy() for look in seen], axis=0), atol=1e-12)
     turns = [wrap_angle(look.yaw_rad - at.yaw_rad) for look in seen]
     assert wrap_angle(box.pose.yaw_rad - at.yaw_rad) == pytest.approx(np.mean(turns), abs=1e-12)
+
+
+def foot_at(x_m: float, y_m: float) -> Floats:
+    """A foot in one tick, (1, 1, 3)."""
+    return np.array([[[x_m, y_m, 0.02]]])
 
 
 def test_many_looks_are_far_better_than_the_last_one() -> None:
@@ -67,7 +73,7 @@ def test_a_box_that_a_foot_moves_is_where_it_was_seen_last() -> None:
     box = filtered(looks(40, at))
     for tick in range(1, 26):
         at = replace(at, x_m=0.004 * tick)
-        box.pass_tick([(at.x_m - BOX.size_m[0] / 2 - 0.02, 0.0)])
+        box.pass_ticks(foot_at(at.x_m - BOX.size_m[0] / 2 - 0.02, 0.0))
         if tick % 5 == 0:
             box.look(at, box.n_moving)
             assert off_m(box.pose, at) < 0.002
@@ -78,7 +84,7 @@ def test_a_look_from_before_a_push_is_averaged_with_those_before_it() -> None:
     at = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
     box = filtered([at] * 39)
     for _ in range(5):
-        box.pass_tick([(0.0, 0.0)])
+        box.pass_ticks(foot_at(0.0, 0.0))
     box.look(replace(at, x_m=0.04), n_moving=0)
     assert box.pose.x_m == pytest.approx(0.04 / 40)
     box.look(replace(at, x_m=0.05), n_moving=5)
@@ -105,7 +111,7 @@ def test_a_foot_moves_the_box_within_reach_of_its_sides_only() -> None:
     half_m = BOX.size_m[0] / 2
     at = Pose2(x_m=0.0, y_m=0.0, yaw_rad=radians(90.0))
     box = BoxFilter(BOX, SENSED, at)
-    box.pass_tick([(0.0, -half_m - NEAR_M - 0.01)])
+    box.pass_ticks(foot_at(0.0, -half_m - NEAR_M - 0.01))
     assert box.n_moving == 0
-    box.pass_tick([(0.0, -half_m - NEAR_M + 0.01)])
+    box.pass_ticks(foot_at(0.0, -half_m - NEAR_M + 0.01))
     assert box.n_moving == 1

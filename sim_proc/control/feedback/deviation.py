@@ -71,5 +71,9 @@ class Deviation:
         What was learned before is forgotten, since a push from outside may have taught it.
         """
         self._more_m += self._capture.more_m
+        self.forget()
+
+    def forget(self) -> None:
+        """Expect no deviation, as at first: the robot has moved otherwise than planned."""
         self._usual_m, self._before_m = np.zeros(2), self._before_m[:0]
         self._errors_m2[:], self.late_ticks = 0.0, 0

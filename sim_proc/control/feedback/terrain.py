@@ -52,14 +52,6 @@ class Terrain:
         heights[leg] = -np.inf
         return heights
 
-    def down(self, foot_m: Floats, feet_m: Floats) -> Floats:
-        """The curve of a foot, (3,), that goes straight down until it is below the lowest of all feet, (4, 3)."""
-        depth_m = float(foot_m[2] - feet_m[:, 2].min()) + self._numbers.below_m
-        per_tick_m = self._numbers.reflex_m_s * CONTROL_PERIOD_S
-        curve = np.repeat(foot_m[None], max(ceil(depth_m / per_tick_m), 2), axis=0)
-        curve[:, 2] -= per_tick_m * np.arange(1, len(curve) + 1)
-        return curve
-
     def swing(self, feet_m: Floats, leg: int, target_m: Floats) -> Floats:
         """The curve of a foot to a place, (2,), from where all feet are, (4, 3); one point per tick, (n, 3).
 

@@ -16,6 +16,7 @@ from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.posture import Posture
 from sim_proc.control.steps import Steps
 from sim_proc.control.swing import search_swing
+from sim_proc.physics.landing import Landing
 from sim_proc.physics.physics import Physics
 from tests.robots import ROBOT
 from tests.sim.commands import held
@@ -191,3 +192,41 @@ def test_a_run_ends_before_the_lift_of_a_foot_if_another_one_is_off_the_floor(
     )
     log = physics.run(held(np.repeat(raised[None], 9, axis=0)), until)
     assert (len(log.qpos), log.not_down) == (n_ticks, not_down)
+
+
+N_TICKS, BLOCKED_TICK = 20, 12
+
+
+def blocked_from(late_steps: int, *, stops_at: int | None, offset_rad: float = 0.0) -> int | None:
+    """The first tick in which a leg counts as stopped, whose joints follow late, until one of them stops at a step."""
+    turns = 0.3 * np.sin(np.linspace(0.0, 3.0, 10 * N_TICKS))
+    turns[10 * BLOCKED_TICK :] = turns[10 * BLOCKED_TICK] - 0.001 * np.arange(10 * (N_TICKS - BLOCKED_TICK))
+    planned = np.repeat(turns[:, None], 12, axis=1)
+    measured = planned[np.maximum(np.arange(len(planned)) - late_steps, 0)] + offset_rad
+    if stops_at is not None:
+        measured[stops_at:, 2] = measured[stops_at, 2]
+    touchdown = Touchdown(
+        leg=0,
+        force_n=20.0,
+        lift_tick=0,
+        carried=(),
+        first_tick=6,
+        landing_tick=N_TICKS,
+        blocked_tick=BLOCKED_TICK,
+        stops_leg=True,
+    )
+    lag = slice(0, 12), planned.reshape(N_TICKS, 10, 12), np.full(12, 0.01)
+    landing = Landing(touchdown, slice(12, 16, 1), planned.reshape(N_TICKS, 10, 12), lag)
+    sensors = np.concatenate([measured, np.zeros((len(measured), 4))], axis=1).reshape(N_TICKS, 10, 16)
+    return next((tick for tick in range(N_TICKS) if landing.touched_down(tick, sensors[tick])), None)
+
+
+@pytest.mark.parametrize("late_steps", [0, 3, 30, 55])
+def test_a_leg_that_follows_late_or_with_an_offset_is_not_blocked(late_steps: int) -> None:
+    assert blocked_from(late_steps, stops_at=None) is None
+    assert blocked_from(late_steps, stops_at=None, offset_rad=0.005) is None
+
+
+@pytest.mark.parametrize("late_steps", [0, 30])
+def test_a_leg_is_blocked_as_soon_as_one_joint_stays_behind_while_the_others_move_on(late_steps: int) -> None:
+    assert blocked_from(late_steps, stops_at=150) == 16
