@@ -17,15 +17,12 @@ from agent_proc.figures import Figure, own_style, save_png
 from experiments.rows import RESULTS
 from experiments.tables import (
     circles,
-    docking,
-    handover,
     heavy_boxes,
     learning,
     learning_pictures,
     mass_sweep,
     missions,
     push_effect,
-    random_rooms,
     references,
     straight_push,
     unknown_boxes,
@@ -43,6 +40,7 @@ from experiments.tables.paper import (
 )
 from experiments.tables.reproduction import pictures as reproduction_pictures
 from experiments.tables.reproduction import tables as reproduction
+from experiments.tables.rooms import docking, handover, random_rooms
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 

@@ -13,6 +13,8 @@ from legpush.cli.commands import all_commands
 
 NEEDED: Final[dict[str, list[str]]] = {
     "evaluate": ["scripted"],
+    "compare": ["scripted"],
+    "curves": ["training"],
     "scenarios random": ["new.toml"],
     "map": ["map.csv", "--first-row", "top"],
     "record": ["new.mcap"],

@@ -1,0 +1,1 @@
+"""Tables of whole missions, most of them in random rooms."""
