@@ -13,7 +13,7 @@ def scripted_mission(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -
     own = tmp_path_factory.getbasetemp()
 
     def make(folder: Path) -> None:
-        flags = ("--scenario", "push", "--policy", "scripted", "--no-picture")
+        flags = ("push", "--policy", "scripted", "--no-picture")
         do_mission(folder / "run", *flags, "--record", str(folder / "mission.mcap"))
 
     return once((own if worker_id == "master" else own.parent) / "scripted-mission", make)

@@ -151,7 +151,7 @@ class RunningMission:
 def command(out: Path, seed: int) -> tuple[str, ...]:
     """Return the command of a mission in its folder; the same command goes on with it."""
     with as_file(files("legpush.soak") / "mission.toml") as scenario:
-        flags = ("--scenario", str(scenario), "--seed", str(seed), "--policy", "scripted")
+        flags = (str(scenario), "--seed", str(seed), "--policy", "scripted")
     number = sum(1 for _ in out.parent.glob(f"*{RECORDING}"))
     record = out.parent / f"{number}-{RECORDING}"
     return (*LEGPUSH, "run", *flags, "--no-video", "--no-picture", "--record", str(record), "--out", str(out))
