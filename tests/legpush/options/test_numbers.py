@@ -13,6 +13,7 @@ from legpush.cli.commands import all_commands
 
 NEEDED: Final[dict[str, list[str]]] = {
     "evaluate": ["scripted"],
+    "compare": ["scripted"],
     "scenarios random": ["new.toml"],
     "map": ["map.csv", "--first-row", "top"],
     "record": ["new.mcap"],
