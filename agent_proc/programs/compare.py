@@ -28,7 +28,7 @@ from agent_proc.studies.comparison.picture import save_picture
 from agent_proc.studies.comparison.tables import as_csv, as_json, as_text, entry_cells, kinds, versus_cells
 from agent_proc.studies.push_cell import task_of
 from agent_proc.studies.rows_of_study import rows_of_study
-from agent_proc.task.file import DEFAULT_TASK
+from agent_proc.task.file import DEFAULT_TASK, load_task
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.options.checks import require_writable_folder
@@ -36,7 +36,7 @@ from legpush.options.learning_tools import CompareOptions, dated
 from legpush.options.scenarios import changed_scenario
 from legpush.output.reply import document
 from legpush.scenarios.changes import parse_changes
-from legpush.scene.scenario import Scenario
+from legpush.scene.scenario import Goal
 from legpush.service import run_command, stop_on_signals
 from legpush.study.carry_out import Orders
 from legpush.study.engines.local import LocalEngine
@@ -70,6 +70,7 @@ def compare(options: CompareOptions, console: Console) -> int:
     require_held_out(seeds, chosen_on(cards_of(contestants)), "--seed")
     scenario = changed_scenario(options.scenario, options.changes)
     make_sweep(scenario, options.sweep, grid=True)
+    goal = scenario.goal if options.domain is None else load_task(options.domain, scenario).scenario.goal
     folder = options.out or dated("compare")
     require_writable_folder(folder, "--out")
     source = task_source(contestants) or DEFAULT_TASK
@@ -84,14 +85,12 @@ def compare(options: CompareOptions, console: Console) -> int:
             shown=partial(shown, console),
         )
         searched = {**_settings(options, source), "world": options.search_world}
-        constant = best_constant(
-            task, searched, scenario.goal, folder / "constants", partial(rows_of_study, orders=orders)
-        )
+        constant = best_constant(task, searched, goal, folder / "constants", partial(rows_of_study, orders=orders))
         study = _study(options, contestants, source, constant)
         rows = rows_of_study(study, folder / "study", orders)
     fields = [field for field, _ in map(parse_sweep, options.sweep)]
-    outcome = make_outcome(rows, contestants, options.against, constant, fields, scenario.goal)
-    _write(outcome, options, scenario, folder, console)
+    outcome = make_outcome(rows, contestants, options.against, constant, fields, goal)
+    _write(outcome, options, goal, folder, console)
     return 0
 
 
@@ -99,7 +98,11 @@ def _settings(options: CompareOptions, task: str) -> dict[str, Any]:
     """What all cells have in common, as a study file says it from any directory."""
     path = Path(options.scenario)
     scenario = str(path.absolute()) if path.is_file() else options.scenario
-    return {"scenario": scenario, "task": task, **parse_changes(options.changes)}
+    domain = options.domain
+    if domain is not None and Path(domain).is_file():
+        domain = str(Path(domain).absolute())
+    given = {} if domain is None else {"domain": domain}
+    return {"scenario": scenario, "task": task, **given, **parse_changes(options.changes)}
 
 
 def _study(options: CompareOptions, contestants: list[Contestant], task: str, constant: Action) -> Study:
@@ -117,7 +120,7 @@ def _study(options: CompareOptions, contestants: list[Contestant], task: str, co
     return read_study(tomli_w.dumps(file), "the comparison", allowed_policies=policies)
 
 
-def _write(outcome: Outcome, options: CompareOptions, scenario: Scenario, folder: Path, console: Console) -> None:
+def _write(outcome: Outcome, options: CompareOptions, goal: Goal, folder: Path, console: Console) -> None:
     """Print the tables, or JSON, and write all files.
 
     Raises:
@@ -127,14 +130,15 @@ def _write(outcome: Outcome, options: CompareOptions, scenario: Scenario, folder
     about = {
         "scenario": options.scenario,
         "changes": options.changes,
+        "domain": options.domain,
         "sweep": options.sweep,
         "world": options.world,
         "search_world": options.search_world,
         "first_seed": options.seed,
         "episodes": n,
         "policy": options.policy,
-        "position_tolerance_m": scenario.goal.position_tolerance_m,
-        "angle_tolerance_deg": scenario.goal.angle_tolerance_deg,
+        "position_tolerance_m": goal.position_tolerance_m,
+        "angle_tolerance_deg": goal.angle_tolerance_deg,
     }
     text = as_json(outcome, about)
     write_whole(folder / f"{NAME}.json", text)

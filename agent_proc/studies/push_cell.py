@@ -6,6 +6,7 @@ from pathlib import Path
 from time import thread_time
 from typing import Any, Final, cast
 
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -23,6 +24,7 @@ from agent_proc.studies.cell_parts import (
     sha256_of_policy,
 )
 from agent_proc.task.config import TaskConfig
+from agent_proc.task.domain import drawn_scenario
 from agent_proc.task.file import DEFAULT_TASK, load_task
 from legpush.errors import ConfigError
 from legpush.fields import Seed
@@ -65,6 +67,9 @@ class PushCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     action: tuple[float, ...] = ()
     """Action of the rival `constant`: w1, w2 and leg in [-1, 1], and with variable entry the depth; of discrete actions
     the indices."""
+    domain: str | None = None
+    """Task, built in or a file, whose domain and tolerances replace those of the scenario: each seed draws its own box
+    and goal."""
     world: str = DEFAULT_WORLD
     """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
     changes: dict[str, Any] = {}
@@ -94,7 +99,7 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
         ConfigError: There is no such world.
     """
     require_simulator(cell.world)
-    scenario = scenario_of(cell.scenario, cell.changes)
+    scenario = drawn_start(scenario_of(cell.scenario, cell.changes), cell.domain, cell.seed)
     is_rival = cell.policy in RIVALS
     if cell.action and cell.policy != "constant":
         raise ConfigError(f"Expected an action with the policy `constant` alone, got one with {cell.policy}")
@@ -110,6 +115,18 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
         action=cell.action,
         world=cell.world,
     )
+
+
+def drawn_start(scenario: Scenario, domain: str | None, seed: int) -> Scenario:
+    """The scenario of a start: with what its seed draws from the domain of a task, and the tolerances of that task.
+
+    Raises:
+        ConfigError: There is no such task.
+    """
+    if domain is None:
+        return scenario
+    task = load_task(domain, scenario)
+    return drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
 
 
 def task_of(name: str, scenario: Scenario) -> TaskConfig:

@@ -53,6 +53,9 @@ class CompareOptions:
     """Scenario with the robot ready to push, and the goal with its tolerances."""
     changes: Changes = ()
     """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
+    domain: Annotated[str | None, arg("NAME|FILE")] = None
+    """Task, or its file, whose domain and tolerances replace those of the scenario: each start draws its own box and
+    goal."""
     sweep: Annotated[Repeated[str], arg("FIELD=VALUE,...")] = ()
     """A field of the scenario and its values, such as box.mass_kg=0.1,0.5,0.9; given again, all combinations."""
     world: Annotated[str, arg("NAME")] = DEFAULT_WORLD

@@ -1,4 +1,6 @@
 from dataclasses import asdict
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -10,6 +12,7 @@ from agent_proc.policies.registry import make_policy
 from agent_proc.studies.push_cell import PUSH, PushCell, resolve
 from legpush.errors import ConfigError
 from legpush.lockstep.local import LocalWorld
+from legpush.scenarios.file import load_scenario
 from legpush.study.cells import columns_of
 from sim_proc.simulator import Simulator
 
@@ -40,6 +43,22 @@ def test_a_cell_is_an_episode_with_the_crc_of_its_last_state() -> None:
     }
     assert columns["n_cycles"] == 2
     assert list(columns) == [column.name for column in PUSH.columns if column.name != "decision_cpu_s"]
+
+
+def test_each_seed_draws_its_own_start_from_the_domain_of_a_task(tmp_path: Path) -> None:
+    task = tmp_path / "wide.toml"
+    tuned = (files("agent_proc.task") / "builtin" / "tuned.toml").read_text()
+    more = "[tolerance]\nposition_m = 0.01\n[domain]\ndistance_m = [0.3, 2.0]\ngoal_yaw_deg = [-20, 20]\n"
+    task.write_text(f"{tuned}\n{more}")
+    cells = [PushCell(seed=seed, policy="scripted", world="map", domain=str(task)) for seed in (1, 1, 2)]
+    first, again, other = (resolve(cell, ()).scenario for cell in cells)
+
+    assert first == again
+    assert first.goal.pose != other.goal.pose
+    assert first.goal.position_tolerance_m == 0.01
+    assert abs(first.goal.pose.yaw_deg) <= 20
+    assert first.goal.pose.yaw_deg != 0
+    assert resolve(PushCell(seed=1), ()).scenario.goal == load_scenario("push").goal
 
 
 def test_a_rival_has_the_actions_and_the_stop_rule_of_a_task() -> None:
