@@ -11,8 +11,8 @@ from legpush.options.maps import MapOptions
 from legpush.scenarios.changes import override, parse_changes
 from legpush.scenarios.file import load_with_map
 from legpush.scenarios.grid import merged_cells
-from legpush.scenarios.map_files import OccupancyMap, read_cells
-from legpush.scenarios.map_formats import CELL_SUFFIXES, MAP_SERVER_SUFFIXES, suffix_of
+from legpush.scenarios.maps.map_files import OccupancyMap, read_cells
+from legpush.scenarios.maps.map_formats import CELL_SUFFIXES, MAP_SERVER_SUFFIXES, suffix_of
 from legpush.scene.occupancy import occupancy_grid
 from legpush.scene.scenario import Scenario
 
@@ -67,7 +67,7 @@ def read_view(options: MapOptions) -> MapView:
     if suffix in CELL_SUFFIXES and options.cell_m is not None and options.first_row is not None:
         return _view_of_file(path.name, read_cells(path, options.cell_m, options.first_row))
     if suffix in MAP_SERVER_SUFFIXES:
-        from legpush.scenarios.map_server import read_map_server
+        from legpush.scenarios.maps.map_server import read_map_server
 
         return _view_of_file(path.name, read_map_server(path.parent, path.name))
     scenario, source = load_with_map(options.file)

@@ -23,7 +23,7 @@ from legpush.messages.schemas import MESSAGES
 from legpush.messages.stepping import Reset
 from legpush.scenarios.file import load_scenario
 from legpush.scenarios.grid import CellSource, MapSource
-from legpush.scenarios.map_server import MapServerFile
+from legpush.scenarios.maps.map_server import MapServerFile
 from legpush.scene.plan_settings import Anytime, Smoothing
 from legpush.scene.reference import Arcs, Left, Right, Sine, Straight
 from legpush.scene.robot_body import Joints

@@ -9,7 +9,7 @@ from legpush.bounds import Resolution
 from legpush.errors import ConfigError
 from legpush.fields import require
 from legpush.options.scenarios import Changes
-from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
+from legpush.scenarios.maps.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 
 
 @dataclass(frozen=True, kw_only=True)

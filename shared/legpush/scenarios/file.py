@@ -20,7 +20,7 @@ from legpush.scenarios.changes import override
 from legpush.scenarios.checks import scenario_faults
 from legpush.scenarios.grid import GRID_FIELDS, GridSource, frame_note, furnished, read_grid, take_grid
 from legpush.scenarios.lines import Lines, lines_of, located_faults
-from legpush.scenarios.map_files import OccupancyMap, file_inside
+from legpush.scenarios.maps.map_files import OccupancyMap, file_inside
 from legpush.scenarios.schema_faults import schema_faults
 from legpush.scene.names import PlannerName, Steering
 from legpush.scene.robot import RobotSpec

@@ -11,8 +11,8 @@ from legpush.arrays import Flags, Indices
 from legpush.bounds import MAX_OBSTACLES, Resolution
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
-from legpush.scenarios.map_files import OccupancyMap, file_inside, read_cells
-from legpush.scenarios.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
+from legpush.scenarios.maps.map_files import OccupancyMap, file_inside, read_cells
+from legpush.scenarios.maps.map_formats import CELL_SUFFIXES, IMAGE_SUFFIXES, MAP_SERVER_SUFFIXES, FirstRow, suffix_of
 from legpush.scene.scenario import Rectangle, Scenario
 from legpush.schema_errors import explain
 
@@ -82,7 +82,7 @@ def read_grid(grid: GridSource, folder: Traversable, where: str) -> OccupancyMap
     file = file_inside(folder, grid.grid_file, f"{where}: at `room.grid_file`")
     if isinstance(grid, CellSource):
         return read_cells(file, grid.cell_m, grid.first_row)
-    from legpush.scenarios.map_server import read_map_server
+    from legpush.scenarios.maps.map_server import read_map_server
 
     return read_map_server(folder, grid.grid_file)
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.kept import Kept
+from benchmarks.robot.kept import Kept
 from benchmarks.robot.motions import Done
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from legpush.errors import ScenarioError
 from legpush.scenarios.file import load_scenario, load_with_map
 from legpush.scenarios.grid import merged_cells
-from legpush.scenarios.map_files import read_cells
+from legpush.scenarios.maps.map_files import read_cells
 from tests.legpush.scenarios.map_examples import (
     CELL_M,
     CELLS,
@@ -139,7 +139,7 @@ def test_a_lone_cell_lies_where_its_row_and_column_say(tmp_path: Path) -> None:
 
 
 def test_the_example_of_a_ros_map_is_a_scenario_in_the_frame_of_the_map() -> None:
-    scenario, occupancy = load_with_map(Path(__file__).parents[3] / "examples" / "office" / "office.toml")
+    scenario, occupancy = load_with_map(Path(__file__).parents[4] / "examples" / "office" / "office.toml")
     assert occupancy is not None
     assert occupancy.unknown.any()
     assert (scenario.room.size_m, occupancy.origin_m) == ((10.0, 7.0), (-4.0, -2.5))

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 import yaml
 
-from legpush.scenarios.map_yaml import NO_YAML, RepeatedKeyError, plain_yaml
+from legpush.scenarios.maps.map_yaml import NO_YAML, RepeatedKeyError, plain_yaml
 
 
 @pytest.mark.parametrize(

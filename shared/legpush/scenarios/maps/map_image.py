@@ -14,7 +14,7 @@ from PIL import Image, ImageFile, PngImagePlugin, UnidentifiedImageError
 
 from legpush.arrays import Flags, Floats
 from legpush.errors import ScenarioError
-from legpush.scenarios.map_files import require_side
+from legpush.scenarios.maps.map_files import require_side
 
 FORMATS: Final = ("PPM", "PNG", "BMP", "JPEG")
 """Pillow's names of the formats; `PPM` includes PGM."""

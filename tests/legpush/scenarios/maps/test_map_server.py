@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from legpush.errors import ScenarioError
 from legpush.scenarios.file import load_scenario
-from legpush.scenarios.map_files import OccupancyMap
-from legpush.scenarios.map_server import read_map_server
+from legpush.scenarios.maps.map_files import OccupancyMap
+from legpush.scenarios.maps.map_server import read_map_server
 from tests.legpush.scenarios.map_examples import (
     FREE,
     UNKNOWN,

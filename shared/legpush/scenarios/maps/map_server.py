@@ -15,9 +15,9 @@ from msgspec import Meta, Struct
 from legpush.bounds import Coordinate, Resolution, Unit, Yaw
 from legpush.errors import MessageError, ScenarioError
 from legpush.messages.codec import convert
-from legpush.scenarios.map_files import OccupancyMap, file_inside
-from legpush.scenarios.map_image import read_image
-from legpush.scenarios.map_yaml import NO_YAML, RepeatedKeyError, plain_yaml
+from legpush.scenarios.maps.map_files import OccupancyMap, file_inside
+from legpush.scenarios.maps.map_image import read_image
+from legpush.scenarios.maps.map_yaml import NO_YAML, RepeatedKeyError, plain_yaml
 from legpush.schema_errors import explain
 
 YAW_TOLERANCE_RAD: Final = 1e-6

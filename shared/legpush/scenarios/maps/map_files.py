@@ -13,7 +13,7 @@ import numpy as np
 
 from legpush.arrays import Flags
 from legpush.errors import ScenarioError
-from legpush.scenarios.map_formats import FirstRow, suffix_of
+from legpush.scenarios.maps.map_formats import FirstRow, suffix_of
 
 MAX_MAP_SIDE: Final = 4096
 NO_ARRAY: Final = (ValueError, TypeError, OverflowError, OSError, EOFError, MemoryError, TokenError, BadZipFile)

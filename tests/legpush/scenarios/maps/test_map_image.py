@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from legpush.scenarios.map_image import BLOCK_ROWS, MapImage, read_image
-from legpush.scenarios.map_server import read_map_server
+from legpush.scenarios.maps.map_image import BLOCK_ROWS, MapImage, read_image
+from legpush.scenarios.maps.map_server import read_map_server
 from tests.legpush.scenarios.map_examples import COLOR, COLOR_ALPHA, GREY, GREY_ALPHA, png_of, write_yaml
 
 MEAN = (Fraction(1, 3),) * 3

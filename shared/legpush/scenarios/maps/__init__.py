@@ -1,0 +1,1 @@
+"""Rooms from grids in files: CSV, NumPy, images and ROS maps."""
