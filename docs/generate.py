@@ -5,8 +5,8 @@ These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, 
 studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
 of endings in `run.md`; all commands in `commands.md` and all public names in `api.md`; the tasks and their terms in
 `learn.md`; the environments in `environment.md`; and the claims of the paper in `paper.md`. Everything between the
-lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. `llms.txt` lists all
-pages for programs that read them. A test fails when a generated part is stale.
+lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. `llms.txt` lists
+all pages for programs that read them. A test fails when a generated part is stale.
 """
 
 import json
