@@ -34,6 +34,7 @@ from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
 from legpush.options.scenarios import changed_scenario
 from legpush.output.reply import document
+from legpush.output.screen import can_draw_over
 from legpush.plugins import why_not_loaded
 from legpush.runs.folder import COMMAND_FILE, LOGS, own_folder
 from legpush.scenarios.changes import override, parse_changes
@@ -248,7 +249,7 @@ def _shown(console: Console) -> Iterator[Any]:
     )
     best: list[object] = [None]
     lines = 0
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+    with Progress(*columns, console=console, disable=not can_draw_over(console)) as bar:
         task = bar.add_task("learning", total=None, numbers="")
 
         def show(progress: training_plan.Progress) -> None:
@@ -257,7 +258,7 @@ def _shown(console: Console) -> Iterator[Any]:
             if progress.mean_return is not None and progress.success_rate is not None:
                 numbers += f", return {progress.mean_return:.2f}, success {progress.success_rate:.0%}"
             bar.update(task, description=progress.doing, completed=progress.step, total=progress.steps, numbers=numbers)
-            if not console.is_terminal and N_LINES * progress.step // progress.steps > lines:
+            if not can_draw_over(console) and N_LINES * progress.step // progress.steps > lines:
                 lines = N_LINES * progress.step // progress.steps
                 console.print(Text(f"{progress.doing} {numbers}"), soft_wrap=True)
             if progress.best is not None and progress.best is not best[0]:

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from rich.text import Text
 
 from legpush.errors import one_line, printable
-from legpush.output.screen import Screen
+from legpush.output.screen import Screen, can_draw_over
 
 PLAIN_PERIOD_S: Final = 5.0
 """Least time between two lines of one phase where lines cannot be overwritten."""
@@ -32,7 +32,7 @@ class Display(AbstractContextManager["Display"], Protocol):
 
 def make_display(console: Console) -> Display:
     """Return a live display on a terminal, and one that prints plain lines elsewhere."""
-    return LiveDisplay(console) if console.is_terminal else PlainDisplay(console)
+    return LiveDisplay(console) if can_draw_over(console) else PlainDisplay(console)
 
 
 class LiveDisplay:

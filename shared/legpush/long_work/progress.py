@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
+from legpush.output.screen import can_draw_over
+
 PERIOD_S: Final = 5.0
 """Least time between two lines where no bar can be drawn."""
 
@@ -21,7 +23,7 @@ def counted(
 
     `what` is done with each of them, such as `evaluating` with `unit` `episodes`; `done` were done before.
     """
-    if console.is_terminal:
+    if can_draw_over(console):
         with _bar(console) as bar:
             task = bar.add_task(what, total=total, completed=done)
             yield lambda: bar.advance(task)
@@ -50,7 +52,7 @@ def pieces(console: Console, what: str, clock: Callable[[], float] = monotonic) 
         nonlocal shown_s
         if console.quiet:
             return
-        if console.is_terminal:
+        if can_draw_over(console):
             console.file.write(f"\r{n_done} of {n_all} pieces" if n_done < n_all else "\r\033[K")
             console.file.flush()
         elif (now_s := clock()) - shown_s >= PERIOD_S:

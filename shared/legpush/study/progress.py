@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
+from legpush.output.screen import can_draw_over
 from legpush.study.runner import Tally
 
 LINE_S: Final = 10.0
@@ -20,7 +21,7 @@ def shown(console: Console, more: Callable[[], str] = str) -> Iterator[Callable[
     """Yield a function that shows a tally; `more` says what else is known of the cells that run."""
     began_s = last_s = monotonic()
     columns = (BarColumn(), TextColumn("{task.fields[text]}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+    with Progress(*columns, console=console, disable=not can_draw_over(console)) as bar:
         task = bar.add_task("cells", total=None, text="")
 
         def show(tally: Tally) -> None:
@@ -28,7 +29,7 @@ def shown(console: Console, more: Callable[[], str] = str) -> Iterator[Callable[
             now_s = monotonic()
             text = ", ".join(part for part in (line(tally, now_s - began_s), more()) if part)
             bar.update(task, total=tally.n_cells, completed=tally.n_done + tally.n_failed, text=text)
-            if not console.is_terminal and now_s - last_s >= LINE_S:
+            if not can_draw_over(console) and now_s - last_s >= LINE_S:
                 last_s = now_s
                 console.print(Text(text), soft_wrap=True)
 

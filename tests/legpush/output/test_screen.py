@@ -1,8 +1,11 @@
 """A screen that cannot be drawn on is given up, and nobody has to care."""
 
-import pytest
+import io
 
-from legpush.output.screen import Screen
+import pytest
+from rich.console import Console
+
+from legpush.output.screen import Screen, can_draw_over
 
 
 @pytest.mark.parametrize(
@@ -28,3 +31,15 @@ def test_other_errors_are_not_hidden(error: BaseException) -> None:
 
     with pytest.raises(type(error)):
         Screen().draw(fail)
+
+
+@pytest.mark.parametrize(
+    ("force_terminal", "colours", "expected"),
+    [(True, "", True), (True, "1", False), (False, "1", False), (None, "", False)],
+)
+def test_colours_alone_are_no_terminal(
+    force_terminal: bool | None, colours: str, expected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", colours)
+    console = Console(file=io.StringIO(), force_terminal=force_terminal)
+    assert can_draw_over(console) is expected
