@@ -49,6 +49,10 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "study merge": ("study", "merge", STUDY, "--out", "merged"),
     "bench soak": ("bench", "soak", "--out", "soak", "--cells", "kill-sim-walking"),
     "bench faults": ("bench", "faults"),
+    "examples list": ("examples", "list"),
+    "examples copy": ("examples", "copy", "mine"),
+    "doctor": ("doctor",),
+    "completion": ("completion", "bash"),
     "help": ("--help",),
 }
 ENDLESS: Final = {"record": (0, 1), "view": (0,)}

@@ -17,7 +17,7 @@ from tests.system.hostile import ATTACKS, Hostile, hostile
 from tests.system.missions import report_of, running_mission
 
 MISSION = mission(8)
-APART = {"wall_time_s", "real_time_factor", "recording"}
+APART = {"wall_time_s", "real_time_factor", "recording", "command"}
 """What the reports of equal missions do not share."""
 
 

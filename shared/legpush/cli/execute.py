@@ -81,7 +81,7 @@ def _copy_scenario(command: CopyScenario) -> int:
 
 @execute.register
 def _list_examples(_: ListExamples) -> int:
-    from legpush.scenarios.example_files import example_files
+    from legpush.cli.example_files import example_files
 
     files = example_files()
     sys.stdout.write("".join(f"{name}\n" for name in files))
@@ -91,7 +91,7 @@ def _list_examples(_: ListExamples) -> int:
 
 @execute.register
 def _copy_examples(command: CopyExamples) -> int:
-    from legpush.scenarios.example_files import copy_examples
+    from legpush.cli.example_files import copy_examples
 
     files = copy_examples(command.folder)
     sys.stdout.write("".join(f"wrote {path}\n" for path in files))

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from legpush.cli import main
+from legpush.cli import example_files, main
+from legpush.cli.example_files import copy_examples
 from legpush.errors import ConfigError
-from legpush.scenarios import example_files
-from legpush.scenarios.example_files import copy_examples
 
 
 def test_all_examples_of_the_checkout_are_copied(tmp_path: Path) -> None:
