@@ -31,7 +31,10 @@ def _errors(plain: Any, kind: Any, convert: Convert, path: str) -> Iterator[str]
         inner = [*_names(plain, kind, path)]
         for part, part_kind, part_path in _parts(plain, kind, path):
             inner += _errors(part, part_kind, convert, part_path)
-        yield from inner or [_moved(str(error), path)]
+        if not inner or not LOCATED.match(str(error)):
+            # The fault is that of the value as a whole, such as the length of an array, whatever its parts are.
+            inner.insert(0, _moved(str(error), path))
+        yield from inner
 
 
 def _names(plain: Any, kind: Any, path: str) -> Iterator[str]:
