@@ -5,13 +5,17 @@ from pathlib import Path
 
 import pytest
 
+from agent_proc.profiles.profile import load_profile
+from agent_proc.studies.tuning.space import load_space
 from agent_proc.task.file import load_task, task_names
 from agent_proc.task.terms import OWN
 from docs import generate, term_tables
 from tests.docs.test_pages import CODE
 
 TEXT = generate.LEARN.read_text()
-FILES = [text for language, text in CODE.findall(TEXT) if language == "toml" and "entry-points" not in text]
+TOML = [text for language, text in CODE.findall(TEXT) if language == "toml" and "entry-points" not in text]
+SPACES = [text for text in TOML if "[search." in text]
+FILES = [text for text in TOML if text not in SPACES]
 
 
 def test_the_generated_parts_of_the_page_are_up_to_date() -> None:
@@ -33,3 +37,11 @@ def test_the_task_files_on_the_page_can_be_loaded(tmp_path: Path, text: str) -> 
     path.write_text(text)
 
     assert load_task(str(path)).description
+
+
+@pytest.mark.parametrize("text", SPACES)
+def test_the_search_spaces_on_the_page_can_be_loaded(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "space.toml"
+    path.write_text(text)
+
+    assert len(load_space(str(path), load_profile("tuned")).parameters) > 1
