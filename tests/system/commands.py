@@ -17,10 +17,16 @@ CUT: Final = "cut.mcap"
 RUN: Final = "RUN"
 STUDY: Final = "STUDY"
 """Words for a short recording, for one that is cut off, for the folder of its run, and for that of a study."""
+VARIABLE: Final = str(Path(__file__).parents[2] / "agent_proc" / "policies" / "variable")
+"""Folder of a policy."""
 COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "run": ("run", "push", "--out", "run", "--no-video", "--record", "new.mcap"),
     "run with a film": ("run", "push", "--out", "run"),
     "train": ("train", "--simulators", "1", "--steps", "512", "--out", "policy"),
+    "train with seeds": ("train", "--seeds", "1,2", "--world", "map", "--workers", "1", "--out", "policies"),
+    "compare": ("compare", "scripted", "--world", "map", "--workers", "1", "--out", "compared"),
+    "curves": ("curves", VARIABLE, "--out", "curves.png"),
+    "tune": ("tune", "--trials", "2", "--steps", "256", "--workers", "1", "--out", "tuned"),
     "evaluate": ("evaluate", "scripted", "--episodes", "8", "--simulators", "1", "--out", "evaluated"),
     "calibrate": ("calibrate", "--simulators", "1", "--out", "map.json"),
     "plan-check": ("plan-check", "--out", "found.json", "--", sys.executable, "-m", "planner_proc"),
