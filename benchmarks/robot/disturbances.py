@@ -1,6 +1,6 @@
 """`python -m benchmarks.robot.disturbances`: walks and pushes in worlds that are not as they are taken to be.
 
-Control is not told of it. The numbers go to `results/disturbances.json`. It takes 40 min of CPU, and can be interrupted
+Control is not told of it. The numbers go to `results/disturbances.json`. It takes 8 min of CPU, and can be interrupted
 at any time: the same command goes on, from results in `runs/benchmarks`.
 """
 

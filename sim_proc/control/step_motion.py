@@ -87,7 +87,9 @@ class StepMotion:
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
-        least_m = None if leg is None else self._terrain.least_heights_m(posture.feet_m, leg)
+        # Feet that sink are not told from feet that come late.
+        told = leg is not None and self._deviation.late_ticks == 0
+        least_m = self._terrain.least_heights_m(posture.feet_m, leg) if told and leg is not None else None
         watch = self._deviation.watch(plan, n, least_m)
         watch.pressing_n = self._pressing_n
         log = posture.track(
