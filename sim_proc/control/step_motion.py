@@ -26,6 +26,8 @@ LAST_SHARE: Final = 0.05
 it again before it rises; with twice as much it would push itself off."""
 LIFTED_SHARE: Final = 1e-4
 """Share of its full load planned for a foot in the air: nothing, but the forces stay determined."""
+TOLD_TICKS: Final = 2
+"""Feet that have slipped are told from feet that come late if motions are at most this much later than planned."""
 OTHERS: Final = tuple([leg for leg in range(len(LEGS)) if leg != lifted] for lifted in range(len(LEGS)))
 """The feet that stand while each leg is up."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
@@ -87,8 +89,7 @@ class StepMotion:
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
-        # Feet that sink are not told from feet that come late.
-        told = leg is not None and self._deviation.late_ticks == 0
+        told = leg is not None and self._deviation.late_ticks <= TOLD_TICKS
         least_m = self._terrain.least_heights_m(posture.feet_m, leg) if told and leg is not None else None
         watch = self._deviation.watch(plan, n, least_m)
         watch.pressing_n = self._pressing_n
