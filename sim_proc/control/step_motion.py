@@ -106,7 +106,7 @@ class StepMotion:
             uncorrected,
         )
         if not log.left_plan:
-            self._deviation.learn(watch)
+            self._deviation.learn(watch, rough=self._terrain.rough)
         last = len(log.qpos) - 1
         posture.com_state = plan.state(last)
         posture.yaw_rate_rad_s = float(yaw_rate[last])
