@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import tyro
 
-from benchmarks.kept import Kept
 from benchmarks.report import write_report
+from benchmarks.robot.kept import Kept
 from benchmarks.robot.motions import Done, curved_walk, pushes, summary
 from legpush.realism.settings import FloorTiles, Gusts, Realism
 

@@ -20,9 +20,9 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from agent_proc.statistics.intervals import mean, median
-from benchmarks.kept import Kept
 from benchmarks.push_cycle import TimedSimulator
 from benchmarks.report import write_report
+from benchmarks.robot.kept import Kept
 from benchmarks.robot.motions import curved_walk
 from experiments.tables.parts import plain
 from legpush.arrays import Flags, Floats

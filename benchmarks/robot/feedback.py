@@ -20,9 +20,9 @@ from unittest.mock import patch
 import tyro
 from msgspec.structs import replace
 
-from benchmarks.kept import Kept
 from benchmarks.report import write_report
 from benchmarks.robot.edges import floor_with_edge
+from benchmarks.robot.kept import Kept
 from benchmarks.robot.motions import Done, curved_walk, pushes, straight_walk
 from legpush.realism.settings import FloorTiles, Gusts, PoseSensor, Profile, Realism
 from legpush.scene.conventions import CONTROL_PERIOD_S

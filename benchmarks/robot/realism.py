@@ -24,8 +24,8 @@ from agent_proc.mission.mission import run_mission
 from agent_proc.policies.registry import make_policy
 from agent_proc.statistics.intervals import mean, share
 from agent_proc.studies.cell_parts import planner
-from benchmarks.kept import Kept
 from benchmarks.report import write_report
+from benchmarks.robot.kept import Kept
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
 from legpush.realism.settings import Profile

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.kept import Kept
+from benchmarks.robot.kept import Kept
 
 Row = dict[str, Any]
 
