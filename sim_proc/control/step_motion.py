@@ -26,6 +26,8 @@ LAST_SHARE: Final = 0.05
 it again before it rises; with twice as much it would push itself off."""
 LIFTED_SHARE: Final = 1e-4
 """Share of its full load planned for a foot in the air: nothing, but the forces stay determined."""
+TOLD_TICKS: Final = 2
+"""Feet that have slipped are told from feet that come late if motions are at most this much later than planned."""
 OTHERS: Final = tuple([leg for leg in range(len(LEGS)) if leg != lifted] for lifted in range(len(LEGS)))
 """The feet that stand while each leg is up."""
 CAUTION: Final = ((0, 0.0), (5, 0.0), (10, 1.5), (15, 3.0), (15, 6.0))
@@ -87,7 +89,8 @@ class StepMotion:
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
-        least_m = None if leg is None else self._terrain.least_heights_m(posture.feet_m, leg)
+        told = leg is not None and self._deviation.late_ticks <= TOLD_TICKS
+        least_m = self._terrain.least_heights_m(posture.feet_m, leg) if told and leg is not None else None
         watch = self._deviation.watch(plan, n, least_m)
         watch.pressing_n = self._pressing_n
         log = posture.track(
@@ -103,7 +106,7 @@ class StepMotion:
             uncorrected,
         )
         if not log.left_plan:
-            self._deviation.learn(watch)
+            self._deviation.learn(watch, rough=self._terrain.rough)
         last = len(log.qpos) - 1
         posture.com_state = plan.state(last)
         posture.yaw_rate_rad_s = float(yaw_rate[last])

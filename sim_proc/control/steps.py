@@ -55,8 +55,10 @@ class Steps(StepMotion):
         """
         self.without_floor, self.captured, self._missed = None, False, False
         logs = self._step(ahead, swing, lands=lands, planned=planned)
-        for _ in range(MOST_AGAIN):
-            if not self._missed or self.posture.plant.fallen or logs[-1].left_plan:
+        for n_again in range(MOST_AGAIN):
+            # A foot that is far from its place even the second time, as with commands that come late, stays there.
+            stays = not self._missed or (n_again > 0 and not self._rests)
+            if stays or self.posture.plant.fallen or logs[-1].left_plan:
                 break
             ahead = [replace(ahead[0], shift_ticks=0, target_m=self._next_place_m(ahead[0])), *ahead[1:]]
             logs.append(self._lift_and_swing(ahead, None, lands=True))
@@ -90,7 +92,7 @@ class Steps(StepMotion):
         logs: list[TickLog] = []
         if self._terrain.rough:
             for _ in range(posture.plant.robot.capture.most_trots + 1):
-                logs += self._recover([])
+                logs += self._recover(Footing(posture).run(), slipped=True)
                 if posture.plant.fallen or not logs[-1].left_plan:
                     return logs
             lifted = None
@@ -104,19 +106,18 @@ class Steps(StepMotion):
                 break
         return logs
 
-    def _recover(self, logs: list[TickLog]) -> list[TickLog]:
-        """Come to rest after a motion that was not planned."""
+    def _recover(self, logs: list[TickLog], *, slipped: bool = False) -> list[TickLog]:
+        """Come to rest after a motion that was not planned: after a trot, or where feet slipped off an edge."""
         posture = self.posture
-        if self._terrain.rough and not posture.plant.fallen:
-            logs += Footing(posture).run()
-            self._deviation.forget()
         if posture.plant.fallen:
             return logs
+        if slipped:
+            self._deviation.forget()
         self.captured, self.landed, self._carried = True, None, ()
-        posture.resume(self._touchdown_m, self._contact_n, uneven=self._terrain.rough)
+        posture.resume(self._touchdown_m, self._contact_n, uneven=slipped)
         self._terrain.feel(posture.feet_m, missed=False)
         posture.height_goal_m = self._terrain.trunk_height_m(posture.feet_m)
-        logs.append(self._come_to_rest())
+        logs.append(self._come_to_rest(UNLEVELLED if slipped else None))
         self._footholds_m = posture.feet_m.copy()
         return logs
 
@@ -187,11 +188,14 @@ class Steps(StepMotion):
         self.posture.com_state[1:] = 0.0
         return log
 
-    def _come_to_rest(self) -> TickLog:
-        """The same, up to where the robot is too far from that plan, and without measuring the feet before."""
+    def _come_to_rest(self, uncorrected: Floats | None) -> TickLog:
+        """The same, up to where the robot is too far from that plan, and without measuring the feet before.
+
+        `uncorrected` is the share of a correction that is left after each of the first ticks, if not the usual one.
+        """
         posture = self.posture
         step, plan = self._plan([rest(self._gait, posture.feet_m[:, :2].mean(axis=0), posture.yaw_rad)])
-        log = self._move(step, plan, None, None, uncorrected=UNLEVELLED if self._terrain.rough else None)
+        log = self._move(step, plan, None, None, uncorrected=uncorrected)
         posture.com_state[1:] = 0.0
         return log
 

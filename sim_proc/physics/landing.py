@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from math import ceil
 from typing import Final
 
 import numpy as np
@@ -50,6 +51,7 @@ class Landing:
         self._force = forces.start + forces.step * touchdown.leg
         """Column of the vertical force of the foot."""
         self._measured, positions, self._allowed_rad = joints
+        self._sensed_late_steps = late_steps
         self._positions = _earlier(positions, late_steps) if late_steps else positions
         self._flown: dict[int, Floats] = {}
         """Measured angles of the leg at the ends of the ticks of its flight."""
@@ -116,7 +118,8 @@ class Landing:
         behind_rad = (
             self._positions.reshape(-1, self._positions.shape[-1])[np.maximum(steps, 0), self._joints] - measured
         )
-        if tick == self._touchdown.blocked_tick:
+        slow_tick = self._touchdown.blocked_tick + ceil((self._late_steps + self._sensed_late_steps) / len(measured))
+        if tick <= slow_tick:
             self._usual_rad = behind_rad[-1]
         suddenly = np.abs(behind_rad - self._usual_rad) > SUDDEN_SHARE * allowed_rad
         return bool(((np.abs(behind_rad) > allowed_rad) | suddenly).any(axis=1).all())

@@ -92,6 +92,28 @@ def test_a_place_without_a_number_is_an_error(walks: Path, place: str, message: 
         shown(walks, place)
 
 
+@pytest.mark.parametrize(
+    ("line", "shown_lines"),
+    [
+        ("? | {walks:n} |", ["| 3 |"]),
+        ("? | {walks:n} | {walks:missing} |", []),
+        ("? | {runs:n} |", []),
+        ("| {walks:n} |", ["| 3 |"]),
+    ],
+)
+def test_a_line_is_left_out_as_long_as_one_of_its_numbers_has_not_been_measured(
+    walks: Path, monkeypatch: pytest.MonkeyPatch, line: str, shown_lines: list[str]
+) -> None:
+    def read(source: str) -> object:
+        if source != "walks":
+            raise numbers.NumberError(source)
+        return NUMBERS
+
+    monkeypatch.setattr(numbers, "read", read)
+    (walks / "page.md").write_text(f"{{walks:n}}\n{line}\n")
+    assert numbers.filled_template("page").partition("\n\n")[0].splitlines() == ["3", *shown_lines]
+
+
 def test_the_kinds_of_intervals_are_those_that_a_text_shows(walks: Path) -> None:
     shown = "{walks:n}, {walks:error_m|cm.2}, {walks:error_m|cm.1}, {walks:worst_m|cm.0}, {walks:alone|x.1}"
 

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from benchmarks.report import RESULTS as BENCHMARKS
 from benchmarks.tables.__main__ import PICTURES as BENCHMARK_PICTURES
 from benchmarks.tables.__main__ import TEXTS as BENCHMARK_TEXTS
-from experiments.rows import RESULTS
-from experiments.tables import heavy_boxes, unseen
+from experiments.rows import RESULTS, read_rows
+from experiments.tables import heavy_boxes, random_rooms, unseen
 from experiments.tables.__main__ import PICTURES, TEXTS, Config, make
 from experiments.tables.unknown_boxes import _name
 from legpush.errors import ConfigError
@@ -72,3 +72,14 @@ def test_a_box_is_named_by_what_differs_from_the_nominal_one() -> None:
     assert _name(box) == "default"
     assert _name(box | {"mass_kg": 0.9, "friction": 0.3}) == "0.9 kg, friction 0.3"
     assert _name(box | {"shape": "cylinder", "size_m": [0.5, 0.5, 0.4]}) == "cylinder, 0.5 m"
+
+
+def test_rooms_of_both_profiles_are_compared_room_by_room() -> None:
+    first, *_ = read_rows("unseen_rooms").rows
+    good, bad = first | {"success": True}, first | {"success": False, "reason": "stuck"}
+    ideal = [row | {"realism.profile": "ideal", "seed": seed} for seed, row in enumerate((good, good, bad))]
+    real = [row | {"realism.profile": "real", "seed": seed} for seed, row in enumerate((good, bad, good))]
+    found = random_rooms.compare([*ideal, *real])
+    assert (found["n_only_ideal"], found["n_only_real"]) == (1, 1)
+    assert found["profiles"]["real"]["causes"] == {"stuck": 1}
+    assert found["profiles"]["ideal"]["successes"] == 2

@@ -20,6 +20,7 @@ TRAININGS: Final = {
     "learns_fixed": "reproduction_learns_fixed",
     "learns_variable": "reproduction_learns_variable",
     "observation": "reproduction_observation",
+    "release": "reproduction_release",
 }
 """Study of each variant that has one of its own."""
 RULES: Final = ("reproduction_rules", "reproduction_rules_one")

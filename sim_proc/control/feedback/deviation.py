@@ -49,15 +49,18 @@ class Deviation:
         """The divergent component after each of the first ticks of a plan that is carried out late, (n, 2)."""
         return self._planned_m[LATE_TICKS - n_late :][:n_ticks]
 
-    def learn(self, watch: Watch) -> None:
-        """Take the deviation of a motion that was carried out for the usual one, little by little."""
+    def learn(self, watch: Watch, *, rough: bool) -> None:
+        """Take the deviation of a motion that was carried out for the usual one, little by little.
+
+        Feet that find their places on a rough floor deviate as late ones do: nothing is learned of a delay there.
+        """
         n_ticks = len(watch.deviations_m)
         if n_ticks == 0:
             return
         self._before_m = self._planned_m[n_ticks : n_ticks + LATE_TICKS]
         kept = exp(-n_ticks / self._capture.adapt_ticks)
         self._more_m *= exp(-n_ticks / self._capture.forget_ticks)
-        if self.late_ticks > 0 or float(np.abs(watch.deviations_m).max()) > self._capture.small_m:
+        if not rough and (self.late_ticks > 0 or float(np.abs(watch.deviations_m).max()) > self._capture.small_m):
             errors = [watch.reached_m - self._late(late, n_ticks) for late in range(LATE_TICKS + 1)]
             self._errors_m2 = kept * self._errors_m2 + np.array([float((error**2).mean()) for error in errors])
             best = int(np.argmin(self._errors_m2))

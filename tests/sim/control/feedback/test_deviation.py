@@ -25,7 +25,7 @@ def has_alarm(deviation: Deviation, beside_m: float, n_ticks: int = 20) -> bool:
     com = np.tile([beside_m, 0.0, HEIGHT_M], (n_ticks, 1))
     alarm = watch.alarm(com, np.zeros_like(com), np.zeros((n_ticks, 4, 3)))
     if alarm is None:
-        deviation.learn(watch)
+        deviation.learn(watch, rough=False)
     return alarm is not None
 
 
@@ -50,7 +50,7 @@ def test_after_a_trot_more_is_allowed_for_a_while_up_to_a_bound() -> None:
 
 def test_a_motion_of_no_tick_teaches_nothing() -> None:
     deviation = Deviation(CAPTURE, HEIGHT_M)
-    deviation.learn(deviation.watch(standing(3), 3))
+    deviation.learn(deviation.watch(standing(3), 3), rough=False)
     assert has_alarm(deviation, 0.07)
 
 
@@ -72,5 +72,5 @@ def test_a_robot_that_does_everything_late_is_where_it_was_to_be_before(late_tic
         com, velocity = np.zeros((n_ticks, 3)), np.zeros((n_ticks, 3))
         com[:, 0], velocity[:, 0] = np.sin(5 * earlier_s) * speed_m_s / 5, np.cos(5 * earlier_s) * speed_m_s
         watch.alarm(com, velocity, np.zeros((n_ticks, 4, 3)))
-        deviation.learn(watch)
+        deviation.learn(watch, rough=False)
     assert deviation.late_ticks == late_ticks
