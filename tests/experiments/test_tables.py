@@ -10,8 +10,9 @@ from benchmarks.report import RESULTS as BENCHMARKS
 from benchmarks.tables.__main__ import PICTURES as BENCHMARK_PICTURES
 from benchmarks.tables.__main__ import TEXTS as BENCHMARK_TEXTS
 from experiments.rows import RESULTS, read_rows
-from experiments.tables import heavy_boxes, random_rooms, unseen
+from experiments.tables import heavy_boxes, unseen
 from experiments.tables.__main__ import PICTURES, TEXTS, Config, make
+from experiments.tables.rooms import random_rooms
 from experiments.tables.unknown_boxes import _name
 from legpush.errors import ConfigError
 

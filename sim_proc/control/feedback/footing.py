@@ -13,8 +13,8 @@ from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
 from sim_proc.gravity import GRAVITY_M_S2
 
-REGAIN_M: Final = 0.12
-"""How far below its place a foot looks for the floor."""
+REGAIN_SHARE: Final = 0.25
+"""How far below its place a foot looks for the floor, as a share of the height at which the robot stands."""
 HOLD_TICKS: Final = 8
 """How long the robot holds its legs after the last foot has landed."""
 IN_AIR_SHARE: Final = 1e-4
@@ -31,7 +31,7 @@ class Footing:
         self._mass_kg = posture.plant.mass_kg
         self._contact_n = robot.gait.contact_share * self._mass_kg * GRAVITY_M_S2
         self._per_tick_m = robot.rough.reflex_m_s * CONTROL_PERIOD_S
-        self._most_ticks = ceil(REGAIN_M / self._per_tick_m)
+        self._most_ticks = ceil(REGAIN_SHARE * robot.stance.height_m / self._per_tick_m)
 
     def run(self) -> list[TickLog]:
         """Lower all feet that carry nothing, each until it has felt something or has gone down as far as it may.
