@@ -65,7 +65,7 @@ def test_a_task_is_taken_as_it_is() -> None:
         ),
         ({"reward": {"fal": {}}}, ConfigError, "at `reward.fal`: expected one of the terms corner_distance, .*'fal'"),
         ({"world": None, "simulator": "moon"}, PluginError, r"a simulator \(.*mujoco.*\), got 'moon'"),
-        ({"render_mode": "human"}, TypeError, "unexpected keyword argument 'render_mode'.*'human'"),
+        ({"colour": "red"}, ConfigError, "Expected settings among .*, got colour"),
     ],
 )
 def test_an_argument_that_cannot_be_used_is_refused(
