@@ -12,7 +12,11 @@ from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_json, made_of
 from experiments.tables.reproduction.summaries import training_numbers
 
-STUDIES: Final = {"fixed": "reproduction_learns_fixed", "variable": "reproduction_learns_variable"}
+STUDIES: Final = {
+    "fixed": "reproduction_learns_fixed",
+    "variable": "reproduction_learns_variable_simulator",
+    "variable_on_map": "reproduction_learns_variable",
+}
 RULES: Final = "reproduction_rules_one"
 LEARNED: Final = 0.8
 """A training has learned if its last policy succeeds in this share of the starts."""

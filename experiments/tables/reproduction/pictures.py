@@ -38,7 +38,7 @@ def pictures() -> dict[str, Figure]:
     """Draw all pictures."""
     studies = read_studies()
     factorial, ladder = studies[MAP].rows, studies[LADDER].rows
-    learns = [studies[TRAININGS[f"learns_{entry}"]].rows for entry in ("fixed", "variable")]
+    learns = [studies[TRAININGS[f"learns_{entry}"]].rows for entry in ("fixed", "variable_simulator")]
     return {
         "reproduction_curves.png": curves_figure(*learns),
         "reproduction_release.png": release_figure(rungs(ladder, factorial)[0][1]),

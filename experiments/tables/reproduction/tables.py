@@ -19,6 +19,7 @@ LADDER: Final = "reproduction_ladder"
 TRAININGS: Final = {
     "learns_fixed": "reproduction_learns_fixed",
     "learns_variable": "reproduction_learns_variable",
+    "learns_variable_simulator": "reproduction_learns_variable_simulator",
     "observation": "reproduction_observation",
     "release": "reproduction_release",
 }
