@@ -55,7 +55,7 @@ napoleon_numpy_docstring = False
 # Notebooks call `legpush`, whose command lies beside this interpreter.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 
-_LINK: Final = re.compile(r"\[([^\]\n]+)\]\(((?!https?://)[^)#\s]+)(#[^)\s]*)?\)")
+_LINK: Final = re.compile(r"\[([^\]]+)\]\(((?!https?://)[^)#\s]+)(#[^)\s]*)?\)")
 _EXTERNAL: Final = re.compile(r'<a class="reference external" href="(https?://[^"#]+)')
 
 
