@@ -48,6 +48,7 @@ class Docking:
             MissionEndedError: The push cycles are used up, or what a motion raises.
         """
         unreachable: set[Face] = set()
+        self._space = None
         for n_done in range(MAX_MOVES):
             error = self._actor.box_error()
             if not self._is_near():

@@ -63,11 +63,11 @@ class DockSearch:
             _, _, spent_s, node = heapq.heappop(queue)
             if spent_s > best[_cell(node)]:
                 continue
-            if self._is_there(node):
-                return _moves(came, node)
             pose = Pose2(x_m=node[0], y_m=node[1], yaw_rad=node[2])
             if node != start and node[3] is not None and not is_free(pose, node[3]):
                 continue
+            if self._is_there(node):
+                return _moves(came, node)
             walked = node in came and isinstance(came[node][1], DockWalk)
             for move, after, takes_s in self._next(node, pose, walked=walked):
                 cell, total_s = _cell(after), spent_s + takes_s

@@ -94,6 +94,10 @@ def test_where_there_is_no_space_nothing_is_pushed() -> None:
     assert SEARCH.find(beyond, "rear", lambda _box, face: face == "rear") is None
 
 
+def test_the_last_pose_needs_space_as_well() -> None:
+    assert SEARCH.find(pose(-0.03, 0.0, 0.0), "rear", lambda box, _face: not is_there(box)) is None
+
+
 def test_with_one_face_a_box_beyond_its_goal_cannot_come_back() -> None:
     search = DockSearch({"rear": PUSHES["rear"]}, NEAR_M, NEAR_RAD)
     assert search.find(pose(0.05, 0.0, 0.0), "rear", anywhere) is None
