@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 
 from msgspec import Struct
+from msgspec.structs import asdict
 
 import legpush.gym
 from agent_proc.task.config import TaskConfig
+from agent_proc.task.domain import OFFSETS, Domain
 from agent_proc.task.elements import Element, action_elements, observation_elements
 from agent_proc.task.file import load_task
 from agent_proc.task.terms import ENDING, REWARD, TERM, Table
@@ -78,9 +80,20 @@ def _task(name: str, task: TaskConfig) -> list[str]:
         "",
         f"Success: the box is within {100 * goal.position_tolerance_m:g} cm and {goal.angle_tolerance_deg:g}° of its "
         f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, "
-        f"the box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.",
+        f"the box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.{_drawn(task.domain)}",
         "",
     ]
+
+
+def _drawn(domain: Domain) -> str:
+    """What each episode draws besides, as a sentence that begins with a space."""
+    parts = []
+    for name, value in asdict(domain).items():
+        if value is None or name in OFFSETS:
+            continue
+        numbers = all(isinstance(each, int | float) for each in value)
+        parts.append(f"`{name}` " + (f"{value[0]:g} to {value[1]:g}" if numbers else ", ".join(value)))
+    return f" Each episode draws {'; '.join(parts)}." if parts else ""
 
 
 def _elements(what: str, elements: tuple[Element, ...]) -> list[str]:

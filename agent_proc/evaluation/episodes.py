@@ -17,14 +17,14 @@ from agent_proc.policies.policy import Policy
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.statistics.intervals import mean, share
+from agent_proc.walking.around_box import can_push, walk_to_face
 from legpush.errors import StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import as_seen, planar_pose
-from legpush.messages.stepping import Push, Reset, WorldState
-from legpush.scene.faces import pushed_box, pushed_pose
+from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.scenario import Scenario
-from legpush.scene.station import at_station
 
 EPISODE_CYCLES: Final = 200
 """Most push cycles of an episode if the scenario does not say how many."""
@@ -63,35 +63,44 @@ def run_episode(
 ) -> Row:
     """Reset and push until the policy is done, the robot falls, the box is out of its reach, or no cycles are left.
 
+    To push another face than the last one, the robot walks around the box first.
+
     Raises:
         StopRequestedError: `stop` was set; checked before each cycle.
     """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
-    estimate, n_most = PushEstimate(scenario.box), scenario.mission.max_push_cycles or EPISODE_CYCLES
-    n_cycles, roll_rad, pitch_rad, margin_m = 0, 0.0, 0.0, inf
+    estimates = {face: PushEstimate(pushed_box(scenario.box, face)) for face in FACES}
+    n_most, n_cycles, face, posture = scenario.mission.max_push_cycles or EPISODE_CYCLES, 0, FACES[0], _Posture()
+
+    def step(motion: Motion) -> Outcome:
+        return posture.seen(world.step(motion, with_trace=True))
+
     ending: EvaluationEnding = "max_cycles"
     while True:
         if stop is not None and stop.is_set():
             raise StopRequestedError("Asked to stop in an episode")
-        if outcome.trace is not None and outcome.trace.roll_pitch_rad:
-            most = np.abs(outcome.trace.roll_pitch_rad).max(axis=0).tolist()
-            roll_rad, pitch_rad = max(roll_rad, most[0]), max(pitch_rad, most[1])
-            margin_m = min(margin_m, *outcome.trace.support_margin_m)
         if outcome.world.fallen:
             ending = "fell"
             break
         seen = as_seen(outcome.world)
-        push = policy.decide(push_view(seen, scenario, estimate.lost_depth_m))
+        estimate = estimates[face]
+        push = policy.decide(push_view(seen, scenario, estimate.lost_depth_m, estimate.drift, face))
         if push is None:
             ending = "done"
             break
         if n_cycles == n_most:
             break
-        if not _can_push(seen, scenario, push):
+        if push.face != face:
+            outcome, face = walk_to_face(step, scenario, outcome, push.face), push.face
+            if outcome.world.fallen:
+                continue
+            seen = as_seen(outcome.world)
+        if not can_push(seen, scenario, face):
             ending = "astray"
             break
-        outcome = world.step(push, with_trace=True)
-        estimate.learn(planar_pose(seen.box), push, planar_pose(as_seen(outcome.world).box))
+        outcome = step(push)
+        before, after = (pushed_pose(planar_pose(state.box), face) for state in (seen, as_seen(outcome.world)))
+        estimates[face].learn(before, push, after)
         n_cycles += 1
     error = box_error(outcome.world, scenario)
     return Row(
@@ -102,16 +111,27 @@ def run_episode(
         position_error_m=error.position_m,
         angle_error_deg=degrees(error.angle_rad),
         n_cycles=n_cycles,
-        max_abs_roll_deg=degrees(roll_rad),
-        max_abs_pitch_deg=degrees(pitch_rad),
-        min_support_margin_m=margin_m,
+        max_abs_roll_deg=degrees(posture.roll_rad),
+        max_abs_pitch_deg=degrees(posture.pitch_rad),
+        min_support_margin_m=posture.margin_m,
     )
 
 
-def _can_push(world: WorldState, scenario: Scenario, push: Push) -> bool:
-    """Whether the robot is at its station behind the face to push; a push from elsewhere is refused."""
-    box, box_w = pushed_box(scenario.box, push.face), pushed_pose(planar_pose(world.box), push.face)
-    return at_station(scenario.robot, planar_pose(world.trunk), box, box_w)
+class _Posture:
+    """The least steady posture of an episode."""
+
+    def __init__(self) -> None:
+        self.roll_rad = 0.0
+        self.pitch_rad = 0.0
+        self.margin_m = inf
+
+    def seen(self, outcome: Outcome) -> Outcome:
+        """Take in the trace of an outcome, and return it."""
+        if outcome.trace is not None and outcome.trace.roll_pitch_rad:
+            roll_rad, pitch_rad = np.abs(outcome.trace.roll_pitch_rad).max(axis=0).tolist()
+            self.roll_rad, self.pitch_rad = max(self.roll_rad, roll_rad), max(self.pitch_rad, pitch_rad)
+            self.margin_m = min(self.margin_m, *outcome.trace.support_margin_m)
+        return outcome
 
 
 def evaluate(

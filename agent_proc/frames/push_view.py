@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, sin
+from math import atan2, cos, degrees, sin
 from typing import Final
 
 from msgspec.structs import replace
@@ -13,12 +13,15 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import BoxState, WorldState
-from legpush.scene.faces import TURN_RAD
+from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.names import Face
-from legpush.scene.scenario import Box, Goal, Scenario
+from legpush.scene.scenario import Box, Goal, PoseDeg, Scenario
 
 LOOK_AHEAD_M: Final = 0.25
 """How far ahead on the line through the goal a box should head for."""
+Drift = tuple[float, float, float]
+"""Forward [m], left [m] and turn [rad] by one push, in the pushed frame."""
+NO_DRIFT: Final[Drift] = (0.0, 0.0, 0.0)
 N_DIGITS: Final = 9
 """The side of the line that the box is on is decided by this many decimals of a metre."""
 
@@ -43,6 +46,10 @@ class PushView:
     """Pose that the pushed frame should come to, world frame, and its tolerances."""
     lost_depth_m: float = 0.0
     """How much deeper this box has to be pushed than the default one to move as far, by its pushes up to now."""
+    drift: Drift = NO_DRIFT
+    """What the last pushes did beyond what was expected of them."""
+    face: Face = "rear"
+    """The face of the box that is the rear one of the pushed frame."""
 
     @cached_property
     def box_w(self) -> Pose2:
@@ -86,15 +93,29 @@ class PushView:
         return self.world.fallen
 
 
-def push_view(world: WorldState, scenario: Scenario, lost_depth_m: float = 0.0) -> PushView:
-    """The view of a box that is pushed at its rear face to the goal of its scenario."""
+def push_view(
+    world: WorldState,
+    scenario: Scenario,
+    lost_depth_m: float = 0.0,
+    drift: Drift = NO_DRIFT,
+    face: Face = "rear",
+) -> PushView:
+    """The view of a box that is pushed at one of its faces to the goal of its scenario."""
+    if face == "rear":
+        box, goal = scenario.box, scenario.goal
+    else:
+        to = pushed_pose(scenario.goal.pose.pose(), face)
+        pose = PoseDeg(x_m=to.x_m, y_m=to.y_m, yaw_deg=degrees(to.yaw_rad))
+        box, goal = pushed_box(scenario.box, face), replace(scenario.goal, pose=pose)
     return PushView(
         world=world,
         scenario=scenario,
-        box=scenario.box,
-        box_state=world.box,
-        goal=scenario.goal,
+        box=box,
+        box_state=pushed_state(world.box, face),
+        goal=goal,
         lost_depth_m=lost_depth_m,
+        drift=drift,
+        face=face,
     )
 
 

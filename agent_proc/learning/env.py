@@ -1,5 +1,6 @@
 """Pushing as a Gymnasium environment: one step is one push cycle, one episode is a box and its goal."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import degrees
 from typing import Any
@@ -9,21 +10,25 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.frames.push_view import NO_DRIFT, PushView, push_view, pushed_state
 from agent_proc.learning.random_state import Pcg64State, set_state, state_of
 from agent_proc.learning.rendering import FRAME_SIZE, Rendering, RenderMode
 from agent_proc.policies.sb3.spaces import action_space, observation_space
+from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.domain import drawn_scenario
+from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.episode import earned, episode_ending
 from agent_proc.task.observed import observe
 from agent_proc.task.term import PushStep
+from agent_proc.walking.around_box import can_push, walk_to_face
 from legpush.errors import ConfigError, DivergedError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
-from legpush.messages.poses import as_seen
+from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Motion, Outcome, Push, Reset
+from legpush.scene.faces import FACES, pushed_box
+from legpush.scene.names import Face
 
 
 class EnvSnapshot(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -97,7 +102,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         episode = self._going_on()
         before = episode.view
         push = to_push(action, self.task, episode.seen)
-        episode.advance(push, self._step(push))
+        episode.advance(push, self._carry_out(push, episode))
         ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
         episode.over = ending is not None
         step = PushStep(first=episode.first, before=before, after=episode.view, ending=ending)
@@ -150,7 +155,7 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             generator=state_of(self.np_random),
             reset=episode.reset,
             pushes=tuple(episode.pushes),
-            state_crc=episode.state_crc,
+            state_crc=episode.outcome.state_crc,
         )
 
     def restore(self, snapshot: EnvSnapshot) -> NDArray[np.float32]:
@@ -163,11 +168,12 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         set_state(self.np_random, snapshot.generator)
         episode = self._episode = self._begin(snapshot.reset)
         for push in snapshot.pushes:
-            episode.advance(push, self._world.step(push))
-        if episode.state_crc != snapshot.state_crc:
+            episode.advance(push, self._carry_out(push, episode))
+        state_crc = episode.outcome.state_crc
+        if state_crc != snapshot.state_crc:
             raise DivergedError(
                 f"Expected state {snapshot.state_crc:08x} after {len(snapshot.pushes)} pushes of a saved episode, got "
-                f"{episode.state_crc:08x}: the simulator computes something else"
+                f"{state_crc:08x}: the simulator computes something else"
             )
         return observe(self.task, episode.seen)
 
@@ -181,12 +187,22 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             self._rendering.note(motion, outcome)
         return outcome
 
+    def _carry_out(self, push: Push, episode: "_Episode") -> Outcome:
+        """Push, after a walk to the face if the robot is at another one; a robot that misses it does not push."""
+        if push.face == episode.seen.face:
+            return self._step(push)
+        outcome = walk_to_face(self._step, episode.reset.scenario, episode.outcome, push.face)
+        scenario, world = episode.reset.scenario, outcome.world
+        return self._step(push) if not world.fallen and can_push(as_seen(world), scenario, push.face) else outcome
+
     def _begin(self, reset: Reset) -> "_Episode":
         self._claim()
         outcome = self._step(reset)
         view = push_view(outcome.world, reset.scenario)
         seen = push_view(as_seen(outcome.world), reset.scenario)
-        return _Episode(reset=reset, first=view, view=view, seen=seen, state_crc=outcome.state_crc)
+        box = reset.scenario.box
+        estimates = {face: PushEstimate(pushed_box(box, face)) for face in FACES} if self.task.feels_box else {}
+        return _Episode(reset=reset, first=view, view=view, seen=seen, outcome=outcome, estimates=estimates)
 
     def _going_on(self) -> "_Episode":
         if self._episode is None or self._episode.over:
@@ -205,15 +221,26 @@ class _Episode:
     """The present view of everything as it is, by which rewards and endings are judged."""
     seen: PushView
     """The present view as it is perceived: what the policy sees."""
-    state_crc: int
+    outcome: Outcome
+    """The last one."""
+    estimates: Mapping[Face, PushEstimate]
+    """What the pushes at each face have shown of the box; empty if the task does not ask for it."""
     pushes: list[Push] = field(default_factory=list)
     over: bool = False
 
     def advance(self, push: Push, outcome: Outcome) -> None:
         """Add a push and its outcome."""
         self.pushes.append(push)
-        self.view, self.state_crc = push_view(outcome.world, self.reset.scenario), outcome.state_crc
-        self.seen = push_view(as_seen(outcome.world), self.reset.scenario)
+        self.outcome, scenario = outcome, self.reset.scenario
+        seen = as_seen(outcome.world)
+        lost_depth_m, drift = 0.0, NO_DRIFT
+        if self.estimates:
+            estimate = self.estimates[push.face]
+            before, after = (planar_pose(pushed_state(box, push.face)) for box in (self.seen.world.box, seen.box))
+            estimate.learn(before, push, after)
+            lost_depth_m, drift = estimate.lost_depth_m, estimate.drift
+        self.view = push_view(outcome.world, scenario, lost_depth_m, drift, push.face)
+        self.seen = push_view(seen, scenario, lost_depth_m, drift, push.face)
 
 
 def _errors(view: PushView) -> dict[str, Any]:

@@ -17,24 +17,33 @@ from legpush.errors import ConfigError, MotionError, ScenarioError
 from legpush.geometry import Point3, Pose2, wrap_angle
 from legpush.messages.stepping import (
     BoxState,
+    Follow,
     Imu,
     Motion,
     Outcome,
+    PathProgress,
     Push,
     PushReport,
     Reset,
     Trace,
     TrunkState,
+    Walk,
     WorldState,
 )
 from legpush.realism.reality import drawn_reality
 from legpush.scenarios.file import realism_table
 from legpush.scenarios.start import drawn_poses
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
+from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Scenario
 from legpush.scene.station import at_station, station
 
 GRAVITY_M_S2: Final = 9.81
+WALK_S: Final = 6.8
+WALK_S_PER_M: Final = 3.84
+"""Duration of a walk around the box, and for each metre of its path, turns included: in the simulator, walks to a face
+beside the present one take 21.5 s and those to the opposite face 29 to 31 s."""
 RESIDUALS_KEY: Final = 1
 """Sets the residuals of a seed apart from the offsets that the same seed draws."""
 NO_TICKS: Final = Trace(
@@ -45,7 +54,10 @@ REST: Final = (0.0, 0.0, 0.0)
 
 
 class MapSimulator:
-    """Pushes the box of a response map. It cannot walk, nothing stops the box, and the robot never falls.
+    """Pushes the box of a response map. Nothing stops the box, and the robot never falls.
+
+    A walk ends after one gait cycle exactly at the end of its path, with the time that such walks take. What stands in
+    the way is not noticed.
 
     Start poses and residuals follow from the seed of the reset, so equal motions lead to equal states.
     """
@@ -63,9 +75,11 @@ class MapSimulator:
         self._checked: Scenario | None = None
         self._scenario: Scenario | None = None
         self._seed = 0
+        self._way: tuple[Pose2, ...] = ()
+        self._path: PathProgress | None = None
 
     def perform(self, motion: Motion, *, with_trace: bool) -> Outcome:
-        """Carry out a reset or a push; the trace has no ticks.
+        """Carry out a motion; the trace has no ticks.
 
         Raises:
             MotionError: It is another motion, or the present state does not allow it.
@@ -74,11 +88,22 @@ class MapSimulator:
         if isinstance(motion, Reset):
             self._reset(motion)
         elif self._scenario is None:
-            raise MotionError(f"Expected `reset` as the first motion of an episode, got `{_tag(motion)}`")
+            raise MotionError(
+                f"Expected `reset` as the first motion of an episode, got `{motion.__struct_config__.tag}`"
+            )
         elif isinstance(motion, Push):
             self._push(self._scenario, motion)
+        elif isinstance(motion, Follow):
+            length_m = path_length_m(motion.waypoints, self._scenario.robot.stance.foot_circle_m)
+            self._way = motion.waypoints
+            self._path = PathProgress(travelled_m=0.0, length_m=length_m, done=length_m == 0.0)
+        elif isinstance(motion, Walk):
+            self._walk()
         else:
-            raise MotionError(f"Expected `reset` or `push` in a world without physics, got `{_tag(motion)}`")
+            raise MotionError(
+                "Expected `reset`, `push`, `follow` or `walk` in a world without physics, got "
+                f"`{motion.__struct_config__.tag}`"
+            )
         return Outcome(world=self._world(), state_crc=self._state_crc(), trace=NO_TICKS if with_trace else None)
 
     def _reset(self, reset: Reset) -> None:
@@ -94,9 +119,27 @@ class MapSimulator:
             )
         self._trunk, self._box = drawn_poses(scenario, reset.seed)
         self._stance = self._map.stances.start
-        self._n_pushes = 0
+        self._tick, self._n_pushes, self._n_footsteps = 0, 0, 0
+        self._way, self._path = (), None
+        self._is_fresh = True
         self._last_push: Push | None = None
         self._normal = np.random.default_rng(np.random.SeedSequence(reset.seed, spawn_key=(RESIDUALS_KEY,)))
+
+    def _walk(self) -> None:
+        """Come to the end of the path.
+
+        Raises:
+            MotionError: There is none.
+        """
+        if self._path is None:
+            raise MotionError("Expected `follow` before `walk`: there is no path")
+        if self._path.done:
+            raise MotionError("The path is walked to its end: expected another `follow` before `walk`")
+        length_m = self._path.length_m
+        self._path = PathProgress(travelled_m=length_m, length_m=length_m, done=True)
+        self._trunk, self._stance, self._is_fresh = self._way[-1], self._map.stances.start, True
+        self._tick += round((WALK_S + WALK_S_PER_M * length_m) / CONTROL_PERIOD_S)
+        self._n_footsteps += 4
 
     def _require_described(self, scenario: Scenario) -> None:
         """Require what the map was measured with (`ScenarioError`)."""
@@ -139,7 +182,7 @@ class MapSimulator:
             np.array([push.w1]),
             np.array([push.w2]),
             face=push.face,
-            first=self._n_pushes == 0,
+            first=self._is_fresh,
             normal=self._normal.standard_normal((1, 3)) if self._residuals else None,
         )
         x_m, y_m, yaw_rad = after[0].tolist()
@@ -148,7 +191,9 @@ class MapSimulator:
         self._stance = getattr(self._map.stances, push.leg)
         self._trunk = station(robot, box, pushed) @ self._stance.trunk
         self._n_pushes += 1
-        self._last_push = push
+        self._tick += self._map.ticks_per_push
+        self._n_footsteps += self._map.footsteps_per_push
+        self._last_push, self._path, self._is_fresh = push, None, False
 
     def _state_crc(self) -> int:
         """CRC-32 of the poses, and of seed and number of pushes, from which the residuals to come follow."""
@@ -161,7 +206,7 @@ class MapSimulator:
         robot, scenario_box = response_map.robot, response_map.box
         push = self._last_push
         return WorldState(
-            tick=self._n_pushes * response_map.ticks_per_push,
+            tick=self._tick,
             trunk=TrunkState(
                 position_m=(trunk.x_m, trunk.y_m, stance.trunk_height_m),
                 orientation_wxyz=orientation,
@@ -180,9 +225,9 @@ class MapSimulator:
             box=BoxState(
                 position_m=(box.x_m, box.y_m, scenario_box.size_m[2] / 2), orientation_wxyz=_turned(box.yaw_rad)
             ),
-            n_footsteps=self._n_pushes * response_map.footsteps_per_push,
+            n_footsteps=self._n_footsteps,
             fallen=False,
-            path=None,
+            path=self._path,
             push=None
             if push is None
             else PushReport(leg=push.leg, touched=True, peak_force_n=response_map.peak_force_n),
@@ -208,7 +253,3 @@ def _tips_w(stance: Stance, trunk: Pose2) -> tuple[Point3, Point3, Point3, Point
 def _turned(yaw_rad: float) -> tuple[float, float, float, float]:
     """Quaternion of a level body with this heading."""
     return cos(yaw_rad / 2), 0.0, 0.0, sin(yaw_rad / 2)
-
-
-def _tag(motion: Motion) -> object:
-    return motion.__struct_config__.tag

@@ -58,18 +58,23 @@ class ScriptedPolicy:
 
     def decide(self, view: PushView) -> Push | None:
         """The first push of the best candidate, or None if pushing on is not worth it."""
+        push, cost, error = self.best(view)
+        return None if cost > error - LEAST_GAIN else push
+
+    def best(self, view: PushView) -> tuple[Push, float, float]:
+        """The first push of the best candidate, its cost, and the present error, both in tolerances."""
         goal, box = view.goal, view.box_g
         # Decide for the box left of the line, so that mirror images get mirrored answers in spite of rounding.
         mirror = copysign(1.0, box.y_m or box.yaw_rad)
         row = np.round([[box.x_m, mirror * box.y_m, mirror * box.yaw_rad]], N_DIGITS)
         costs = self._costs(row, goal)
         best = int(costs.argmin())
-        if costs[best] > _error(row, goal)[0] - LEAST_GAIN:
-            return None
         push = self._pushes[best]
         if view.lost_depth_m > 0.0:
             push = replace(push, depth_m=min(push.depth_m + view.lost_depth_m, FIRST_DEPTHS_M[-1]))
-        return push if mirror > 0.0 else replace(push, leg=OTHER_LEG[push.leg])
+        if mirror < 0.0:
+            push = replace(push, leg=OTHER_LEG[push.leg])
+        return push, float(costs[best]), float(_error(row, goal)[0])
 
     def _costs(self, box: Floats, goal: Goal) -> Floats:
         """Cost of each candidate, (n,): least error along its prediction plus its cycles, averaged over the models.

@@ -2,6 +2,7 @@
 
 import shlex
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +14,7 @@ from rich.text import Text
 
 from agent_proc.evaluation.starts import require_held_out
 from agent_proc.evaluation.sweep import make_sweep, parse_sweep
-from agent_proc.policies.rivals import Action
+from agent_proc.rivals.blind import Action
 from agent_proc.studies.comparison.constants import best_constant
 from agent_proc.studies.comparison.contestants import (
     CONSTANT,
@@ -28,7 +29,7 @@ from agent_proc.studies.comparison.picture import save_picture
 from agent_proc.studies.comparison.tables import as_csv, as_json, as_text, entry_cells, kinds, versus_cells
 from agent_proc.studies.push_cell import task_of
 from agent_proc.studies.rows_of_study import rows_of_study
-from agent_proc.task.file import DEFAULT_TASK, load_task
+from agent_proc.task.file import DEFAULT_TASK, load_task, scenario_of_task
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.options.checks import require_writable_folder
@@ -62,6 +63,8 @@ def compare(options: CompareOptions, console: Console) -> int:
         StopRequestedError: Interrupted by a signal; what is done is kept.
         LegpushError: A cell failed.
     """
+    if (named := options.task) is not None:
+        options = replace(options, scenario=scenario_of_task(named), domain=named, task=None)
     contestants = find_contestants(options.runs, options.policy)
     labels = [each.label for each in contestants]
     if options.against not in labels:
@@ -73,7 +76,8 @@ def compare(options: CompareOptions, console: Console) -> int:
     goal = scenario.goal if options.domain is None else load_task(options.domain, scenario).scenario.goal
     folder = options.out or dated("compare")
     require_writable_folder(folder, "--out")
-    source = task_source(contestants) or DEFAULT_TASK
+    source = named or task_source(contestants) or DEFAULT_TASK
+    source = str(Path(source).absolute()) if Path(source).is_file() else source
     task = task_of(source, scenario)
     words = [*sys.argv[1:], *([] if options.out else ["--out", str(folder)])]
     with staying(LocalEngine(options.n_workers)) as engine:

@@ -32,6 +32,8 @@ LEAST_MOVED_M: Final = 0.0005
 """A push that moves the box by less says only that at least its depth was lost."""
 LEAST_LOST_M: Final = 0.002
 """A smaller estimate counts as no lost depth: boxes of up to 0.9 kg on a level floor lose less."""
+DRIFT_FORGETTING: Final = 0.7
+"""Factor on the weight of past drifts after each further push."""
 LEAST_TRAVEL_SHARE: Final = 0.1
 MOST_AXLE_M: Final = 0.5
 LEAST_SCALE: Final = 0.3
@@ -54,6 +56,8 @@ class PushEstimate:
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
         self._lost = np.array([0.0, LOST_PRIOR])
         """Sums of weights times lost depths, and of weights; a weight is that of one push with `LOST_SD_M`."""
+        self._drift = np.zeros(4)
+        """Sums of weights times forward, left and turn beyond those of the model, and of weights."""
 
     @property
     def curve(self) -> tuple[float, float]:
@@ -75,6 +79,15 @@ class PushEstimate:
         """How much deeper than in the model a push has to be to move this box as far; 0 if it yields at once."""
         lost_m = float(self._lost[0] / self._lost[1])
         return lost_m if lost_m >= LEAST_LOST_M else 0.0
+
+    @property
+    def drift(self) -> tuple[float, float, float]:
+        """Forward [m], left [m] and turn [rad] of the last pushes beyond those of the model, as a weighted mean.
+
+        Each push counts whatever its curve is; of the depth, only what this box yields to.
+        """
+        forward_m, left_m, turn_rad, weight = self._drift.tolist()
+        return (forward_m / weight, left_m / weight, turn_rad / weight) if weight else (0.0, 0.0, 0.0)
 
     @property
     def usual_travel_m(self) -> float:
@@ -121,6 +134,7 @@ class PushEstimate:
         The scales ignore a push with another curve than the model's: it turns the box differently. `before` and `after`
         are poses of the pushed frame.
         """
+        self._learn_drift(before, push, after)
         self._learn_lost_depth(push.depth_m, (before.inverse() @ after).x_m)
         if (push.w1, push.w2) != self.curve:
             return
@@ -134,6 +148,13 @@ class PushEstimate:
         ):
             sums -= (1.0 - FORGETTING) * (sums - prior**2)
             sums += np.array([measured * predicted, predicted * predicted])
+
+    def _learn_drift(self, before: Pose2, push: Push, after: Pose2) -> None:
+        mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([max(0.0, push.depth_m - self.lost_depth_m)])
+        ((x_m, y_m, yaw_rad),) = self._model.push(np.zeros((1, 3)), mirror, depth_m).tolist()
+        moved = before.inverse() @ after
+        beyond = [moved.x_m - x_m, moved.y_m - y_m, wrap_angle(moved.yaw_rad - yaw_rad), 1.0]
+        self._drift = DRIFT_FORGETTING * self._drift + np.array(beyond)
 
     def _learn_lost_depth(self, depth_m: float, moved_m: float) -> None:
         """A box that hardly moved may have needed still more depth: then the estimate does not shrink."""

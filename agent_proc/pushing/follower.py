@@ -130,6 +130,8 @@ class Follower:
             box_state=box,
             goal=replace(self._scenario.goal, pose=pose),
             lost_depth_m=self._estimate.lost_depth_m,
+            drift=self._estimate.drift,
+            face=self._path.face,
         )
 
     def _on_last_line(self, pose: Pose2) -> bool:

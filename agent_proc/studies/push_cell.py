@@ -1,6 +1,6 @@
 """The kind of cell `push`: an episode of pushes from a seeded start, as `legpush evaluate` runs it."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from time import thread_time
@@ -14,7 +14,7 @@ from agent_proc.evaluation.episodes import run_episode
 from agent_proc.frames.push_view import PushView
 from agent_proc.policies.folder import read_card
 from agent_proc.policies.policy import Policy
-from agent_proc.policies.rivals import RIVALS, ConstantPolicy, Rival, make_rival
+from agent_proc.rivals.registry import RIVALS, Rival, make_rival
 from agent_proc.studies.cell_parts import (
     STATE_CRC,
     new_simulator,
@@ -24,7 +24,7 @@ from agent_proc.studies.cell_parts import (
     sha256_of_policy,
 )
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.domain import drawn_scenario
+from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.file import DEFAULT_TASK, load_task
 from legpush.errors import ConfigError
 from legpush.fields import Seed
@@ -68,8 +68,8 @@ class PushCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Action of the rival `constant`: w1, w2 and leg in [-1, 1], and with variable entry the depth; of discrete actions
     the indices."""
     domain: str | None = None
-    """Task, built in or a file, whose domain and tolerances replace those of the scenario: each seed draws its own box
-    and goal."""
+    """Task, built in or a file, whose domain, tolerances and most push cycles replace those of the scenario: each seed
+    draws its own box and goal."""
     world: str = DEFAULT_WORLD
     """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
     changes: dict[str, Any] = {}
@@ -104,8 +104,8 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
     if cell.action and cell.policy != "constant":
         raise ConfigError(f"Expected an action with the policy `constant` alone, got one with {cell.policy}")
     task = task_of(cell.task, scenario) if is_rival else None
-    if task is not None and cell.policy == "constant":
-        ConstantPolicy(task, cell.action)
+    if task is not None:
+        make_rival(cast(Rival, cell.policy), task, cell.action)
     return ResolvedPush(
         seed=cell.seed,
         scenario=scenario,
@@ -118,7 +118,7 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
 
 
 def drawn_start(scenario: Scenario, domain: str | None, seed: int) -> Scenario:
-    """The scenario of a start: with what its seed draws from the domain of a task, and the tolerances of that task.
+    """The scenario of a start: with what its seed draws from the domain of a task, its tolerances and its steps.
 
     Raises:
         ConfigError: There is no such task.
@@ -126,7 +126,10 @@ def drawn_start(scenario: Scenario, domain: str | None, seed: int) -> Scenario:
     if domain is None:
         return scenario
     task = load_task(domain, scenario)
-    return drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
+    drawn = drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
+    if drawn.mission.max_push_cycles is not None:
+        return drawn
+    return replace(drawn, mission=replace(drawn.mission, max_push_cycles=task.max_steps))
 
 
 def task_of(name: str, scenario: Scenario) -> TaskConfig:
@@ -148,7 +151,7 @@ def run(cell: ResolvedPush) -> Mapping[str, Any]:
         last[:] = [record]
 
     world = LocalWorld(new_simulator(cell.world), on_record=keep_last)
-    policy = _Timed(_policy(cell))
+    policy = _Timed(_policy(cell, lambda of: (of or world).fork()))
     row = asdict(run_episode(world, cell.scenario, cell.seed, policy))
     outcome = next(record.outcome for record in last if isinstance(record, StepRecord))
     return {
@@ -159,10 +162,10 @@ def run(cell: ResolvedPush) -> Mapping[str, Any]:
     }
 
 
-def _policy(cell: ResolvedPush) -> Policy:
+def _policy(cell: ResolvedPush, fork: Callable[[LocalWorld | None], LocalWorld]) -> Policy:
     if cell.task is None:
         return policy_with(cell.policy, cell.policy_sha256)
-    return make_rival(cast(Rival, cell.policy), cell.task, cell.action)
+    return make_rival(cast(Rival, cell.policy), cell.task, cell.action, fork)
 
 
 class _Timed:

@@ -5,21 +5,29 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.frames.push_view import PushView
+from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.push_model.model import PushModel
 from agent_proc.task.action_config import ActionConfig
 from legpush.errors import ConfigError
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import FrontLeg
+from legpush.scene.faces import PUSHABLE, face_beside
+from legpush.scene.names import Face
 
 CHOICES: Final = (8, 8, 2)
 """Number of values of each element of a discrete action, the published grid: w1 and w2 are (k + 1) / 10."""
 MODEL: Final = PushModel()
 
 
+def action_names(task: ActionConfig) -> tuple[str, ...]:
+    """Names of the elements of an action, in order."""
+    depth = ("depth",) if task.entry == "variable" else ()
+    return ("w1", "w2", "leg", *depth, *(("face",) if task.changes_face else ()))
+
+
 def n_actions(task: ActionConfig) -> int:
-    """Number of elements of an action: w1, w2, leg, and with variable entry the depth."""
-    return 4 if task.entry == "variable" else 3
+    """Number of elements of an action."""
+    return len(action_names(task))
 
 
 def to_push(action: NDArray[Any], task: ActionConfig, view: PushView) -> Push:
@@ -39,11 +47,26 @@ def to_push(action: NDArray[Any], task: ActionConfig, view: PushView) -> Push:
     if task.mirrored and view.mirror_sign < 0.0:
         right = not right
     leg: FrontLeg = "FR" if right else "FL"
+    face = view.face
+    if task.changes_face:
+        face = chosen_face(float(chosen[-1]), view, mirrored=task.mirrored and view.mirror_sign < 0.0)
+    there = view if face == view.face else push_view(view.world, view.scenario, view.lost_depth_m, face=face)
     depth_m = task.fixed_depth_m
     if task.entry == "variable":
-        shallowest_m = shallowest_push_m(task, view)
-        depth_m = shallowest_m + float(unit[3]) * (deepest_push_m(task, view) - shallowest_m)
-    return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m)
+        shallowest_m = shallowest_push_m(task, there)
+        depth_m = shallowest_m + float(unit[3]) * (deepest_push_m(task, there) - shallowest_m)
+    return Push(w1=float(w1), w2=float(w2), leg=leg, depth_m=depth_m, face=face)
+
+
+def chosen_face(value: float, view: PushView, *, mirrored: bool) -> Face:
+    """The face that an element in [-1, 1] chooses: as many quarters to the left as twice the value, rounded.
+
+    In a mirror image, to the right. The present face stays where that one cannot be pushed.
+    """
+    n_quarters = round(2.0 * value)
+    face = face_beside(view.face, -n_quarters if mirrored else n_quarters)
+    can_push = face in PUSHABLE[view.scenario.box.shape] and face in view.scenario.pushing.faces
+    return face if can_push else view.face
 
 
 def _checked(action: NDArray[Any], task: ActionConfig) -> NDArray[Any]:

@@ -28,6 +28,8 @@ class ActionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Depth of the deepest push with variable entry."""
     limit_depth: bool = True
     """With variable entry: whether the deepest push is at most the one that brings the box up to its goal."""
+    changes_face: bool = False
+    """Whether an action also chooses the face to push; the robot walks around the box to another one first."""
 
     def __post_init__(self) -> None:
         """Check that form, entry and depths fit one another.
@@ -39,6 +41,8 @@ class ActionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             raise ConfigError(
                 "Expected entry `fixed` with action_form `discrete`: its grid has no depth, got `variable`"
             )
+        if self.action_form == "discrete" and self.changes_face:
+            raise ConfigError("Expected no `changes_face` with action_form `discrete`: its grid has no face")
         for name in ("fixed_depth_m", "least_depth_m", "max_depth_m"):
             depth_m = getattr(self, name)
             if not 0.0 < depth_m <= MAX_DEPTH_M:

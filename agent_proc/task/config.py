@@ -67,6 +67,14 @@ class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=
         """The terms of the observation by their names."""
         return make_terms(self.observation, (ObservationTerm,), "observation")
 
+    @property
+    def feels_box(self) -> bool:
+        """Whether the observation has what the pushes of an episode have shown of the box.
+
+        Depths are then measured from what this box loses of them, in trainings as in missions.
+        """
+        return any(term.FEELS_BOX for term in self.observation_terms.values())
+
     @cached_property
     def reward_terms(self) -> dict[str, RewardTerm]:
         """The terms of the reward by their names."""

@@ -69,4 +69,7 @@ def action_elements(task: TaskConfig) -> tuple[Element, ...]:
             deepest = f"the depth that brings the box up to its goal, at most {deepest}"
         meaning = f"depth of the push: from {task.least_depth_m:g} m at -1 to {deepest}, at 1"
         elements.append(Element(name="depth", unit="1", low=low, high=1.0, meaning=meaning))
+    if task.changes_face:
+        meaning = f"quarters to the left, around the box, to the face to push: 2 a, rounded{mirrored}"
+        elements.append(Element(name="face", unit="1", low=low, high=1.0, meaning=meaning))
     return tuple(elements)

@@ -57,10 +57,7 @@ def load_task(name_or_path: str = DEFAULT_TASK, scenario: Scenario | None = None
         ScenarioError: Its scenario cannot be used.
     """
     source = _source(name_or_path)
-    try:
-        plain = tomllib.loads(source.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise ConfigError(f"{source}: expected a task in TOML ({error})") from error
+    plain = _read(source)
     tolerances = _converted(plain.pop(TOLERANCE, {}), Tolerances, str(source), TOLERANCE)
     named = plain.pop(SCENARIO, DEFAULT_SCENARIO)
     if scenario is None:
@@ -72,6 +69,16 @@ def load_task(name_or_path: str = DEFAULT_TASK, scenario: Scenario | None = None
         domain = {**plain.get("domain", {}), **(drawn or {})}
         task = _converted({**plain, **changes, "domain": domain}, TaskConfig, "settings of the task")
     return _completed(task)
+
+
+def scenario_of_task(name_or_path: str = DEFAULT_TASK) -> str:
+    """Return the name or the path of the scenario that a task names.
+
+    Raises:
+        ConfigError: There is no such task, or it cannot be read.
+    """
+    source = _source(name_or_path)
+    return str(_named(_read(source).get(SCENARIO, DEFAULT_SCENARIO), source))
 
 
 def read_task(plain: object, where: str) -> TaskConfig:
@@ -96,6 +103,13 @@ def _source(name_or_path: str) -> Traversable:
             f"{name_or_path!r}"
         )
     return files("agent_proc.task") / "builtin" / f"{name_or_path}{SUFFIX}"
+
+
+def _read(source: Traversable) -> dict[str, Any]:
+    try:
+        return tomllib.loads(source.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{source}: expected a task in TOML ({error})") from error
 
 
 def _named(name: object, source: Traversable) -> str | Path:

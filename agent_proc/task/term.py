@@ -36,6 +36,9 @@ class ObservationTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     HAS_MIRROR_IMAGE: ClassVar[bool] = False
     """Whether `read` heeds the mirror sign."""
 
+    FEELS_BOX: ClassVar[bool] = False
+    """Whether `read` needs what the pushes of an episode have shown of the box."""
+
     scale: Weight = 1.0
     """Every element is multiplied by this."""
 

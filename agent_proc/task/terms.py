@@ -7,10 +7,11 @@ import msgspec
 
 from agent_proc.task.ending.aborts import Astray
 from agent_proc.task.ending.arrivals import NoPushHelps, PastGoal, Release, Tolerance
+from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift
 from agent_proc.task.observation.goal_frame import BoxPlace, BoxPlaceNear, BoxYaw, Heading, HeadingNear
 from agent_proc.task.observation.world_frame import Body, BoxCorner, FootForces, GoalCorner, Tip
 from agent_proc.task.reward.corners import AngleError, CornerDistance, CornersWithin
-from agent_proc.task.reward.progress import Cycle, Fall, PositionProgress, Precision, SteeringProgress, Success
+from agent_proc.task.reward.progress import Cycle, Fall, PositionProgress, Precision, SteeringProgress, Success, Time
 from agent_proc.task.term import AbortTerm, ArrivalTerm, ObservationTerm, RewardTerm
 from legpush.errors import ConfigError, MessageError
 from legpush.messages.codec import convert
@@ -42,6 +43,9 @@ OBSERVATION: Final[dict[str, type[ObservationTerm]]] = {
     "yaw": BoxYaw,
     "heading": Heading,
     "heading_near": HeadingNear,
+    "box_sides": BoxSides,
+    "lost_depth": LostDepth,
+    "drift": PushDrift,
 }
 REWARD: Final[dict[str, type[RewardTerm]]] = {
     "corner_distance": CornerDistance,
@@ -50,6 +54,7 @@ REWARD: Final[dict[str, type[RewardTerm]]] = {
     "position_progress": PositionProgress,
     "steering_progress": SteeringProgress,
     "cycle": Cycle,
+    "time": Time,
     "success": Success,
     "precision": Precision,
     "fall": Fall,

@@ -56,7 +56,7 @@ class Physics:
         self.model = build_model(scenario, reality)
         self.data = mujoco.MjData(self.model)
         model, data = self.model, self.data
-        self._ticks, self._warnings = Ticks(model, data, forces=reality.has_gusts), data.warning.number
+        self._ticks = Ticks(model, data, forces=reality.has_gusts)
         self._tip_sites = np.array([model.site(f"{leg}_tip").id for leg in LEGS])
         self._trunk_body = model.body("trunk").id
         self.assumed = AssumedBody(model if reality.as_assumed else build_model(scenario))
@@ -133,7 +133,7 @@ class Physics:
             self._go_back(began)
             controls = planned.copy()
             qpos, sensors = self._simulate(controls, landing, stepwise=True, limited=bool(beyond))
-        require_sound(self._warnings, qpos, self.tick)
+        require_sound(self.data.warning.number, qpos, self.tick)
         if self._reality.senses.exact:
             self._plumb_line.feel(*self._sensors.imu(sensors), self.data.qvel[:3] - speed)
         steps, felt = self._sensors.steps(sensors), self.senses.of_tick(len(qpos) - 1, sensors)
@@ -202,7 +202,7 @@ class Physics:
                 if self._falls.include(row):
                     self.fallen = True
                     return qpos[: tick + 1], sensors[: tick + 1]
-            if np.count_nonzero(self._warnings):
+            if np.count_nonzero(self.data.warning.number):
                 break
             if landing is not None and landing.ends(k - 1, self.senses.of_tick(k - 1, sensors)):
                 break

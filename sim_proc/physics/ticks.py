@@ -1,6 +1,7 @@
 """Runs the physics steps of ticks in one call of MuJoCo."""
 
-from typing import Final
+from copy import deepcopy
+from typing import Any, Final
 
 import numpy as np
 
@@ -15,6 +16,7 @@ INPUTS: Final = (
 )
 """What acts on the world from outside: controls, and the places of obstacles that appear later. A rollout sets what it
 is not given to its default."""
+ROLLOUT: Final = "_rollout"
 FORCES: Final = mujoco.mjtState.mjSTATE_XFRC_APPLIED.value
 """Forces on bodies, such as gusts."""
 
@@ -29,6 +31,14 @@ class Ticks:
         self._rollout = mujoco.rollout.Rollout(nthread=0)
         self._state = np.empty((1, mujoco.mj_stateSize(model, FULL_PHYSICS)))
         self._present = np.empty(mujoco.mj_stateSize(model, self._inputs))
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Ticks":
+        """Copy all but the rollout of MuJoCo, which has no state of its own and cannot be copied."""
+        copied = Ticks.__new__(Ticks)
+        memo[id(self)] = copied
+        vars(copied).update({name: deepcopy(value, memo) for name, value in vars(self).items() if name != ROLLOUT})
+        setattr(copied, ROLLOUT, mujoco.rollout.Rollout(nthread=0))
+        return copied
 
     def run(self, model: mujoco.MjModel, controls: Floats, sensors: Floats) -> Floats:
         """Run n ticks with controls (n, steps, nu), and fill in the sensors of their steps, (n, steps, nsensordata).

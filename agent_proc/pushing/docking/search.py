@@ -24,6 +24,8 @@ CELL_RAD: Final = radians(0.5)
 """Poses in the same cell count as one. This is the least size of a cell."""
 GROWTH: Final = 0.1
 """Cells double in size wherever this share of the distance to the goal allows it: far away, a rough pose will do."""
+MOST_DOUBLED: Final = 3
+"""How often at most: a push has to leave its cell."""
 AREA_M: Final = 0.5
 """The box stays within this distance of its goal."""
 
@@ -35,12 +37,21 @@ _Node = tuple[float, float, float, Face | None]
 class DockSearch:
     """Searches with the pushes of one box; all poses are those of its centre, in the frame of the goal."""
 
-    def __init__(self, pushes: Mapping[Face, Sequence[DockPush]], near_m: float, near_rad: float) -> None:
-        """The box is at its goal within `near_m` and `near_rad`."""
+    def __init__(
+        self,
+        pushes: Mapping[Face, Sequence[DockPush]],
+        near_m: float,
+        near_rad: float,
+        *,
+        area_m: float = AREA_M,
+        max_nodes: int = MAX_NODES,
+    ) -> None:
+        """The box is at its goal within `near_m` and `near_rad`, and stays within `area_m` of it."""
         every = [push for at_face in pushes.values() for push in at_face]
         ahead = [(push, *_ahead(push)) for push in every]
         self._pushes = pushes
         self._near_m, self._near_rad = near_m, near_rad
+        self._area_m, self._max_nodes = area_m, max_nodes
         self._most_m = max(hypot(push.x_m, push.y_m) for push in every)
         self._most_rad = max(abs(push.yaw_rad) for push in every)
         self._sideways = max(abs(left_m) / forward_m for _, forward_m, left_m in ahead)
@@ -57,7 +68,7 @@ class DockSearch:
         came: dict[_Node, tuple[_Node, DockMove]] = {}
         queue = [(self._least_s(start), 0, 0.0, start)]
         n_queued = 0
-        for _ in range(MAX_NODES):
+        for _ in range(self._max_nodes):
             if not queue:
                 return None
             _, _, spent_s, node = heapq.heappop(queue)
@@ -71,7 +82,7 @@ class DockSearch:
             walked = node in came and isinstance(came[node][1], DockWalk)
             for move, after, takes_s in self._next(node, pose, walked=walked):
                 cell, total_s = _cell(after), spent_s + takes_s
-                if total_s < best.get(cell, inf) and hypot(after[0], after[1]) < AREA_M:
+                if total_s < best.get(cell, inf) and hypot(after[0], after[1]) < self._area_m:
                     best[cell] = total_s
                     came[after] = (node, move)
                     n_queued += 1
@@ -128,7 +139,8 @@ def _cell(node: _Node) -> tuple[int, int, int, int, int, Face | None]:
     x_m, y_m, yaw_rad, face = node
     cells_m = hypot(x_m, y_m) / CELL_M
     cells_rad = max(abs(yaw_rad) / CELL_RAD, cells_m / 2)
-    doubled_m, doubled_rad = int(log2(1.0 + GROWTH * cells_m)), int(log2(1.0 + GROWTH * cells_rad))
+    doubled_m = min(int(log2(1.0 + GROWTH * cells_m)), MOST_DOUBLED)
+    doubled_rad = min(int(log2(1.0 + GROWTH * cells_rad)), MOST_DOUBLED)
     size_m, size_rad = CELL_M * 2**doubled_m, CELL_RAD * 2**doubled_rad
     return doubled_m, doubled_rad, round(x_m / size_m), round(y_m / size_m), round(yaw_rad / size_rad), face
 

@@ -10,7 +10,7 @@ import tomli_w
 
 from agent_proc.evaluation.loss import episode_loss
 from agent_proc.evaluation.starts import FIRST_SEARCH_SEED
-from agent_proc.policies.rivals import Action, action_grid
+from agent_proc.rivals.blind import Action, action_grid
 from agent_proc.task.config import TaskConfig
 from legpush.scene.scenario import Goal
 from legpush.study.file import Study, read_study

@@ -8,7 +8,7 @@ from typing import Final, Literal
 from agent_proc.learning.plan_file import CONFIG_FILE
 from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.folder import CARD_FILE, Card, read_card
-from agent_proc.policies.rivals import RIVALS
+from agent_proc.rivals.registry import DUMBEST, RIVALS
 from agent_proc.studies.seed_trainings import has_seeds, seed_folders
 from legpush.errors import ConfigError
 
@@ -42,7 +42,7 @@ def find_contestants(runs: Sequence[str], which: Which) -> list[Contestant]:
     labels = [contestant.label for contestant in found]
     if twice := sorted({label for label in labels if labels.count(label) > 1}):
         raise ConfigError(f"Expected folders with different names, got {twice[0]} twice")
-    return [*found, *(Contestant(label=name, policies=(name,), is_rival=True) for name in RIVALS)]
+    return [*found, *(Contestant(label=name, policies=(name,), is_rival=True) for name in DUMBEST)]
 
 
 def cards_of(contestants: Iterable[Contestant]) -> list[Card]:
@@ -71,8 +71,10 @@ def chosen_on(cards: Iterable[Card]) -> Mapping[str, set[int]]:
 
 def _contestant(run: str, which: Which) -> Contestant:
     path = Path(run)
-    if run in RIVALS:
+    if run in DUMBEST:
         raise ConfigError(f"Expected trainings or policies, got {run}, which is in every comparison")
+    if run in RIVALS:
+        return Contestant(label=run, policies=(run,), is_rival=True)
     if has_seeds(path):
         folders = seed_folders(path)
         policies = tuple(_policy_of(folder, which) for folder in folders.values())

@@ -12,6 +12,7 @@ from msgspec import Meta
 from agent_proc.frames.push_view import PushView
 from agent_proc.task.term import PushStep, RewardTerm
 from legpush.bounds import MAX_FACTOR
+from legpush.scene.conventions import CONTROL_PERIOD_S
 
 Decay = Annotated[float, Meta(ge=0.0, le=MAX_FACTOR)]
 
@@ -54,6 +55,14 @@ class Cycle(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
     def value(self, step: PushStep) -> float:
         """1."""
         return 1.0
+
+
+class Time(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Simulated seconds of the step: a push cycle takes about 2.7 s, a walk to another face 20 to 30 s more."""
+
+    def value(self, step: PushStep) -> float:
+        """The seconds."""
+        return (step.after.world.tick - step.before.world.tick) * CONTROL_PERIOD_S
 
 
 class Success(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -23,6 +23,10 @@ PUSH_ID: Final = "legpush/Push-v1"
 """One step is one push cycle, one episode is a box and its goal; `agent_proc.learning.make_env` has the arguments."""
 ENVIRONMENTS: Final = {
     PUSH_ID: Registered("tuned", 200),
+    "legpush/PushL0-v2": Registered("tuned", 200),
+    "legpush/PushL1-v2": Registered("push-l1", 100),
+    "legpush/PushL2-v2": Registered("push-l2", 100),
+    "legpush/PushL3-v2": Registered("push-l3", 100),
     "legpush/PushPaperText-v1": Registered("paper-text", 200),
     "legpush/PushPaperObservation-v1": Registered("paper-observation", 200),
     "legpush/PushRelease-v1": Registered("release", 200),

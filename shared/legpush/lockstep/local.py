@@ -1,6 +1,7 @@
 """A world in this process: a simulator and a planner that are called as functions, without a bus."""
 
 from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
 from weakref import WeakValueDictionary
 
 from legpush.errors import BrokenEpisodeError, ConfigError
@@ -65,6 +66,17 @@ class LocalWorld:
         if self._record is not None:
             self._record(StepRecord(motion, outcome))
         return outcome
+
+    def fork(self) -> "LocalWorld":
+        """Return a copy with the present state, which goes its own way: it has no planner, and nobody records it.
+
+        Raises:
+            ConfigError: The simulator cannot be copied.
+        """
+        try:
+            return LocalWorld(deepcopy(self._simulator))
+        except TypeError as error:
+            raise ConfigError(f"Expected a simulator that can be copied, got {self._simulator!r} ({error})") from error
 
     def claim(self, owner: object) -> None:
         """Reserve the simulator for `owner`, for as long as it lives or until it is released.

@@ -18,6 +18,8 @@ FIRST_TUNING_SEED: Final = 3_000_000
 FIRST_HELD_OUT_SEED: Final = 5_000_000
 """First of the starts on which policies are compared: nothing else uses them."""
 
+SCENARIO: Final = "push"
+
 
 def usual_workers() -> int:
     """Return the default number of worker processes: one per core that this process may use."""
@@ -33,10 +35,10 @@ def dated(command: str) -> Path:
 class CompareOptions:
     """Compare trainings and policies on equal held-out starts, beside the dumbest rivals: zero, random, best constant.
 
-    A RUN is the folder of trainings with several seeds or of a single training, a policy folder, or the name of a
-    policy. Each number has its 95 % interval over trainings and starts; differences are paired. It is a study: the same
-    command with the same --out goes on after an interruption. Exit codes: 0 compared, 2 bad input, 3 a cell failed,
-    130 interrupted.
+    A RUN is the folder of trainings with several seeds or of a single training, a policy folder, the name of a policy,
+    or that of a rival: alternate, bang_bang, script, script_over_map, look_ahead or search. Each number has its 95 %
+    interval over trainings and starts; differences are paired. It is a study: the same command with the same --out goes
+    on after an interruption. Exit codes: 0 compared, 2 bad input, 3 a cell failed, 130 interrupted.
     """
 
     runs: Positional[Annotated[tuple[str, ...], arg("RUN ...")]]
@@ -49,10 +51,13 @@ class CompareOptions:
     """Number of starts, for each swept value."""
     seed: Annotated[int, arg("N")] = FIRST_HELD_OUT_SEED
     """Seed of the first start; each later one has the next seed."""
-    scenario: ScenarioName = "push"
+    scenario: ScenarioName = SCENARIO
     """Scenario with the robot ready to push, and the goal with its tolerances."""
     changes: Changes = ()
     """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
+    task: Annotated[str | None, arg("NAME|FILE")] = None
+    """Task, such as the level push-l1 of the benchmark: its scenario, what each start draws, and the actions and the
+    stop rule of the rivals. If not given, these are of the first RUN that is a policy folder."""
     domain: Annotated[str | None, arg("NAME|FILE")] = None
     """Task, or its file, whose domain and tolerances replace those of the scenario: each start draws its own box and
     goal."""
@@ -73,6 +78,8 @@ class CompareOptions:
     def __post_init__(self) -> None:
         if not self.runs:
             raise ConfigError("Expected at least one RUN: a training, a policy folder, or the name of a policy")
+        if self.task is not None and (self.domain is not None or self.scenario != SCENARIO):
+            raise ConfigError("Expected neither --scenario nor --domain with --task, which has both")
         require(Amount, self.episodes, "--episodes")
         require(Amount, self.workers, "--workers")
         require_seeds(self.seed, self.episodes, "--seed")

@@ -25,6 +25,11 @@ PUSHABLE: Final[dict[BoxShape, tuple[Face, ...]]] = {
 """Faces that are upright and whole, so that a foot meets them in the expected place."""
 
 
+def face_beside(face: Face, n_quarters: int) -> Face:
+    """Return the face whose pushing direction is turned by so many quarters to the left of that of a face."""
+    return FACES[(FACES.index(face) + n_quarters) % len(FACES)]
+
+
 def pushed_pose(pose: Pose2, face: Face) -> Pose2:
     """Return the pose of the pushed frame of a box at `pose`."""
     return pose if face == "rear" else pose @ Pose2(x_m=0.0, y_m=0.0, yaw_rad=TURN_RAD[face])

@@ -20,7 +20,7 @@ from legpush.errors import MotionError, ScenarioError
 from legpush.lockstep.local import LocalWorld
 from legpush.messages import codec
 from legpush.messages.poses import planar_pose
-from legpush.messages.stepping import Alter, Follow, Motion, Outcome, Push, Reset, Walk
+from legpush.messages.stepping import Alter, Motion, Outcome, Push, Reset, Walk
 from legpush.scenarios.changes import change_fields
 from legpush.scenarios.file import load_scenario
 from legpush.scene.conventions import FRONT_LEGS, FrontLeg
@@ -182,8 +182,7 @@ PUSH = Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05)
 @pytest.mark.parametrize(
     ("motion", "message"),
     [
-        (Walk(), "Expected `reset` or `push` in a world without physics, got `walk`"),
-        (Follow(waypoints=(SCENARIO.start.pose(),)), "got `follow`"),
+        (Walk(), "Expected `follow` before `walk`: there is no path"),
         (Alter(box_mass_kg=1.0), "got `alter`"),
         (replace(PUSH, depth_m=0.2), "Expected a push of at most 0.12 m with the locus `swing`"),
         (replace(PUSH, locus="published"), "got 0.05 m with the locus `published`"),

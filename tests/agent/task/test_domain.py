@@ -8,10 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent_proc.task.domain import Domain, drawn_scenario
+from agent_proc.task.domain import Domain
+from agent_proc.task.drawn import drawn_scenario
+from agent_proc.task.file import load_task
 from legpush.errors import ConfigError
 from legpush.realism.settings import Randomization
+from legpush.scenarios.checks import check_scenario
 from legpush.scene.scenario import Goal, PoseDeg
+from legpush.scene.station import at_station
 from tests.agent.fake_world import make_scenario
 
 SCENARIO = make_scenario(randomization=Randomization(box_xy_m=0.05, box_yaw_deg=5.0))
@@ -82,3 +86,41 @@ def test_offsets_of_starts_replace_those_of_the_scenario(fields: dict[str, Any],
     drawn = drawn_scenario(Domain(**fields), SCENARIO, np.random.default_rng(0))
 
     assert drawn.randomization == offsets
+
+
+@given(seed=st.integers(0, 999))
+def test_unknown_boxes_can_be_made_and_the_robot_stands_ready_behind_them(seed: int) -> None:
+    task = load_task("push-l2")
+    drawn = drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
+    box = drawn.box
+
+    assert all(0.3 <= side <= 0.6 for side in box.size_m[:2])
+    assert box.size_m[2] == task.scenario.box.size_m[2]
+    assert 0.1 <= box.mass_kg <= 10.0
+    assert 0.2 <= box.friction <= 1.0
+    assert all(abs(offset) <= 0.1 for offset in box.com_offset_m)
+    assert at_station(drawn.robot, drawn.start.pose(), box, box.pose.pose())
+    check_scenario(drawn, "drawn")
+
+
+def test_all_shapes_are_drawn_and_independent_of_the_mass() -> None:
+    task = load_task("push-l2")
+    boxes = [drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed)).box for seed in range(200)]
+    shapes = {box.shape for box in boxes}
+    assert shapes == {"cuboid", "cylinder", "wedge", "l_shape"}
+    means = [np.mean([box.mass_kg for box in boxes if box.shape == shape]) for shape in shapes]
+    assert max(means) - min(means) < 2.5
+
+
+def test_floors_rise_in_any_direction() -> None:
+    task = load_task("push-l3")
+    rooms = [drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed)).room for seed in range(100)]
+    assert all(0.0 <= room.slope_deg <= 5.0 for room in rooms)
+    assert max(room.slope_deg for room in rooms) > 4.5
+    assert min(room.uphill_deg for room in rooms) < -150.0 < 150.0 < max(room.uphill_deg for room in rooms)
+
+
+def test_a_box_that_cannot_be_made_is_refused() -> None:
+    domain = Domain(side_m=(0.3, 0.3), com_offset_m=(0.2, 0.2))
+    with pytest.raises(ConfigError, match="got none in 100 draws"):
+        drawn_scenario(domain, SCENARIO, np.random.default_rng(0))

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.learning.env import PushEnv
-from agent_proc.task.file import load_task, read_task, task_names
+from agent_proc.task.file import load_task, read_task, scenario_of_task, task_names
 from legpush.errors import ConfigError, ScenarioError
 from legpush.scenarios.file import dump_scenario, load_scenario
 from tests.agent.fake_world import FakeWorld, scenario_at_station
@@ -23,7 +23,16 @@ def write(folder: Path, text: str) -> str:
 
 
 def test_the_built_in_tasks_are_there() -> None:
-    assert task_names() == ("paper-learns", "paper-observation", "paper-text", "release", "tuned")
+    assert task_names() == (
+        "paper-learns",
+        "paper-observation",
+        "paper-text",
+        "push-l1",
+        "push-l2",
+        "push-l3",
+        "release",
+        "tuned",
+    )
 
 
 def test_the_least_change_that_learns_differs_from_the_paper_in_what_is_said_and_nothing_else() -> None:
@@ -83,7 +92,7 @@ def test_every_term_has_every_setting(name: str) -> None:
 
     assert all("scale" in table for table in task.observation.values())
     assert all("weight" in table for table in task.reward.values())
-    assert task == read_task({**_plain(name), "scenario": load_scenario("push")}, "card")
+    assert task == read_task({**_plain(name), "scenario": load_scenario(scenario_of_task(name))}, "card")
 
 
 def _plain(name: str) -> dict[str, object]:

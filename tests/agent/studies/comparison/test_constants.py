@@ -2,7 +2,7 @@ from pathlib import Path
 from typing import Any
 
 from agent_proc.evaluation.starts import FIRST_SEARCH_SEED
-from agent_proc.policies.rivals import action_grid
+from agent_proc.rivals.blind import action_grid
 from agent_proc.studies.comparison.constants import ROUNDS, best_constant
 from agent_proc.task.file import load_task
 from legpush.study.file import Study

@@ -1,25 +1,27 @@
-"""The dumbest rivals of a policy: always the same action, or any action, until an episode of a task would end."""
+"""Rivals that see nothing: always the same action, any action, or both legs in turn, until an episode would end."""
 
 import hashlib
 from itertools import product
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.frames.push_view import PushView
-from agent_proc.task.action import CHOICES, n_actions, to_push
+from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.task.action import CHOICES, deepest_push_m, n_actions, to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
 from legpush.errors import ConfigError
 from legpush.messages.stepping import Push
+from legpush.scene.conventions import FrontLeg
+from legpush.scene.names import Face
 
-Rival = Literal["zero", "random", "constant"]
-RIVALS: Final[tuple[Rival, ...]] = ("zero", "random", "constant")
 SHAPES: Final = (-0.6, 0.0, 0.6)
 """w1 and w2 of the grid of constant actions, in [-1, 1] (our choice, as the next two)."""
 LEGS: Final = (-1.0, 1.0)
 DEPTHS: Final = (-1.0, -0.5, 0.0, 0.5, 1.0)
+FACES: Final = (0.0, 0.5, 1.0)
+"""The present face, the one to the left, the opposite one: but for the first, the robot walks before every push."""
 DISCRETE: Final = (1, 4, 7)
 """The same as indices of the published grid."""
 
@@ -64,15 +66,26 @@ class RandomPolicy:
         return to_push(rng.uniform(-1.0, 1.0, n), self._task, view)
 
 
-def make_rival(name: Rival, task: TaskConfig, action: Action) -> ConstantPolicy | RandomPolicy:
-    """Make the rival with this name; `action` is that of the constant one.
+class AlternatePolicy:
+    """Both legs in turn, FL first, with w1 and w2 in their middle and the deepest push that the task allows here."""
 
-    Raises:
-        ConfigError: The action does not fit.
-    """
-    if name == "random":
-        return RandomPolicy(task)
-    return ConstantPolicy(task, zero_action(task) if name == "zero" else action)
+    def __init__(self, task: TaskConfig) -> None:
+        self._task = task
+
+    def decide(self, view: PushView) -> Push | None:
+        """The next push, or None if nothing is left to do."""
+        if has_arrived(self._task, view):
+            return None
+        last = view.world.push
+        return middle_push(self._task, view, "FR" if last is not None and last.leg == "FL" else "FL")
+
+
+def middle_push(task: TaskConfig, view: PushView, leg: FrontLeg, face: Face | None = None) -> Push:
+    """The deepest push that a task allows with a leg, with w1 and w2 in their middle."""
+    face = view.face if face is None else face
+    there = view if face == view.face else push_view(view.world, view.scenario, view.lost_depth_m, face=face)
+    depth_m = deepest_push_m(task, there) if task.entry == "variable" else task.fixed_depth_m
+    return Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m, face=face)
 
 
 def zero_action(task: TaskConfig) -> Action:
@@ -81,11 +94,12 @@ def zero_action(task: TaskConfig) -> Action:
 
 
 def action_grid(task: TaskConfig) -> list[Action]:
-    """The constant actions among which the best one is searched: 90 with variable entry, 18 otherwise."""
+    """The constant actions among which the best one is searched: 18, times 5 depths, times 3 changes of the face."""
     if task.action_form == "discrete":
         return [tuple(map(float, action)) for action in product(DISCRETE, DISCRETE, (0, 1))]
     depths = (DEPTHS,) if task.entry == "variable" else ()
-    return list(product(SHAPES, SHAPES, LEGS, *depths))
+    faces = (FACES,) if task.changes_face else ()
+    return list(product(SHAPES, SHAPES, LEGS, *depths, *faces))
 
 
 def _as_array(task: TaskConfig, action: Action) -> NDArray[np.int64] | NDArray[np.float64]:

@@ -2,7 +2,8 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.frames.push_view import push_view
-from agent_proc.policies.rivals import action_grid, make_rival, zero_action
+from agent_proc.rivals.blind import action_grid, zero_action
+from agent_proc.rivals.registry import make_rival
 from agent_proc.studies.cell_parts import new_simulator
 from agent_proc.task.file import load_task
 from legpush.errors import ConfigError

@@ -1,0 +1,69 @@
+"""The scripted policy with the stop rule of a task, over the push model or over the measured response of the box.
+
+Where an action may choose the face, every face is predicted, and a walk to another one costs its time.
+"""
+
+from functools import cache
+from math import degrees
+from typing import Final
+
+from msgspec.structs import replace
+
+from agent_proc.frames.push_view import PushView
+from agent_proc.map_world.response_map import load_response_map
+from agent_proc.policies.scripted import CYCLE_COST, LEAST_GAIN, ScriptedPolicy
+from agent_proc.push_model.model import PushModel, nearest_model
+from agent_proc.pushing.docking.moves import PUSH_S, walk_s
+from agent_proc.rivals.steering import views_of_faces
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.episode import has_arrived
+from legpush.messages.stepping import Push
+from legpush.scene.faces import pushed_box
+from legpush.scene.names import Face
+from legpush.scene.scenario import Box
+
+S_COST: Final = CYCLE_COST / PUSH_S
+"""Cost of a second, in tolerances of the final error: as much as in push cycles."""
+
+
+class FacedScript:
+    """Chooses the face and the push from which the push model predicts the best end."""
+
+    def __init__(self, task: TaskConfig, *, measured: bool = False) -> None:
+        """Predict with the `measured` response of the default box, or with the model that all missions begin with."""
+        self._task = task
+        self._measured = measured
+
+    def decide(self, view: PushView) -> Push | None:
+        """The next push, or None if nothing is left to do or no push is predicted to help."""
+        if has_arrived(self._task, view):
+            return None
+        views = views_of_faces(view) if self._task.changes_face else {view.face: view}
+        found = []
+        for face, there in views.items():
+            push, cost, error = self._script(there.box, face).best(there)
+            found.append((cost + S_COST * walk_s(view.face, face), error, replace(push, face=face)))
+        cost, error, push = min(found, key=lambda each: each[0])
+        return None if cost > error - LEAST_GAIN else push
+
+    def _script(self, box: Box, face: Face) -> ScriptedPolicy:
+        return _script_of(measured_model(face) if self._measured else nearest_model(box))
+
+
+@cache
+def _script_of(model: PushModel) -> ScriptedPolicy:
+    return ScriptedPolicy(model)
+
+
+@cache
+def measured_model(face: Face) -> PushModel:
+    """The measured response of the default box at a face, for pushes with w1 and w2 in their middle."""
+    response_map = load_response_map()
+    surface = response_map.surface(face)
+    return PushModel(
+        box=pushed_box(response_map.box, face),
+        depth_m=surface.depth_m,
+        forward_m=surface.forward_m,
+        left_m=surface.left_m,
+        turn_deg=tuple(degrees(turn_rad) for turn_rad in surface.turn_rad),
+    )
