@@ -26,7 +26,7 @@ PUSHABLE: Final[dict[BoxShape, tuple[Face, ...]]] = {
 
 
 def face_beside(face: Face, n_quarters: int) -> Face:
-    """Return the face whose pushing direction is turned by so many quarters to the left of that of a face."""
+    """Return the face that is reached by turning the pushing direction of a face by `n_quarters` to the left."""
     return FACES[(FACES.index(face) + n_quarters) % len(FACES)]
 
 

@@ -18,9 +18,9 @@ from tests.legpush.scenarios.small_scenario import plain_scenario, put, write
 from tests.robots import ROBOT, scaled_robot
 
 
-def test_there_are_seven_built_in_scenarios() -> None:
-    names = ("blocked_way", "default", "dubins_loop", "published", "published_detour", "push", "sine")
-    assert scenario_names() == names
+def test_there_are_nine_built_in_scenarios() -> None:
+    names = ("blocked_way", "default", "dubins_loop", "open", "open_real", "published", "published_detour", "push")
+    assert scenario_names() == (*names, "sine")
 
 
 @pytest.mark.parametrize("name", scenario_names())
