@@ -1,4 +1,4 @@
-"""Environments whose actions choose the face: the robot walks around the box, and what it felt of the box is observed."""
+"""Environments whose actions choose the face: the robot walks around the box, and feels what the box does."""
 
 import numpy as np
 import pytest
