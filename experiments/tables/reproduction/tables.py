@@ -22,6 +22,7 @@ TRAININGS: Final = {
     "learns_variable_simulator": "reproduction_learns_variable_simulator",
     "observation": "reproduction_observation",
     "release": "reproduction_release",
+    "text": "reproduction_text",
 }
 """Study of each variant that has one of its own."""
 RULES: Final = ("reproduction_rules", "reproduction_rules_one")
