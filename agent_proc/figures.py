@@ -18,7 +18,9 @@ SETTINGS: Final = {"MPLBACKEND": None, "MATPLOTLIBRC": os.devnull}
 cache; its `matplotlibrc` comes after the one that is named here."""
 RC_FILE: Final = "matplotlibrc"
 """The file that matplotlib looks for in the working directory, before all others."""
-PLAIN: Final[Mapping[str, Any]] = {"text.parse_math": False, "text.usetex": False}
+PICTURES: Final = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
+"""Formats of figures by the endings of their files."""
+PLAIN: Final[Mapping[str, Any]] = {"text.parse_math": False, "text.usetex": False, "svg.hashsalt": "legpush"}
 """Settings of all figures: names of users and their files are shown as they are."""
 
 
@@ -91,7 +93,7 @@ __all__ = [
     "Rectangle",
     "own_style",
     "plain_log_ticks",
-    "save_png",
+    "save_figure",
     "to_rgba",
 ]
 
@@ -107,18 +109,20 @@ def own_style(more: Mapping[str, Any] | None = None) -> Iterator[None]:
         yield
 
 
-def save_png(figure: Figure, path: Path, *, dpi: float | None = None, software: str | None = None) -> None:
-    """Write a figure as PNG. It has to be drawn and saved in one `own_style`.
+def save_figure(figure: Figure, path: Path, *, dpi: float | None = None, software: str | None = None) -> None:
+    """Write a figure, in the format of the ending of `path`. It has to be drawn and saved in one `own_style`.
 
-    `software` is named as the author in the file.
+    Equal figures give equal files: nothing in them says when they were made. `software` is named as their author in PNG
+    files, and `dpi` is their resolution.
 
     Raises:
         OSError: The file cannot be written.
     """
-    picture = BytesIO()
-    metadata = None if software is None else {"Software": software}
+    picture, made = BytesIO(), PICTURES[path.suffix.lower()]
+    plain: dict[str, str | None] = {"Date": None} if made == "svg" else {"CreationDate": None} if made == "pdf" else {}
+    metadata = plain if made != "png" else None if software is None else {"Software": software}
     FigureCanvasAgg(figure)
-    figure.savefig(picture, format="png", dpi=dpi, metadata=metadata)
+    figure.savefig(picture, format=made, dpi=dpi, metadata=metadata)
     path.write_bytes(picture.getvalue())
 
 

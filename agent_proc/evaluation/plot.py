@@ -8,7 +8,7 @@ import numpy as np
 
 from agent_proc.evaluation.episodes import Row
 from agent_proc.evaluation.sweep import Sweep
-from agent_proc.figures import Axes, Figure, own_style, save_png
+from agent_proc.figures import Axes, Figure, own_style, save_figure
 from agent_proc.statistics.estimate import kinds_in_words
 from agent_proc.statistics.intervals import mean
 from legpush.arrays import Floats
@@ -27,7 +27,7 @@ def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None
     with own_style():
         figure = draw(rows, sweep)
         figure.suptitle(f"{title}, {len(rows) // len(sweep.cases)} episodes each")
-        save_png(figure, path, dpi=110)
+        save_figure(figure, path, dpi=110)
 
 
 def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:

@@ -17,7 +17,7 @@ from agent_proc.figures import (
     Polygon,
     Rectangle,
     own_style,
-    save_png,
+    save_figure,
     to_rgba,
 )
 from agent_proc.reporting.map_view import MapView
@@ -58,7 +58,7 @@ def is_own_picture(path: Path) -> bool:
 
 
 def save_map_picture(view: MapView, path: Path) -> None:
-    """Draw the map and write it as PNG."""
+    """Draw the map and write it, in the format of the ending of `path`."""
     scale = min(longest / side for longest, side in zip(LONGEST_IN, view.size_m, strict=True))
     width_in, height_in = (
         max(least, scale * side) + around for least, side, around in zip(LEAST_IN, view.size_m, AROUND_IN, strict=True)
@@ -75,7 +75,7 @@ def save_map_picture(view: MapView, path: Path) -> None:
         axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", facecolor=OUTSIDE)
         axes.set_title(_title(view))
         figure.legend(handles=_legend(axes, view), loc="outside lower center", ncols=3)
-        save_png(figure, path, dpi=DPI, software=SOFTWARE)
+        save_figure(figure, path, dpi=DPI, software=SOFTWARE)
 
 
 def _title(view: MapView) -> str:

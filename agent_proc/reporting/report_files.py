@@ -37,7 +37,7 @@ def write_report(folder: Path, journal: Journal, result: MissionResult, begun: B
 def _draw(record: MissionRecord, result: MissionResult, folder: Path) -> None:
     """Draw the picture, or note in the report why it could not be drawn."""
     try:
-        from agent_proc.reporting.picture import save_picture
+        from agent_proc.reporting.mission_picture.picture import save_picture
 
         save_picture(record, result, folder / PICTURE_FILE)
     except Exception as error:

@@ -16,4 +16,7 @@ STYLE: Final[dict[Any, Any]] = {
     "legend.fontsize": 8.5,
 }
 WALL, FLOOR, INK, GRID = "#3b3f46", "#ffffff", "#1b2a41", "#e6e8eb"
-RAW, BOX, GOAL, BLUE = "#c8553d", "#8d6748", "#2b8a4b", "#3a6ea5"
+RAW, BOX, GOAL, BLUE = "#d55e00", "#a8741a", "#009e73", "#0072b2"
+TREE, PATH, GIVEN_UP, APPEARED = "#9dbbdc", "#56b4e9", "#77706a", "#b8651b"
+FEET: Final = {"FL": "#e69f00", "FR": "#cc79a7", "RL": "#6f4ba0", "RR": "#3d9fb0"}
+"""Colours that are told apart with any colour vision, after Okabe and Ito, *Color Universal Design*, 2008."""

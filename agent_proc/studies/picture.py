@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure, own_style, save_png
+from agent_proc.figures import Axes, Figure, own_style, save_figure
 from agent_proc.studies.table import PAIRED, Line
 from legpush.errors import ConfigError
 
@@ -46,7 +46,7 @@ def save_picture(lines: Sequence[Line], by: Sequence[str], title: str, path: Pat
             n_across = min(len(labels), 4)
             figure.legend(handles, labels, loc="outside lower center", ncols=n_across, title=", ".join(by[1:]))
         figure.suptitle(title)
-        save_png(figure, path, dpi=110)
+        save_figure(figure, path, dpi=110)
 
 
 def _draw(axis: Axes, lines: Sequence[Line], by: Sequence[str]) -> None:

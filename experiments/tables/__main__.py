@@ -13,7 +13,7 @@ from typing import Annotated, Final
 import tyro
 from rich.progress import track
 
-from agent_proc.figures import Figure, own_style, save_png
+from agent_proc.figures import Figure, own_style, save_figure
 from experiments.rows import RESULTS
 from experiments.tables import (
     circles,
@@ -120,7 +120,7 @@ def make(
         if config.pictures and name in pictures:
             with own_style({"text.parse_math": True}):
                 for file, figure in pictures[name]().items():
-                    save_png(figure, folder / file)
+                    save_figure(figure, folder / file)
 
 
 if __name__ == "__main__":

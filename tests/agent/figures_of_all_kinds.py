@@ -7,7 +7,7 @@ from agent_proc.evaluation.plot import save_plot
 from agent_proc.evaluation.sweep import make_sweep
 from agent_proc.reporting.map_picture import save_map_picture
 from agent_proc.reporting.map_view import read_view
-from agent_proc.reporting.picture import save_picture as save_mission_picture
+from agent_proc.reporting.mission_picture.picture import save_picture as save_mission_picture
 from agent_proc.studies.picture import save_picture as save_table_picture
 from agent_proc.studies.table import make_table
 from experiments.tables.__main__ import PICTURES, Config, make

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from agent_proc.figures import Figure, own_style, save_png
+from agent_proc.figures import Figure, own_style, save_figure
 from tests.agent.figures_of_all_kinds import KINDS
 
 HOSTILE = b"text.usetex: True\nfont.size: 30\nsavefig.format: pdf\naxes.facecolor: red\nfigure.dpi: 7\n"
@@ -55,7 +55,7 @@ def test_a_picture_stays_the_same_when_code_of_the_user_has_changed_the_settings
         with own_style():
             figure = Figure(figsize=(2.0, 1.0))
             figure.add_subplot().set_title("$a$")
-            save_png(figure, tmp_path / name)
+            save_figure(figure, tmp_path / name)
         return (tmp_path / name).read_bytes()
 
     before = picture("before.png")

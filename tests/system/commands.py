@@ -38,6 +38,7 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "policy show": ("policy", "show", "variable"),
     "policy export": ("policy", "export", "variable", "--to", "onnx", "--out", "exported"),
     "render": ("render", RUN),
+    "picture": ("picture", RUN, "--out", "mission.svg"),
     "record": ("record", "new.mcap", "--connect", "unixsock-stream/nowhere.sock"),
     "info": ("info", RECORDING),
     "recover": ("recover", CUT, "--out", "whole.mcap"),

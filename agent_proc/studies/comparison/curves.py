@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure, own_style, plain_log_ticks, save_png
+from agent_proc.figures import Axes, Figure, own_style, plain_log_ticks, save_figure
 from agent_proc.policies.folder import CurvePoint
 from agent_proc.statistics.intervals import STUDENT_T, mean_curve
 from legpush.arrays import Floats
@@ -80,7 +80,7 @@ def save_curves(curves: Sequence[Curve], path: Path) -> None:
         for axis in figure.axes[2:]:
             axis.set_xlabel("push cycles")
         figure.suptitle(f"Mean over {WINDOW} episodes of the training: each seed, mean over seeds with {STUDENT_T}")
-        save_png(figure, path, dpi=110)
+        save_figure(figure, path, dpi=110)
 
 
 def _moving_mean(points: Sequence[CurvePoint], name: str) -> Floats:

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure, own_style, save_png
+from agent_proc.figures import Axes, Figure, own_style, save_figure
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.studies.comparison.outcome import THRESHOLDS, Outcome
 
@@ -50,7 +50,7 @@ def save_picture(outcome: Outcome, title: str, path: Path) -> None:
         success.set_xlim(-2.0, 102.0)
         success.set_title("success [%]")
         figure.suptitle(title)
-        save_png(figure, path, dpi=110)
+        save_figure(figure, path, dpi=110)
 
 
 def _bars(axis: Axes, labels: Sequence[str], estimates: Sequence[Estimate], colours: dict[str, str]) -> None:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure, own_style, plain_log_ticks, save_png
+from agent_proc.figures import Axes, Figure, own_style, plain_log_ticks, save_figure
 from agent_proc.profiles.profile import TunedOn, dump_profile
 from agent_proc.studies.tuning.space import Space
 from agent_proc.studies.tuning.trials import TrialEnd
@@ -71,7 +71,7 @@ def save_picture(folder: Path, space: Space, ends: Sequence[TrialEnd]) -> Path:
         for axis in axes[1 + len(space.parameters) :]:
             axis.set_axis_off()
         figure.suptitle(f"{len(ends)} trials, {sum(end.pruned for end in ends)} given up; loss of the tuning starts")
-        save_png(figure, path, dpi=110)
+        save_figure(figure, path, dpi=110)
     return path
 
 

@@ -14,7 +14,7 @@ from legpush.options.conformance import PlanCheckOptions
 from legpush.options.export import ExportOptions, RenderOptions
 from legpush.options.learning import CalibrateOptions, EvaluateOptions, TrainOptions
 from legpush.options.learning_tools import CompareOptions, CurvesOptions, TuneOptions
-from legpush.options.maps import MapOptions
+from legpush.options.maps import MapOptions, PictureOptions
 from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
 from legpush.options.policies import ExportPolicy, ShowPolicy
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
@@ -59,6 +59,7 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
     "map": MapOptions,
     "policy": Group("Show or export a trained policy.", {"show": ShowPolicy, "export": ExportPolicy}),
     "render": RenderOptions,
+    "picture": PictureOptions,
     "record": RecordOptions,
     "info": InfoOptions,
     "recover": RecoverOptions,
@@ -91,6 +92,7 @@ PROGRAMS: Final[Mapping[type, tuple[Program, *tuple[str, ...]]]] = {
     CalibrateOptions: ("agent_proc.programs.calibrate",),
     RandomScenario: ("agent_proc.programs.draw_room",),
     MapOptions: ("agent_proc.programs.show_map",),
+    PictureOptions: ("agent_proc.programs.draw_mission",),
     ShowPolicy: ("agent_proc.programs.policy", "show"),
     ExportPolicy: ("agent_proc.programs.policy", "export"),
     ExportOptions: ("sim_proc.export.program",),

@@ -6,6 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from legpush.errors import ConfigError, DiskFullError, is_disk_full
+from legpush.options.formats import PICTURES
 
 
 def require_writable_folder(folder: Path, flag: str) -> None:
@@ -18,6 +19,16 @@ def require_writable_folder(folder: Path, flag: str) -> None:
     while not os.path.lexists(there):
         there = there.parent
     _try_to_write(there, folder, f"a folder that can be written to for {flag}")
+
+
+def require_picture_ending(path: Path, flag: str) -> None:
+    """Check that a file has the ending of a picture.
+
+    Raises:
+        ConfigError: It has another one.
+    """
+    if path.suffix.lower() not in PICTURES:
+        raise ConfigError(f"Expected a file that ends in {', '.join(PICTURES)} for {flag}, got {path}")
 
 
 def require_new_file(path: Path, flag: str) -> None:

@@ -11,6 +11,8 @@ ENDINGS: Final[dict[Format, str]] = {
     "mp4": ".mp4",
     "gif": ".gif",
 }
+PICTURES: Final = (".png", ".svg", ".pdf")
+"""Endings of pictures; the last two are vector files."""
 FILMS: Final[tuple[Format, ...]] = ("mp4", "gif")
 LARGEST_FRAME: Final = (3840, 2160)
 FASTEST_GIF_FPS: Final = 50.0

@@ -10,6 +10,7 @@ from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, Repeated,
 from legpush.bounds import Amount, BoxMass, Friction, Length, Simulators
 from legpush.errors import ConfigError
 from legpush.fields import Seed, parse_seeds, require, require_seeds
+from legpush.options.checks import require_picture_ending
 from legpush.options.learning import DEFAULT_WORLD, default_simulators
 from legpush.options.scenarios import Changes, ScenarioName
 
@@ -185,9 +186,10 @@ class CurvesOptions:
     runs: Positional[Annotated[tuple[str, ...], arg("RUN ...")]]
     """Folders of trainings with several seeds, of single trainings, or of policies."""
     out: Annotated[Path, arg("FILE")] = Path("curves.png")
-    """The new picture."""
+    """The new picture: .png, .svg or .pdf."""
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
         if not self.runs:
             raise ConfigError("Expected at least one RUN: the folder of a training")
+        require_picture_ending(self.out, "--out")

@@ -17,6 +17,7 @@ Program = Literal[
     "agent_proc.programs.tune",
     "agent_proc.programs.calibrate",
     "agent_proc.programs.check_mission",
+    "agent_proc.programs.draw_mission",
     "agent_proc.programs.draw_room",
     "agent_proc.programs.policy",
     "agent_proc.programs.show_map",

@@ -13,7 +13,7 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.mission.process import AgentConfig, work, writable_folder
-from agent_proc.reporting import picture
+from agent_proc.reporting.mission_picture import picture
 from legpush.errors import ConfigError, JournalError, LegpushError, MotionError, StopRequestedError
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Motion, Outcome, Push
@@ -252,7 +252,8 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
 
 def test_the_scripted_policy_needs_neither_torch_nor_the_libraries_of_the_other_processes() -> None:
     code = (
-        "import sys, agent_proc.mission.process as s; s.make_policy('scripted'); import agent_proc.reporting.picture; "
+        "import sys, agent_proc.mission.process as s; s.make_policy('scripted'); "
+        "import agent_proc.reporting.mission_picture.picture; "
         "print([m for m in ('torch', 'stable_baselines3', 'gymnasium', 'mujoco', 'ompl', 'scipy') if m in sys.modules])"
     )
 

@@ -1,5 +1,7 @@
 """Geometry for the picture of a mission, in metres: outlines, abandoned paths, and the frame of the picture."""
 
+from collections import Counter
+from itertools import pairwise
 from math import ceil
 from typing import Final
 
@@ -10,8 +12,9 @@ from agent_proc.walking.obstacles import is_in_walk
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.poses import planar_pose
-from legpush.messages.stepping import Appearance, Follow, WorldState
+from legpush.messages.stepping import Appearance, Follow, Push, WorldState
 from legpush.scene.footprints import Footprint, box_footprint
+from legpush.scene.names import Face
 
 MAX_POINTS: Final = 4000
 """Number of points above which a line is thinned, since more cannot be seen."""
@@ -43,6 +46,32 @@ def _was_given_up(record: MissionRecord, follow: MissionStep, last: WorldState) 
         is_in_walk(obstacles[new.obstacle], record.scenario, follow.motion.waypoints, last.path.travelled_m)
         for new in last.appeared[len(follow.world.appeared) :]
     )
+
+
+def box_paths(record: MissionRecord) -> list[tuple[Floats, Pose2]]:
+    """The paths along which the box was pushed, (m, 2) each, and where the box was when each of them began.
+
+    A path that was planned but not pushed along is none of them.
+    """
+    found: list[tuple[Floats, Pose2]] = []
+    for before, step in pairwise(record.steps):
+        if isinstance(step.motion, Push) and not (found and step.box_path_m is found[-1][0]) and len(step.box_path_m):
+            found.append((step.box_path_m, planar_pose(before.world.box)))
+    return found
+
+
+def planned_again(record: MissionRecord) -> Floats:
+    """Where the robot or the box was when another path replaced the one before, (n, 2)."""
+    walks = followed(record)
+    trunks = [planar_pose(after.world.trunk) for (_, given_up), (after, _) in pairwise(walks) if given_up]
+    boxes = [] if record.scenario.reference is not None else [box for _, box in box_paths(record)[1:]]
+    return np.array([pose.xy() for pose in (*trunks, *boxes)]).reshape(-1, 2)
+
+
+def pushed_faces(record: MissionRecord) -> list[Face]:
+    """The faces that were pushed, the one with the most pushes first."""
+    faces = Counter(step.motion.face for step in record.steps if isinstance(step.motion, Push))
+    return [face for face, _ in faces.most_common()]
 
 
 def handover_place(record: MissionRecord, handover_distance_m: float) -> Pose2:

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from agent_proc.reporting.charts import draw_box_error, draw_margins, draw_tilt, draw_torques
+from agent_proc.reporting.mission_picture.charts import draw_box_error, draw_margins, draw_tilt, draw_torques
+from agent_proc.reporting.mission_picture.parts import MAX_POINTS
 from agent_proc.reporting.mission_record import MissionRecord
-from agent_proc.reporting.picture_parts import MAX_POINTS
 from legpush.arrays import Floats
 from tests.agent.reporting.missions import push_alone, whole_mission
 

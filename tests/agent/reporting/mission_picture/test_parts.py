@@ -3,21 +3,24 @@
 import numpy as np
 import pytest
 
-from agent_proc.reporting.picture_parts import (
+from agent_proc.reporting.mission_picture.parts import (
     AROUND_M,
     MAX_POINTS,
     PLAN_ASPECT,
     appeared,
     box_at,
+    box_paths,
     extent,
     followed,
     handover_place,
+    planned_again,
+    pushed_faces,
     thin,
     widen,
 )
 from legpush.geometry import distance_m
 from legpush.messages.poses import planar_pose
-from tests.agent.reporting.missions import blocked_mission, whole_mission
+from tests.agent.reporting.missions import blocked_mission, unplanned_mission, whole_mission
 
 
 def test_a_path_is_given_up_that_an_obstacle_appeared_in_and_no_other() -> None:
@@ -81,3 +84,26 @@ def test_a_thinned_line_keeps_its_ends(n_points: int) -> None:
     assert len(thinned) <= MAX_POINTS + 1
     np.testing.assert_array_equal(thinned[[0, -1]], points[[0, -1]])
     assert len(thinned) > min(n_points, MAX_POINTS) // 2
+
+
+def test_a_path_of_the_box_is_one_along_which_it_was_pushed() -> None:
+    record, _ = whole_mission()
+    ((path_m, begin),) = box_paths(record)
+
+    assert path_m is record.pushing()[-1].box_path_m
+    assert begin == planar_pose(record.pushing()[0].world.box)
+    assert pushed_faces(record) == ["rear"]
+    assert len(planned_again(record)) == 0
+
+
+def test_the_mission_plans_again_where_its_path_was_blocked() -> None:
+    record, _ = blocked_mission()
+    walks = followed(record)
+    assert [pose.tolist() for pose in planned_again(record)] == [list(walks[1][0].world.trunk.position_m[:2])]
+
+
+def test_a_mission_that_does_not_move_has_no_paths_and_no_panels() -> None:
+    record, _ = unplanned_mission()
+    assert box_paths(record) == []
+    assert pushed_faces(record) == []
+    assert planned_again(record).shape == (0, 2)

@@ -7,15 +7,15 @@ from typing import Final
 import numpy as np
 
 from agent_proc.figures import Axes, MaxNLocator
+from agent_proc.reporting.mission_picture.parts import MAX_POINTS
 from agent_proc.reporting.mission_record import MissionRecord
-from agent_proc.reporting.picture_parts import MAX_POINTS
 from agent_proc.reporting.style import BLUE, BOX, GOAL, RAW
 from legpush.arrays import Floats, Indices
 from legpush.messages.stepping import Motion, Push, Walk
 from legpush.scene.conventions import CONTROL_PERIOD_S, JOINTS
 
 PHASES: Final[dict[type[Motion], tuple[str, str]]] = {Walk: ("walk", "#f3f5f8"), Push: ("push", "#f6efe6")}
-COM, ZMP, CAPTURE = "#4a6b5d", "#8c33a6", "#d97b0d"
+COM, ZMP, CAPTURE = "#009e73", "#cc79a7", "#e69f00"
 LEAST_NAMED: Final = 0.08
 """Share of the mission's time below which a phase has no room for its name."""
 ENVELOPE_POINTS: Final = 160

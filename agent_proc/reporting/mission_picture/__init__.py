@@ -1,0 +1,1 @@
+"""The picture of a mission: the room with its paths, the pushes, and charts over time."""
