@@ -1,7 +1,7 @@
 """The observation that the simulator reports: the world after a step, and the trace of its ticks."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -14,6 +14,15 @@ from sim_proc.measures.motion import Measured
 from sim_proc.measures.stability import zero_moment_points
 from sim_proc.model.world import JOINT_QVEL
 from sim_proc.physics.physics import Physics
+
+OF_STEPS: Final = (
+    "joint_velocities_rad_s",
+    "joint_torques_n_m",
+    "trunk_velocity_m_s",
+    "imu_angular_velocity_rad_s",
+    "imu_acceleration_m_s2",
+)
+"""Fields of a trace that are those of the last physics step of each tick."""
 
 
 def world_state(
@@ -73,10 +82,7 @@ def trace(logs: Sequence[TickLog], last_tick: int, measured: Measured | None) ->
         np.concatenate([getattr(log, name) for log in logs])
         for name in ("qpos", "tips_m", "com_m", "floor_forces_n", "box_forces_n")
     )
-    speeds, torques = (
-        np.concatenate([getattr(log.steps, name)[:, -1] for log in logs])
-        for name in ("joint_velocities_rad_s", "joint_torques_n_m")
-    )
+    of_steps = {name: _plain(np.concatenate([getattr(log.steps, name)[:, -1] for log in logs])) for name in OF_STEPS}
     return Trace(
         tick=tuple(range(last_tick - len(qpos) + 1, last_tick + 1)),
         qpos=_plain(qpos),
@@ -89,8 +95,7 @@ def trace(logs: Sequence[TickLog], last_tick: int, measured: Measured | None) ->
         zmp_margin_m=_plain(measured.margins_m.zmp_m),
         capture_margin_m=_plain(measured.margins_m.capture_m),
         foot_moment_n_m=_plain(measured.moments_n_m),
-        joint_velocities_rad_s=_plain(speeds),
-        joint_torques_n_m=_plain(torques),
+        **of_steps,
     )
 
 

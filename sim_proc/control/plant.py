@@ -35,6 +35,12 @@ class StepLog:
     """Speeds of the joints, (n, s, 12)."""
     joint_torques_n_m: Floats
     """Torques of the servos, (n, s, 12)."""
+    trunk_velocity_m_s: Floats
+    """Velocity of the middle of the trunk, (n, s, 3)."""
+    imu_angular_velocity_rad_s: Floats
+    """Of the trunk, in its own frame, (n, s, 3)."""
+    imu_acceleration_m_s2: Floats
+    """Of the trunk less gravity, in its own frame, (n, s, 3)."""
 
     def forces_on_box_n(self, leg: int) -> Floats:
         """Mean force of a foot on the box in each tick, (n, 3)."""

@@ -13,7 +13,7 @@ from legpush.scene.conventions import LEG_JOINTS, LEGS
 from sim_proc.export.source import Exported
 
 XYZ: Final = ("x", "y", "z")
-UNITS: Final = {"_n_m": "N m", "_rad_s": "rad/s", "_m": "m", "_rad": "rad", "_n": "N"}
+UNITS: Final = {"_n_m": "N m", "_m_s2": "m/s^2", "_m_s": "m/s", "_rad_s": "rad/s", "_m": "m", "_rad": "rad", "_n": "N"}
 """Endings of names of columns, with their units: the longer ones first."""
 POSE: Final = (*(f"{axis}_w_m" for axis in XYZ), *(f"q{part}_w" for part in ("w", "x", "y", "z")))
 
@@ -65,6 +65,12 @@ def _columns(episode: Exported) -> Iterator[Column]:
     yield from _named(
         "trunk", ("roll_rad", "pitch_rad"), "angle of the trunk against the floor", timeline.roll_pitch_rad
     )
+    for prefix, ending, about, values in (
+        ("trunk_velocity", "w_m_s", "velocity of the middle of the trunk", timeline.trunk_velocity_m_s),
+        ("imu_rate", "b_rad_s", "reading of the gyroscope without noise", timeline.imu_angular_velocity_rad_s),
+        ("imu_acceleration", "b_m_s2", "reading of the accelerometer without noise", timeline.imu_acceleration_m_s2),
+    ):
+        yield from _named(prefix, [f"{axis}_{ending}" for axis in XYZ], about, values)
     for about, unit, values in (
         ("angle of a joint", "rad", timeline.qpos[:, JOINTS]),
         ("speed of a joint", "rad_s", timeline.joint_velocities_rad_s),

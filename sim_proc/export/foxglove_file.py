@@ -51,10 +51,11 @@ from sim_proc.export.foxglove_scene import (
     robot_bodies,
     vector,
 )
-from sim_proc.export.foxglove_schemas import STEP_SCHEMA, signals_schema
+from sim_proc.export.foxglove_schemas import STEP_SCHEMA, STRING_SCHEMA, signals_schema
 from sim_proc.export.source import Exported, Source
 from sim_proc.export.steady_file import SteadyFile
 from sim_proc.export.transforms import WORLD, Frame, moving_frames, standing_frames
+from sim_proc.export.urdf import robot_urdf
 from sim_proc.model.scenery import wall_name
 from sim_proc.model.shapes import parts_of
 
@@ -151,6 +152,7 @@ class _Writer:
         for topic, parts in scenes.items():
             self._log_scene(topic, 0, [body_entity(part, stamp) for part in parts if part.shapes])
         self._log(FrameTransformsChannel, "/tf_static", 0, _transforms(standing_frames(self._parts), 0, stamp))
+        self._log_json("/robot_description", 0, STRING_SCHEMA, {"data": robot_urdf(self._timeline.scenario)})
         trails = (("trunk_trail", TRUNK, TRUNK_ORANGE), ("box_trail", BOX, BOX_BROWN))
         ways = {name: self._timeline.qpos[::TRAIL_STRIDE_TICKS, columns][:, :2] for name, columns, _ in trails}
         entities = [line_entity(name, ways[name], rgba, stamp) for name, _, rgba in trails]

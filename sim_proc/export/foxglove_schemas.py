@@ -35,6 +35,10 @@ STEP_SCHEMA: Final = _schema(
 """A step of the episode: a motion, and the fields of that motion."""
 
 
+STRING_SCHEMA: Final = _schema("std_msgs/String", {"data": ("string", "the robot as URDF", "")})
+"""The message from which Foxglove reads a URDF, called as in ROS."""
+
+
 def signals_schema(columns: Sequence[Column]) -> dict[str, Any]:
     """Schema of a row of these columns."""
     return _schema("legpush.Signals", {each.name: (_json_type(each), each.about, each.unit) for each in columns})

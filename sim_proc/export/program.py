@@ -86,6 +86,11 @@ def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) 
         episodes = f"{len(source.episodes)} episode{'s' * (len(source.episodes) != 1)}"
         return f"{len(columns[0].values)} rows, {len(columns)} columns, {episodes}"
     episode = longest(source.episodes)
+    if made == "urdf":
+        from sim_proc.export.urdf import robot_urdf
+
+        scratch.write_text(robot_urdf(episode.timeline.scenario), encoding="utf-8")
+        return f"the robot of episode {episode.index}"
     if made == "foxglove":
         from sim_proc.export.foxglove_file import write_foxglove
 

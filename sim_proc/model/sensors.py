@@ -81,13 +81,7 @@ def add_sensors(spec: mujoco.MjSpec, *, ground: str | None) -> None:
         foot = {"reftype": mujoco.mjtObj.mjOBJ_GEOM, "refname": f"{leg}_foot"}
         n_contacts(f"{leg}_box_contacts", **box, **foot)
     n_contacts("contacts")
-
-
-def add_velocity(spec: mujoco.MjSpec) -> None:
-    """Add the velocity of the IMU in the world, from whose changes an accelerometer can be read.
-
-    MuJoCo's own accelerometer has the acceleration before that is damped implicitly: its sum is not the velocity.
-    """
+    # MuJoCo's own accelerometer has the acceleration before that is damped implicitly: its sum is not the velocity.
     spec.add_sensor(
         name="imu_velocity", type=mujoco.mjtSensor.mjSENS_FRAMELINVEL, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="imu"
     )

@@ -18,7 +18,7 @@ from sim_proc.model.box_body import add_box
 from sim_proc.model.collisions import FOOT_SOLREF, ROLLING_FRICTION_M, SOLREF, TURNING_FRICTION_M
 from sim_proc.model.robot_body import add_robot
 from sim_proc.model.scenery import add_scenery
-from sim_proc.model.sensors import add_sensors, add_velocity
+from sim_proc.model.sensors import add_sensors
 
 PHYSICS_STEP_S: Final = 0.002
 JOINT_QVEL: Final = slice(6, 18)
@@ -75,8 +75,6 @@ def _build_spec(scenario: Scenario, reality: Reality, *, movable_first: bool) ->
     floors = ("floor", *(add_tiles(spec.body(GROUND), scenario, reality) if has_tiles else ()))
     _add_contact_pairs(spec, robot, scenario.box, box_geoms, floors)
     add_sensors(spec, ground=GROUND if has_tiles else None)
-    if not reality.senses.exact:
-        add_velocity(spec)
     return spec
 
 

@@ -94,6 +94,9 @@ class Sensors:
             joint_positions_rad=readings[..., self.joint_positions],
             joint_velocities_rad_s=readings[..., self.joint_velocities],
             joint_torques_n_m=readings[..., self.joint_torques],
+            trunk_velocity_m_s=readings[..., self.of["imu_velocity"]],
+            imu_angular_velocity_rad_s=readings[..., self.of["imu_angular_velocity"]],
+            imu_acceleration_m_s2=readings[..., self.of["imu_acceleration"]],
         )
 
     def _from_to(self, first: str, last: str) -> slice:

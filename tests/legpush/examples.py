@@ -198,6 +198,9 @@ TRACE = Trace(
     foot_moment_n_m=((0.1, -0.2, 0.0), (0.3, 0.4, -0.1)),
     joint_velocities_rad_s=((0.5,) * 12, (-0.5,) * 12),
     joint_torques_n_m=((1.5,) * 12, (-25.0,) * 12),
+    trunk_velocity_m_s=((0.2, 0.0, 0.01), (0.21, -0.01, 0.0)),
+    imu_angular_velocity_rad_s=((0.0, 0.1, 0.0), (0.01, 0.0, -0.1)),
+    imu_acceleration_m_s2=((0.0, 0.0, 9.81), (0.1, 0.2, 9.7)),
 )
 NO_TORQUES = (0,) * (TORQUE_BINS - 1)
 MEASURES = Measures(

@@ -44,6 +44,7 @@ MESSAGE_SIZE_SUFFICES: Final = {
     *("Trace.tick", "Trace.qpos", "Trace.roll_pitch_rad", "Trace.tips_m", "Trace.contact_forces_n", "Trace.com_m"),
     *("Trace.zmp_m", "Trace.support_margin_m", "Trace.zmp_margin_m", "Trace.capture_margin_m"),
     *("Trace.foot_moment_n_m", "Trace.joint_velocities_rad_s", "Trace.joint_torques_n_m"),
+    *("Trace.trunk_velocity_m_s", "Trace.imu_angular_velocity_rad_s", "Trace.imu_acceleration_m_s2"),
     # In a file that its owner wrote.
     *("CellSource.grid_file", "MapSource.grid_file", "MapServerFile.image"),
 }

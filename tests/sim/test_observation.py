@@ -40,6 +40,9 @@ def log(n: int, load_n: Floats, com_m: tuple[float, float, float] = (0.0, 0.0, 0
             joint_positions_rad=joints,
             joint_velocities_rad_s=joints + 0.5,
             joint_torques_n_m=joints + 2.0,
+            trunk_velocity_m_s=np.full((n, 1, 3), 0.1),
+            imu_angular_velocity_rad_s=np.full((n, 1, 3), 0.2),
+            imu_acceleration_m_s2=np.full((n, 1, 3), 9.0),
         ),
         touched_down=False,
     )
@@ -63,6 +66,9 @@ def test_logs_are_joined_up_to_the_last_tick() -> None:
     assert isinstance(joined.tips_m[0][0][0], float)
     assert joined.joint_velocities_rad_s[-1] == (0.5,) * 12
     assert joined.joint_torques_n_m[-1] == (2.0,) * 12
+    assert joined.trunk_velocity_m_s[-1] == (0.1,) * 3
+    assert joined.imu_angular_velocity_rad_s[-1] == (0.2,) * 3
+    assert joined.imu_acceleration_m_s2[-1] == (9.0,) * 3
 
 
 def test_the_zmp_is_the_centre_of_pressure_of_the_feet() -> None:

@@ -35,6 +35,9 @@ LATER_COLUMNS: Final[dict[str, tuple[int, ...]]] = {
     "foot_moment_n_m": (3,),
     "joint_velocities_rad_s": (len(LEG_JOINTS),),
     "joint_torques_n_m": (len(LEG_JOINTS),),
+    "trunk_velocity_m_s": (3,),
+    "imu_angular_velocity_rad_s": (3,),
+    "imu_acceleration_m_s2": (3,),
 }
 """Shapes of a row of the fields that are empty before protocol 8."""
 
@@ -164,6 +167,21 @@ class Timeline:
         """Torques of the servos, (n, 12)."""
         return self._columns["joint_torques_n_m"].view()
 
+    @property
+    def trunk_velocity_m_s(self) -> Floats:
+        """Velocity of the middle of the trunk, world frame, (n, 3)."""
+        return self._columns["trunk_velocity_m_s"].view()
+
+    @property
+    def imu_angular_velocity_rad_s(self) -> Floats:
+        """What the gyroscope reads without noise, frame of the trunk, (n, 3)."""
+        return self._columns["imu_angular_velocity_rad_s"].view()
+
+    @property
+    def imu_acceleration_m_s2(self) -> Floats:
+        """What the accelerometer reads without noise, frame of the trunk, (n, 3)."""
+        return self._columns["imu_acceleration_m_s2"].view()
+
     def box_error(self, rows: slice | Indices = slice(None)) -> Floats:
         """Distance of the box from its goal [m] and the angle between their headings [rad], in [0, pi], (n, 2)."""
         pose = self.scenario.goal.pose.pose()
@@ -220,6 +238,9 @@ class Timeline:
             "roll_pitch_rad": rpy_from_quaternion(np.array(trunk.orientation_wxyz)[None])[0, :2],
             "tips_m": world.tips_m,
             "joint_velocities_rad_s": world.joint_velocities_rad_s,
+            "trunk_velocity_m_s": trunk.linear_velocity_m_s,
+            "imu_angular_velocity_rad_s": world.imu.angular_velocity_rad_s,
+            "imu_acceleration_m_s2": world.imu.linear_acceleration_m_s2,
         }
         for name, column in self._columns.items():
             shape = column.view().shape[1:]

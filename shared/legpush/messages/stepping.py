@@ -202,6 +202,12 @@ class Trace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Speeds of the twelve joints, in the order of `qpos`."""
     joint_torques_n_m: tuple[tuple[Reading, ...], ...] = ()
     """Torques of the twelve servos."""
+    trunk_velocity_m_s: tuple[Point3, ...] = ()
+    """Velocity of the middle of the trunk, world frame."""
+    imu_angular_velocity_rad_s: tuple[Point3, ...] = ()
+    """What the gyroscope reads without noise, frame of the trunk."""
+    imu_acceleration_m_s2: tuple[Point3, ...] = ()
+    """What the accelerometer reads without noise, frame of the trunk: at rest, it points up with 9.81 m/s²."""
 
 
 class Outcome(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -2,7 +2,7 @@
 
 from typing import Final, Literal
 
-Format = Literal["foxglove", "csv", "parquet", "mp4", "gif"]
+Format = Literal["foxglove", "csv", "parquet", "mp4", "gif", "urdf"]
 View = Literal["follow", "top", "room", "side", "front", "rear", "box", "orbit"]
 ENDINGS: Final[dict[Format, str]] = {
     "foxglove": ".mcap",
@@ -10,6 +10,7 @@ ENDINGS: Final[dict[Format, str]] = {
     "parquet": ".parquet",
     "mp4": ".mp4",
     "gif": ".gif",
+    "urdf": ".urdf",
 }
 PICTURES: Final = (".png", ".svg", ".pdf")
 """Endings of pictures; the last two are vector files."""

@@ -122,6 +122,9 @@ class KinematicPlant:
             joint_positions_rad=ctrl,
             joint_velocities_rad_s=commands.velocities_rad_s[:n],
             joint_torques_n_m=commands.torques_n_m[:n],
+            trunk_velocity_m_s=np.zeros((n, COMMANDS_PER_TICK, 3)),
+            imu_angular_velocity_rad_s=np.zeros((n, COMMANDS_PER_TICK, 3)),
+            imu_acceleration_m_s2=np.zeros((n, COMMANDS_PER_TICK, 3)),
         )
         return TickLog(
             qpos=qpos,

@@ -31,6 +31,9 @@ STEP_SHAPES = {
     "joint_positions_rad": (12,),
     "joint_velocities_rad_s": (12,),
     "joint_torques_n_m": (12,),
+    "trunk_velocity_m_s": (3,),
+    "imu_angular_velocity_rad_s": (3,),
+    "imu_acceleration_m_s2": (3,),
 }
 """Shape of a row of each array of a `StepLog`."""
 

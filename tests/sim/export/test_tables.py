@@ -14,7 +14,16 @@ from sim_proc.export.source import Source
 from sim_proc.export.table_csv import write_csv
 from sim_proc.export.table_parquet import write_parquet
 
-UNITS = {"_n_m": b"N m", "_rad_s": b"rad/s", "_m": b"m", "_rad": b"rad", "_n": b"N", "_s": b"s"}
+UNITS = {
+    "_n_m": b"N m",
+    "_m_s2": b"m/s^2",
+    "_m_s": b"m/s",
+    "_rad_s": b"rad/s",
+    "_m": b"m",
+    "_rad": b"rad",
+    "_n": b"N",
+    "_s": b"s",
+}
 
 
 @pytest.fixture
