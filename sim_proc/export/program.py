@@ -24,6 +24,7 @@ from sim_proc.export.table_csv import write_csv
 LIBRARIES: Final[dict[Format, tuple[str, str]]] = {
     "foxglove": ("foxglove", "foxglove-sdk"),
     "parquet": ("pyarrow", "pyarrow"),
+    "html": ("viser", "viser"),
 }
 """Module and package of formats whose library may be missing."""
 
@@ -91,6 +92,10 @@ def _write(source: Source, options: ExportOptions, made: Format, scratch: Path) 
 
         scratch.write_text(robot_urdf(episode.timeline.scenario), encoding="utf-8")
         return f"the robot of episode {episode.index}"
+    if made == "html":
+        from sim_proc.export.html_file import write_html
+
+        return f"episode {episode.index}, {write_html(source.history, episode.timeline, scratch, say)}"
     if made == "foxglove":
         from sim_proc.export.foxglove_file import write_foxglove
 

@@ -15,11 +15,11 @@ from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.messages.telemetry import Origin
 from legpush.options.view import EVERYWHERE
+from sim_proc.scene_3d.scene import LAYERS, Scene
 from sim_proc.view.guard import start_server
 from sim_proc.view.panel import CAMERAS, FOLLOW_ROBOT, Panel, PanelCommand, speed_of
 from sim_proc.view.player import Player
 from sim_proc.view.plots import Plots
-from sim_proc.view.scene import LAYERS, Scene
 from sim_proc.view.statuses import conditions
 
 PERIOD_S: Final = 1 / 25

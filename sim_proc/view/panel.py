@@ -11,8 +11,8 @@ import viser
 
 from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Push, Walk
+from sim_proc.scene_3d.scene import LAYERS
 from sim_proc.view.player import SPEEDS, Player
-from sim_proc.view.scene import LAYERS
 from sim_proc.view.statuses import Condition
 
 FOLLOW_ROBOT: Final = "follow the robot"

@@ -26,7 +26,7 @@ from sim_proc.simulator import Simulator
 from sim_proc.view.guard import UNKNOWN
 from tests.chromium import Browser, Page, browser, chromium, until
 from tests.legpush.recording.recordings import traffic, write
-from tests.sim.view.conftest import MOTIONS
+from tests.sim.conftest import MOTIONS
 from tests.system.conftest import RecordedMission
 from tests.system.missions import LEGPUSH, crc_of
 

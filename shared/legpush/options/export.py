@@ -15,7 +15,7 @@ from legpush.options.recordings import Files
 
 @dataclass(frozen=True, kw_only=True)
 class ExportOptions:
-    """Export a recording for other programs: a file for Foxglove, a table, a film, or its robot as URDF.
+    """Export a recording for other programs: a file for Foxglove, a table, a film, a page, or its robot as URDF.
 
     Exit codes: 0 exported, 2 bad input, 3 a program or library failed, 4 nothing can be drawn here, 130 interrupted.
     The recording is not changed, no existing file is overwritten, and the new file gets its name only when it is whole.
@@ -23,7 +23,7 @@ class ExportOptions:
 
     files: Files
     """The recording, or its parts."""
-    to: Annotated[Format | None, arg("foxglove|csv|parquet|mp4|gif|urdf")] = None
+    to: Annotated[Format | None, arg("foxglove|csv|parquet|mp4|gif|urdf|html")] = None
     """Format of the new file; without it, the ending of --out decides (foxglove: .mcap)."""
     out: Annotated[Path | None, arg("FILE")] = None
     """The new file. If not given, it is beside the recording and named after it."""

@@ -2,7 +2,7 @@
 
 from typing import Final, Literal
 
-Format = Literal["foxglove", "csv", "parquet", "mp4", "gif", "urdf"]
+Format = Literal["foxglove", "csv", "parquet", "mp4", "gif", "urdf", "html"]
 View = Literal["follow", "top", "room", "side", "front", "rear", "box", "orbit"]
 ENDINGS: Final[dict[Format, str]] = {
     "foxglove": ".mcap",
@@ -11,6 +11,7 @@ ENDINGS: Final[dict[Format, str]] = {
     "mp4": ".mp4",
     "gif": ".gif",
     "urdf": ".urdf",
+    "html": ".html",
 }
 PICTURES: Final = (".png", ".svg", ".pdf")
 """Endings of pictures; the last two are vector files."""

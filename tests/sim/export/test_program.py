@@ -114,12 +114,12 @@ def test_a_foxglove_file_is_no_recording(recorded: Path, tmp_path: Path) -> None
         ([], "Expected the file of a recording, got none"),
         (
             ["a.mcap"],
-            "--to with one of foxglove, csv, parquet, mp4, gif, urdf, or --out with its ending, got neither",
+            "--to with one of foxglove, csv, parquet, mp4, gif, urdf, html, or --out with its ending, got neither",
         ),
         (["a.mcap", "--to", "avi"], "avi"),
         (
             ["a.mcap", "--out", "a.xlsx"],
-            "ends in .mcap or .csv or .parquet or .mp4 or .gif or .urdf for --out, got a.xlsx",
+            "or .mp4 or .gif or .urdf or .html for --out, got a.xlsx",
         ),
         (["a.mcap", "--to", "csv", "--out", "a.gif"], "ends in .csv for --out, got a.gif"),
         (["a.mcap", "--to", "csv", "--out", "no/a.csv"], "a new file in an existing folder for --out, got no/a.csv"),

@@ -9,7 +9,7 @@ from legpush.runs.folder import SCENARIO_FILE
 from legpush.scenarios.file import dump_scenario
 from sim_proc.view.sources import RecordedSource
 from tests.legpush.recording.recordings import write
-from tests.sim.view.conftest import MOTIONS
+from tests.sim.conftest import MOTIONS
 
 
 def read(path: Path) -> RunHistory:

@@ -11,8 +11,8 @@ from legpush.arrays import Floats
 from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.scene.conventions import CONTROL_PERIOD_S
-from sim_proc.view import overlays
-from sim_proc.view.bodies import Bodies
+from sim_proc.scene_3d import overlays
+from sim_proc.scene_3d.bodies import Bodies
 
 Rgb = tuple[int, int, int]
 

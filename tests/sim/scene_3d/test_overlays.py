@@ -11,7 +11,7 @@ from legpush.messages.planning import Plan
 from legpush.messages.stepping import Outcome, Push
 from legpush.scene.conventions import LEGS
 from sim_proc.measures.support import support_margins
-from sim_proc.view import overlays
+from sim_proc.scene_3d import overlays
 
 
 def test_the_foot_of_a_push_goes_along_the_curve_that_is_drawn(timeline: Timeline) -> None:

@@ -8,7 +8,7 @@ from legpush.history.timeline import Timeline
 from legpush.messages.stepping import Appearance
 from legpush.scene.conventions import LEGS
 from legpush.scene.scenario import Rectangle, Room, Scenario
-from sim_proc.view.bodies import Bodies
+from sim_proc.scene_3d.bodies import Bodies
 
 
 @pytest.fixture
