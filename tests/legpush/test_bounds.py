@@ -20,7 +20,7 @@ from legpush.fields import range_of
 from legpush.history.entries import Acted, Planned
 from legpush.messages import codec
 from legpush.messages.schemas import MESSAGES
-from legpush.messages.stepping import Reset
+from legpush.messages.stepping import Reset, Trace
 from legpush.scenarios.file import load_scenario
 from legpush.scenarios.grid import CellSource, MapSource
 from legpush.scenarios.maps.map_server import MapServerFile
@@ -41,10 +41,7 @@ MESSAGE_SIZE_SUFFICES: Final = {
     # Batches for recorders, which pass over each entry once.
     *("Copies.copies", "Copies.published", "Copies.facts", "Reward.terms"),
     # One row per tick of a step, which the simulator decides about; the agent hands them on.
-    *("Trace.tick", "Trace.qpos", "Trace.roll_pitch_rad", "Trace.tips_m", "Trace.contact_forces_n", "Trace.com_m"),
-    *("Trace.zmp_m", "Trace.support_margin_m", "Trace.zmp_margin_m", "Trace.capture_margin_m"),
-    *("Trace.foot_moment_n_m", "Trace.joint_velocities_rad_s", "Trace.joint_torques_n_m"),
-    *("Trace.trunk_velocity_m_s", "Trace.imu_angular_velocity_rad_s", "Trace.imu_acceleration_m_s2"),
+    *(f"Trace.{name}" for name in Trace.__struct_fields__),
     # In a file that its owner wrote.
     *("CellSource.grid_file", "MapSource.grid_file", "MapServerFile.image"),
 }
