@@ -174,6 +174,11 @@ class Page:
             f"[...document.querySelectorAll('button')].find(b => b.innerText.trim() === {json.dumps(label)})?.click()"
         )
 
+    def press(self, key: str) -> None:
+        """A key with the name that its character and its place have in common."""
+        for kind in ("keyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key)
+
     def type_number(self, value: float) -> None:
         """Into the first field for numbers."""
         self.js(

@@ -25,6 +25,7 @@ BOX_PURPLE: Final[Rgb] = (126, 70, 170)
 CURVE_RED: Final[Rgb] = (214, 60, 45)
 FORCE_ORANGE: Final[Rgb] = (235, 130, 20)
 SUPPORT_BLUE: Final[Rgb] = (35, 105, 200)
+COM_BLACK: Final[Rgb] = (30, 30, 35)
 FEET: Final[tuple[Rgb, ...]] = ((205, 60, 45), (235, 140, 60), (40, 90, 160), (90, 160, 215))
 """Colours of the traces of FL, FR, RL, RR."""
 LAYERS: Final = {
@@ -47,9 +48,11 @@ SMOOTHING: Final = 0.15
 class Scene:
     """Draws one timeline. All calls must come from one thread."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
-        """Set up an empty scene with its lights."""
+    def __init__(self, server: viser.ViserServer, root: str = WORLD) -> None:
+        """Set up an empty scene; the one at `WORLD` has the lights. Scenes beside it have other roots."""
         self._server = server
+        self._root = root
+        self._aside_m = 0.0
         self._bodies: Bodies | None = None
         self._handles: dict[str, list[Any]] = {}
         self._poses: dict[str, tuple[bytes, bytes]] = {}
@@ -58,6 +61,9 @@ class Scene:
         self._layers: dict[str, Any] = {}
         self._shown = dict.fromkeys(LAYERS, True)
         self._centre_m: Floats | None = None
+        self._world = server.scene.add_frame(root, show_axes=False)
+        if root != WORLD:
+            return
         server.scene.set_up_direction("+z")
         # A page without a GPU would spend most of its time on the default environment map, a photograph as light.
         server.scene.configure_environment_map(None)
@@ -65,7 +71,6 @@ class Scene:
         server.scene.add_light_ambient("/sky", intensity=1.5)
         server.scene.add_light_directional("/fill", intensity=0.7, position=(3.0, 4.0, 3.0), cast_shadow=False)
         server.scene.add_light_directional("/sun", intensity=2.0, position=(-2.0, -3.0, 6.0), cast_shadow=False)
-        self._world = server.scene.add_frame(WORLD, show_axes=False)
 
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of `LAYERS`."""
@@ -73,9 +78,10 @@ class Scene:
         if name in self._layers:
             self._layers[name].visible = shown
 
-    def begin(self, timeline: Timeline) -> None:
-        """Begin to draw another episode."""
+    def begin(self, timeline: Timeline, aside_m: float = 0.0) -> None:
+        """Begin to draw another episode, `aside_m` to the side along the x axis of the world."""
         scene = self._server.scene
+        self._aside_m = aside_m
         with self._server.atomic():
             for handle in [*(each for some in self._handles.values() for each in some), *self._layers.values()]:
                 handle.remove()
@@ -86,7 +92,7 @@ class Scene:
             self._centre_m = None
             width, depth = timeline.scenario.room.size_m
             floor = scene.add_grid(
-                f"{WORLD}/floor",
+                f"{self._root}/floor",
                 width=width,
                 height=depth,
                 cell_size=0.5,
@@ -101,18 +107,21 @@ class Scene:
             self._handles["floor"] = [floor]
             for body in self._bodies.all:
                 self._handles[body.name] = [
-                    scene.add_mesh_trimesh(f"{WORLD}/bodies/{body.name}", body.mesh, cast_shadow=False)
+                    scene.add_mesh_trimesh(f"{self._root}/bodies/{body.name}", body.mesh, cast_shadow=False)
                 ]
-            self._layers = {name: scene.add_frame(f"{WORLD}/{name}", show_axes=False) for name in LAYERS}
+            self._layers = {name: scene.add_frame(f"{self._root}/{name}", show_axes=False) for name in LAYERS}
             for name, shown in self._shown.items():
                 self._layers[name].visible = shown
             self._add_fast_overlays()
 
-    def show(self, history: RunHistory, timeline: Timeline, row: int, *, follow: bool) -> None:
-        """Draw a row."""
+    def show(
+        self, history: RunHistory, timeline: Timeline, row: int, *, follow: bool, centre_m: Floats | None = None
+    ) -> None:
+        """Draw a row. With `follow` the world moves so that the robot, or else `centre_m`, stays in the middle."""
         with self._server.atomic():
             self._move_bodies(timeline, row)
-            self._follow(timeline.qpos[row, TRUNK][:2] if follow else np.zeros(2))
+            middle_m = timeline.qpos[row, TRUNK][:2] if centre_m is None else centre_m
+            self._follow(middle_m if follow else np.zeros(2))
             self._show_push(timeline, row)
             self._show_paths(history, timeline, row)
             self._box_trace(timeline, row)
@@ -149,14 +158,14 @@ class Scene:
         before = self._centre_m
         self._centre_m = centre_m if before is None else before + SMOOTHING * (centre_m - before)
         if before is None or np.abs(self._centre_m - before).max() > 1e-5:
-            self._world.position = (-self._centre_m[0], -self._centre_m[1], 0.0)
+            self._world.position = (self._aside_m - self._centre_m[0], -self._centre_m[1], 0.0)
 
     def _add_fast_overlays(self) -> None:
         """Create the parts that change with every row, in handles of a fixed size."""
         scene, nothing = self._server.scene, np.zeros((4, 2, 3), dtype=np.float32)
         n_trail = overlays.TRAIL_ROWS // overlays.TRAIL_STRIDE
         self._forces = scene.add_arrows(
-            f"{WORLD}/forces/arrows",
+            f"{self._root}/forces/arrows",
             nothing,
             FORCE_ORANGE,
             shaft_radius=0.008,
@@ -164,13 +173,17 @@ class Scene:
             head_length=0.04,
         )
         self._support = scene.add_line_segments(
-            f"{WORLD}/support/polygon", nothing, SUPPORT_BLUE, thickness=4.0, thickness_units="screen"
+            f"{self._root}/support/polygon", nothing, SUPPORT_BLUE, thickness=4.0, thickness_units="screen"
         )
-        self._zmp = scene.add_icosphere(f"{WORLD}/support/zmp", radius=0.018, color=SUPPORT_BLUE, cast_shadow=False)
-        self._com = scene.add_icosphere(f"{WORLD}/support/com", radius=0.018, color=(30, 30, 35), cast_shadow=False)
+        self._zmp = scene.add_icosphere(
+            f"{self._root}/support/zmp", radius=0.018, color=SUPPORT_BLUE, cast_shadow=False
+        )
+        self._com = scene.add_icosphere(
+            f"{self._root}/support/com", radius=0.018, color=(30, 30, 35), cast_shadow=False
+        )
         colors = np.repeat(np.array(FEET, dtype=np.uint8), n_trail, axis=0)
         self._traces = scene.add_line_segments(
-            f"{WORLD}/traces/feet",
+            f"{self._root}/traces/feet",
             np.zeros((4 * n_trail, 2, 3), dtype=np.float32),
             np.repeat(colors[:, None], 2, axis=1),
             thickness=2.5,
@@ -249,14 +262,14 @@ class Scene:
     def _lines(self, name: str, lines: Floats, color: Rgb, thickness: float) -> None:
         self._handles[name] = [
             self._server.scene.add_line_segments(
-                f"{WORLD}/{name}", lines.astype(np.float32), color, thickness=thickness, thickness_units="screen"
+                f"{self._root}/{name}", lines.astype(np.float32), color, thickness=thickness, thickness_units="screen"
             )
         ]
 
     def _points(self, name: str, points_m: Floats, color: Rgb) -> None:
         self._handles[name] = [
             self._server.scene.add_point_cloud(
-                f"{WORLD}/{name}", points_m.astype(np.float32), color, point_size=0.016, point_shape="circle"
+                f"{self._root}/{name}", points_m.astype(np.float32), color, point_size=0.016, point_shape="circle"
             )
         ]
 

@@ -2,24 +2,27 @@
 
 import socket
 import threading
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from io import StringIO
 from math import cos, sin
 from time import monotonic, time_ns
-from typing import Final, Protocol
+from typing import Final
+
+import numpy as np
 
 from legpush.errors import ConfigError
 from legpush.geometry import rpy_from_quaternion
 from legpush.history.run_history import RunHistory
-from legpush.history.timeline import TRUNK, Timeline
-from legpush.messages.telemetry import Origin
+from legpush.history.timeline import BOX, TRUNK, Timeline
 from legpush.options.view import EVERYWHERE
 from sim_proc.scene_3d.scene import LAYERS, Scene
+from sim_proc.view.beside import GAP_M, Beside
 from sim_proc.view.guard import start_server
-from sim_proc.view.panel import CAMERAS, FOLLOW_ROBOT, Panel, PanelCommand, speed_of
+from sim_proc.view.panel import CAMERAS, FOLLOW_ROBOT, Panel, PanelCommand, Viewpoint, speed_of
 from sim_proc.view.player import Player
 from sim_proc.view.plots import Plots
+from sim_proc.view.source import PUMP_S, Source
 from sim_proc.view.statuses import conditions
 
 PERIOD_S: Final = 1 / 25
@@ -28,33 +31,13 @@ TIME_PERIOD_S: Final = 0.12
 """Period of the slider and the text beside it."""
 SLOW_PERIOD_S: Final = 0.5
 """Period of plots and statuses."""
-PUMP_S: Final = 0.02
-"""Longest time for new messages in each period of the scene."""
-
-
-class Source(Protocol):
-    """Where the page gets the history of a run from."""
-
-    is_live: bool
-    is_reading: bool
-    """Whether messages that exist already are still being read."""
-
-    @property
-    def title(self) -> str:
-        """Name of the source, for people."""
-
-    def pump(self, history: RunHistory, budget_s: float) -> None:
-        """Add messages that have arrived, for at most `budget_s`."""
-
-    def live(self) -> Collection[Origin] | None:
-        """Processes that are alive; None for a recording."""
 
 
 class Page:
     """A page in the browser; a context manager that stops the server on exit."""
 
-    def __init__(self, source: Source, host: str, port: int) -> None:
-        """Start the server; port 0 takes any free port.
+    def __init__(self, source: Source, host: str, port: int, beside: Source | None = None) -> None:
+        """Start the server; port 0 takes any free port. The longest episode of `beside` is shown at equal times.
 
         Raises:
             ConfigError: The address cannot be listened on, or the page cannot be guarded.
@@ -71,6 +54,7 @@ class Page:
         self._server.initial_camera.look_at = CAMERAS["Behind"].look_at_m
         self._server.initial_camera.fov = 0.75
         self._scene = Scene(self._server)
+        self._beside = None if beside is None else Beside(self._server, beside)
         self._panel = Panel(self._server, live=source.is_live)
         panel = self._server.gui.add_panel()
         with panel.add_tab("Plots"):
@@ -105,12 +89,16 @@ class Page:
         for command in self._panel.commands():
             self.obey(command)
         self._choose()
+        if self._beside is not None:
+            self._beside.pump()
         now = monotonic()
         if self.shown is not None:
             self.player.advance(seconds, self.shown, grows=self._source.is_reading)
             row = self.player.row(self.shown)
             if self._server.get_clients():
                 self._scene.show(self.history, self.shown, row, follow=self._follows_robot)
+                if self._beside is not None:
+                    self._beside.show(self.shown, row, follow=self._follows_robot)
             if now - self._time_shown_at >= TIME_PERIOD_S:
                 self._time_shown_at = now
                 self._panel.show_time(self.shown, row, self.player)
@@ -130,7 +118,10 @@ class Page:
         if self.shown is None:
             self._panel.show_waiting(live=self._source.is_live, reading=self._source.is_reading)
         self._show_episodes()
-        self._panel.show_processes(self._source.title, conditions(self.history.said, at_ns, live))
+        self._panel.show_processes(self._title(), conditions(self.history.said, at_ns, live))
+
+    def _title(self) -> str:
+        return self._source.title if self._beside is None else f"{self._source.title}, beside it {self._beside.title}"
 
     def _choose(self) -> None:
         """Choose the episode to show: the newest of a live run, until a user chooses another one."""
@@ -159,7 +150,8 @@ class Page:
     def obey(self, command: PanelCommand) -> None:
         """Carry out the command of a user."""
         if command.name in LAYERS:
-            self._scene.show_layer(command.name, bool(command.value))
+            for scene in (self._scene, *([] if self._beside is None else [self._beside.scene])):
+                scene.show_layer(command.name, bool(command.value))
         elif command.name == FOLLOW_ROBOT:
             self._follows_robot = bool(command.value)
         elif command.name == "camera":
@@ -209,17 +201,25 @@ class Page:
             return
         camera = CAMERAS[str(command.value)]
         with client.atomic():
-            client.camera.position = self._from_robot(camera.position_m)
-            client.camera.look_at = self._from_robot(camera.look_at_m)
+            client.camera.position = self._on_page(camera.position_m, camera)
+            client.camera.look_at = self._on_page(camera.look_at_m, camera)
 
-    def _from_robot(self, point_m: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Convert a point from the frame of the robot, on the floor below it, to that of the page."""
+    def _on_page(self, point_m: tuple[float, float, float], camera: Viewpoint) -> tuple[float, float, float]:
+        """Convert a point from the frame of a camera, on the floor, to that of the page."""
         if self.shown is None:
             return point_m
-        trunk = self.shown.qpos[self.player.row(self.shown), TRUNK]
-        yaw = float(rpy_from_quaternion(trunk[3:])[2])
-        away_x, away_y = (0.0, 0.0) if self._follows_robot else (float(trunk[0]), float(trunk[1]))
+        qpos = self.shown.qpos[self.player.row(self.shown)]
         x, y, z = point_m
+        if camera.of == "room":
+            width_m, depth_m = self.shown.scenario.room.size_m
+            width_m = width_m if self._beside is None else 2 * width_m + GAP_M
+            side_m, yaw, place = max(width_m, depth_m), 0.0, np.array([width_m, depth_m]) / 2
+            x, y, z = side_m * x, side_m * y, side_m * z
+        else:
+            pose = qpos[TRUNK if camera.of == "robot" else BOX]
+            yaw, place = float(rpy_from_quaternion(pose[3:])[2]), pose[:2]
+        moved = qpos[TRUNK][:2] if self._follows_robot else np.zeros(2)
+        away_x, away_y = (place - moved).tolist()
         return away_x + cos(yaw) * x - sin(yaw) * y, away_y + sin(yaw) * x + cos(yaw) * y, z
 
 

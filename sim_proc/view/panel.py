@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from html import escape
 from math import isfinite
 from queue import Empty, SimpleQueue
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import viser
 
@@ -24,17 +24,38 @@ SMALL: Final = "color:#6b7280;font-size:.85em"
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """Position of a camera, and the point that it looks at, in the frame of the robot."""
+    """Position of a camera, and the point that it looks at, in the frame of robot, box or room.
+
+    The frame of the room is at its middle, and its lengths are in the longer side of the room.
+    """
 
     position_m: tuple[float, float, float]
     look_at_m: tuple[float, float, float]
+    of: Literal["robot", "box", "room"] = "robot"
 
 
 CAMERAS: Final = {
     "Behind": Viewpoint((-2.2, -1.4, 1.4), (0.5, 0.0, 0.1)),
     "Side": Viewpoint((0.4, -2.6, 0.9), (0.4, 0.0, 0.2)),
     "Top": Viewpoint((-0.05, 0.0, 6.0), (0.0, 0.0, 0.0)),
+    "Box": Viewpoint((-0.3, -1.5, 0.9), (0.0, 0.0, 0.1), "box"),
+    "Room": Viewpoint((0.0, -0.75, 1.0), (0.0, 0.0, 0.0), "room"),
 }
+PREVIOUS_STEP, PREVIOUS_TICK, NEXT_TICK, NEXT_STEP = JUMPS = ("|<", "<", ">", ">|")
+"""Buttons that move by a step of the lockstep or by a tick."""
+KEYS: Final[dict[tuple[Any, Any], tuple[str, str, str | None]]] = {
+    ("space", None): ("Play or pause", "play", None),
+    ("arrowleft", None): ("Previous tick", "jump", PREVIOUS_TICK),
+    ("arrowright", None): ("Next tick", "jump", NEXT_TICK),
+    ("arrowleft", "shift"): ("Previous step", "jump", PREVIOUS_STEP),
+    ("arrowright", "shift"): ("Next step", "jump", NEXT_STEP),
+    **{(str(n), None): (f"Camera: {name}", "camera", name) for n, name in enumerate(CAMERAS, start=1)},
+}
+"""What keys do, with or without Shift: a label, and the name and the value of a command."""
+NOTICES: Final = """<style>
+.mantine-Notifications-root[data-position^="top"] { top: auto !important; bottom: 1em !important; }
+</style>"""
+"""viser's notices, such as that there is no GPU, stand below the scene instead of over it."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +74,7 @@ class Panel:
         """Create all controls. Only a live run has a button to follow it."""
         self._commands: SimpleQueue[PanelCommand] = SimpleQueue()
         self._gui = gui = server.gui
+        gui.add_html(NOTICES)
         self._processes = gui.add_html("")
         self._now = gui.add_html("")
         self._shown: dict[int, str] = {}
@@ -65,9 +87,7 @@ class Panel:
             self._on_click(self._play, "play")
             self._live = gui.add_button("Follow live", icon=viser.Icon.LIVE_PHOTO, color="red", visible=live)
             self._on_click(self._live, "live")
-            self._jump = gui.add_button_group(
-                "Step", ("|<", "<", ">", ">|"), hint="Move by a step of the lockstep, or by a tick"
-            )
+            self._jump = gui.add_button_group("Step", JUMPS)
             self._on_click(self._jump, "jump")
             self._speed = gui.add_dropdown("Speed", tuple(map(speed_label, SPEEDS)), initial_value=speed_label(1.0))
             self._on_update(self._speed, "speed")
@@ -77,6 +97,8 @@ class Panel:
             self._on_update(gui.add_checkbox("Follow robot", initial_value=True), FOLLOW_ROBOT)
             for name, label in LAYERS.items():
                 self._on_update(gui.add_checkbox(label, initial_value=True), name)
+        for (key, modifier), (label, name, value) in KEYS.items():
+            self._on_key(gui.add_command(label, hotkey=key, modifier=modifier), name, value)
 
     def commands(self) -> list[PanelCommand]:
         """Commands that users gave since the last call, in order."""
@@ -134,6 +156,13 @@ class Panel:
 
     def _on_click(self, handle: Any, name: str) -> None:
         self._listen(handle.on_click, name)
+
+    def _on_key(self, handle: viser.CommandHandle, name: str, value: str | None) -> None:
+        async def take(event: Any) -> None:
+            if event.client_id is not None:
+                self._commands.put(PanelCommand(name, value, event.client))
+
+        handle.on_trigger(take)
 
     def _listen(self, register: Callable[[Callable[[Any], Coroutine[Any, Any, None]]], object], name: str) -> None:
         """Queue a command for each event of a control."""

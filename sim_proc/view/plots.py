@@ -13,9 +13,11 @@ from legpush.scene.conventions import JOINTS
 
 MAX_POINTS: Final = 400
 """Most points of a curve. More could not be seen."""
-HEIGHT: Final = 120
+HEIGHT: Final = 140
 """Height of a plot in pixels."""
 FONT: Final = "11px sans-serif"
+LABEL_SIZE: Final = 14
+"""Space for the label of an axis in pixels."""
 NOW_GREY: Final = "#6b7280"
 
 
@@ -73,6 +75,8 @@ class Plot:
 
     title: str
     curves: tuple[Curve, ...]
+    units: tuple[str, ...]
+    """Labels of the axes at the left and, if there is one, at the right."""
     values: Callable[[Timeline, Indices], tuple[Floats, ...]]
     """A function to the values of each curve at some rows; unknown values are NaN."""
 
@@ -81,16 +85,19 @@ PLOTS: Final = (
     Plot(
         title="Box error",
         curves=(Curve(label="position [cm]", color="#7e46aa"), Curve(label="angle [deg]", color="#d97b0d", scale="y2")),
+        units=("cm", "deg"),
         values=box_errors,
     ),
     Plot(
         title="Reward of each push",
         curves=(Curve(label="reward", color="#188c50"),),
+        units=("reward",),
         values=lambda timeline, rows: (rewards(timeline, rows),),
     ),
     Plot(
         title="Trunk angles",
         curves=(Curve(label="roll [deg]", color="#cd3c2d"), Curve(label="pitch [deg]", color="#285aa0")),
+        units=("deg",),
         values=trunk_angles,
     ),
     Plot(
@@ -100,6 +107,7 @@ PLOTS: Final = (
             Curve(label="ZMP", color="#8c33a6"),
             Curve(label="CoM", color="#2369c8"),
         ),
+        units=("cm",),
         values=margins,
     ),
     Plot(
@@ -109,6 +117,7 @@ PLOTS: Final = (
             Curve(label="hip-y", color="#cd3c2d"),
             Curve(label="knee", color="#285aa0"),
         ),
+        units=("N m",),
         values=torques,
     ),
 )
@@ -126,9 +135,9 @@ class Plots:
             series: list[dict[str, Any]] = [{"label": "t [s]"}]
             series += [{"stroke": c.color, "width": 1.5, "scale": c.scale, "label": c.label} for c in plot.curves]
             series.append({"stroke": NOW_GREY, "width": 1.5, "scale": "now", "label": "now"})
-            axes: list[dict[str, Any]] = [{"size": 26, "font": FONT}, {"scale": "y", "size": 44, "font": FONT}]
-            if any(curve.scale == "y2" for curve in plot.curves):
-                axes.append({"scale": "y2", "side": 1, "size": 36, "font": FONT, "grid": {"show": False}})
+            axes: list[dict[str, Any]] = [_axis("t [s]", 26), {"scale": "y", **_axis(plot.units[0], 44)}]
+            if len(plot.units) > 1:
+                axes.append({"scale": "y2", "side": 1, "grid": {"show": False}, **_axis(plot.units[1], 36)})
             handle = server.gui.add_uplot(
                 (nothing,) * (2 + len(plot.curves)),
                 tuple(series),  # type: ignore[arg-type]
@@ -153,6 +162,11 @@ class Plots:
         now[first : first + 2] = 0.0, 1.0
         for plot, handle in zip(PLOTS, self._handles, strict=True):
             handle.data = (time_s, *map(begun, plot.values(timeline, rows)), now)
+
+
+def _axis(label: str, size: int) -> dict[str, Any]:
+    """An axis with its label; `size` is the space for its numbers in pixels."""
+    return {"label": label, "labelSize": LABEL_SIZE, "labelFont": FONT, "size": size, "font": FONT}
 
 
 def begun(values: Floats) -> Floats:

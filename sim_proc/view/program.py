@@ -25,8 +25,10 @@ def serve(options: ViewOptions, stop: threading.Event) -> int:
     """
     source: RecordedSource | LiveSource
     source = RecordedSource(options.files) if options.files else LiveSource(options.run, options.connect)
-    with Page(source, options.host, options.port) as page, source:
-        sys.stdout.write(f"{one_line(source.title)}: {page.url}  (Ctrl-C ends it)\n")
+    beside = None if options.beside is None else RecordedSource([options.beside])
+    with Page(source, options.host, options.port, beside) as page, source:
+        also = "" if beside is None else f", beside it {one_line(beside.title)}"
+        sys.stdout.write(f"{one_line(source.title)}{also}: {page.url}  (Ctrl-C ends it)\n")
         sys.stdout.write(f"    without a GPU: {page.url}&fixedDpr=0.5\n")
         if options.host == EVERYWHERE:
             sys.stdout.write("    from another machine: the same, with an address of this machine for 127.0.0.1\n")

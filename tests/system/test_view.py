@@ -117,6 +117,9 @@ def test_a_recording_is_drawn_played_and_moved_to_any_time_and_asks_nobody_else(
         assert page.js("document.querySelectorAll('.uplot').length") == 5
 
         pause(page)
+        before = time_shown(page)
+        page.press("ArrowRight")
+        until(lambda: time_shown(page) != before, "the next tick by a key")
         page.type_number(0.5)
         until(lambda: time_shown(page) == 0.5, "half a second")
         early = scene(page)

@@ -23,6 +23,8 @@ class ViewOptions:
 
     files: Positional[Annotated[tuple[Path, ...], arg("FILE")]] = ()
     """A recording, or its parts; without any, the live run, or the next one that begins."""
+    beside: Annotated[Path | None, arg("FILE")] = None
+    """Another recording, such as one of a branch: its longest episode is shown beside the first, at equal times."""
     run: Annotated[str | None, arg("NAME|FOLDER")] = None
     """The run to show, if there are several; if not given, the one in LEGPUSH_RUN."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
