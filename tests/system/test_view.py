@@ -118,8 +118,8 @@ def test_a_recording_is_drawn_played_and_moved_to_any_time_and_asks_nobody_else(
 
         pause(page)
         before = time_shown(page)
-        page.press("ArrowRight")
-        until(lambda: time_shown(page) != before, "the next tick by a key")
+        page.press("ArrowLeft")
+        until(lambda: time_shown(page) != before, "the tick before by a key")
         page.type_number(0.5)
         until(lambda: time_shown(page) == 0.5, "half a second")
         early = scene(page)
