@@ -48,6 +48,8 @@ def training_numbers(rows: Sequence[Row]) -> dict[str, Any]:
         "nominal_angle_error_deg": plain(mean([row["nominal_angle_error_deg"] for row in rows]), 3),
         "own_end_position_error_m": plain(mean([row["last_position_error_m"] for row in rows]), 5),
         "own_end_success": plain(mean([row["last_success_rate"] for row in rows]), 4),
+        "least_own_end_success": round(min(row["last_success_rate"] for row in rows), 4),
+        "largest_own_end_success": round(max(row["last_success_rate"] for row in rows), 4),
         "n_own_end": rows[0]["n_evaluated"],
         "n_episodes": [len(row["episode_return"]) for row in rows],
         **_returns(rows),

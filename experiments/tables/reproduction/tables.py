@@ -23,6 +23,8 @@ TRAININGS: Final = {
     "observation": "reproduction_observation",
     "release": "reproduction_release",
     "text": "reproduction_text",
+    "tuned_fixed": "reproduction_tuned_fixed",
+    "tuned_variable": "reproduction_tuned_variable",
 }
 """Study of each variant that has one of its own."""
 RULES: Final = ("reproduction_rules", "reproduction_rules_one")
