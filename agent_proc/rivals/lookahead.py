@@ -70,18 +70,19 @@ def predicted_costs(view: PushView, model: PushModel, sequences: Floats, deepest
 
     `sequences` has the sign of the leg and the depth of each free push, (n, pushes, 2).
     """
-    box, goal = view.box_g, view.goal
+    box, goal, lost_m = view.box_g, view.goal, view.lost_depth_m
     poses = np.repeat([[box.x_m, box.y_m, box.yaw_rad]], len(sequences), axis=0)
     near = np.array([goal.position_tolerance_m, goal.position_tolerance_m, radians(goal.angle_tolerance_deg)])
     costs = np.full(len(poses), np.inf)
     for cycle in range(1, MAX_CYCLES + 1):
         if cycle <= sequences.shape[1]:
             mirror, depth_m = sequences[:, cycle - 1].T
+            yielded_m = np.maximum(depth_m - lost_m, 0.0)
         else:
             error_rad = np.arctan2(-poses[:, 1], LOOK_AHEAD_M) - poses[:, 2]
             mirror = np.where(error_rad > 0.0, MIRROR["FR"], MIRROR["FL"])
-            depth_m = np.clip(model.depth_for(np.maximum(-poses[:, 0], 0.0)), least_m, deepest_m)
-        yielded_m = np.maximum(depth_m - view.lost_depth_m, 0.0)
+            wanted_m = model.depth_for(np.maximum(-poses[:, 0], 0.0))
+            yielded_m = np.clip(wanted_m, max(least_m - lost_m, 0.0), max(deepest_m - lost_m, 0.0))
         poses = model.push(poses, mirror, yielded_m)
         costs = np.minimum(costs, np.linalg.norm(poses / near, axis=1) + CYCLE_COST * cycle)
         if (poses[:, 0] >= 0.0).all():
