@@ -20,6 +20,8 @@ RC_FILE: Final = "matplotlibrc"
 """The file that matplotlib looks for in the working directory, before all others."""
 PICTURES: Final = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
 """Formats of figures by the endings of their files."""
+LABELS_IN: Final = 0.45
+"""Height of the numbers and the label of an axis."""
 PLAIN: Final[Mapping[str, Any]] = {"text.parse_math": False, "text.usetex": False, "svg.hashsalt": "legpush"}
 """Settings of all figures: names of users and their files are shown as they are."""
 
@@ -76,6 +78,7 @@ with _undisturbed():
     from matplotlib.layout_engine import ConstrainedLayoutEngine
     from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
     from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+    from matplotlib.transforms import ScaledTranslation
 
 __all__ = [
     "Artist",
@@ -91,6 +94,7 @@ __all__ = [
     "PatchCollection",
     "Polygon",
     "Rectangle",
+    "legend_below",
     "own_style",
     "plain_log_ticks",
     "save_figure",
@@ -124,6 +128,17 @@ def save_figure(figure: Figure, path: Path, *, dpi: float | None = None, softwar
     FigureCanvasAgg(figure)
     figure.savefig(picture, format=made, dpi=dpi, metadata=metadata)
     path.write_bytes(picture.getvalue())
+
+
+def legend_below(axis: Axes, *, n_columns: int) -> None:
+    """Place the legend of an axis below it and its labels, where it covers no data."""
+    figure = axis.get_figure(root=True)
+    if figure is None:
+        raise ValueError("Expected an axis of a figure")
+    below = axis.transAxes + ScaledTranslation(0.0, -LABELS_IN, figure.dpi_scale_trans)
+    axis.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, ncols=n_columns, fontsize=8, frameon=False
+    )
 
 
 def plain_log_ticks(axis: Axis) -> None:

@@ -14,6 +14,8 @@ from agent_proc.statistics.intervals import mean
 from legpush.arrays import Floats
 
 JITTER: Final = 0.12
+MARGIN: Final = 0.1
+"""At both sides of the columns, whose width is 1."""
 MEASURES: Final[tuple[tuple[str, Callable[[Row], float]], ...]] = (
     ("position error [cm]", lambda row: 100 * row.position_error_m),
     ("angle error [deg]", lambda row: row.angle_error_deg),
@@ -33,7 +35,7 @@ def save_plot(rows: Sequence[Row], sweep: Sweep, title: str, path: Path) -> None
 def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
     """Position and angle errors; each case is a column of dots."""
     cases = list(sweep.cases)
-    figure = Figure(figsize=(max(5.0, 1.2 * len(cases) + 3.0), 6.0), layout="constrained")
+    figure = Figure(figsize=(max(7.0, 1.2 * len(cases) + 3.0), 6.0), layout="constrained")
     axes = figure.subplots(2, 1, sharex=True)
     scatter = np.random.default_rng(0).uniform(-JITTER, JITTER, len(rows))
     at = np.array([cases.index(row.case) for row in rows])
@@ -48,7 +50,9 @@ def _columns(rows: Sequence[Row], sweep: Sweep) -> Figure:
         axis.set_ylabel(label)
         axis.set_ylim(bottom=0.0)
         axis.grid(axis="y", alpha=0.3)
-    axes[0].legend()
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    axes[1].set_xlim(-0.5 - MARGIN, len(cases) - 0.5 + MARGIN)
     axes[1].set_xticks(range(len(cases)), [case.replace(" ", "\n") or "as it is" for case in cases])
     return figure
 

@@ -4,7 +4,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure
+from agent_proc.figures import Axes, Figure, legend_below
 from experiments.cells.circle import sine
 from experiments.rows import Row, Rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, published
@@ -81,7 +81,7 @@ def _draw_tracks(axis: Axes, direction: str, rows: list[Row]) -> None:
         label = f"depth {100 * depth_m:g} cm: radius {one['radius_m']:.3f} m"
         axis.plot(one["cycle_x_m"], one["cycle_y_m"], ".-", markersize=3, linewidth=0.7, label=label)
     axis.set(xlabel="x [m]", ylabel="y [m]", title=f"{direction}: the box after each push, two turns", aspect="equal")
-    axis.legend(fontsize=7, loc="center")
+    legend_below(axis, n_columns=1)
     axis.grid(alpha=0.25)
 
 
@@ -93,7 +93,7 @@ def _draw_ours(axis: Axes, direction: str, rows: list[Row]) -> None:
     axis.plot(time_s, sine(time_s, *fit), "--", label=f"A sin(ωt + φ) + c, R² {one['r2']:.4f}")
     axis.set(xlabel="time [s]", ylabel=f"{one['axis']} [m]", title=f"{direction}: depth {100 * USUAL_DEPTH_M:g} cm")
     axis.margins(y=0.25)
-    axis.legend(fontsize=8, loc="upper right")
+    legend_below(axis, n_columns=2)
     axis.grid(alpha=0.25)
 
 
@@ -105,5 +105,5 @@ def _draw_published(axis: Axes, direction: str) -> None:
     axis.plot(fitted_s, sine(fitted_s, *fit), "--", label=f"A sin(ωt + φ) + c, R² {r2:.3f}")
     axis.set(xlabel="time [s]", ylabel="coordinate [m]", title=f"{direction}: published (Fig. 20)")
     axis.margins(y=0.25)
-    axis.legend(fontsize=8, loc="upper right")
+    legend_below(axis, n_columns=2)
     axis.grid(alpha=0.25)

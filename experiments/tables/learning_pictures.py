@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure
+from agent_proc.figures import Axes, Figure, legend_below
 from agent_proc.statistics.intervals import mean_curve
 from experiments.rows import Row
 from experiments.tables.learning import WINDOW, Variants, moving_average, read_trainings, variants
@@ -91,8 +91,8 @@ def _comparison(by_variant: Variants) -> Figure:
             axis.set_ylabel(name)
             axis.grid(which="both", alpha=0.25)
         axes[0, column].set_title(title)
-        axes[0, column].legend(fontsize=8)
         axes[1, column].set_xlabel("push cycles")
+        legend_below(axes[1, column], n_columns=2)
     figure.suptitle(
         f"Errors while learning: median of {WINDOW} episodes, geometric mean of seeds with Student's t 95 %"
     )

@@ -36,7 +36,7 @@ def texts() -> dict[str, str]:
 def pictures() -> dict[str, Figure]:
     """Draw the reference and the tracks of the boxes, a panel for each curve."""
     study = read_rows("references")
-    figure = Figure(figsize=(11.0, 3.6), layout="constrained", dpi=120)
+    figure = Figure(figsize=(11.0, 4.4), layout="constrained", dpi=120)
     for axis, name in zip(figure.subplots(1, 2, width_ratios=[1.35, 1.0]), SCENARIOS, strict=True):
         scenario = load_scenario(name)
         if scenario.reference is None:
@@ -48,5 +48,5 @@ def pictures() -> dict[str, Figure]:
         curve = reference_curve(scenario.reference, scenario.box.pose.pose())
         axis.plot(*curve[:, :2].T, "k--", lw=1.3, label="reference")
         axis.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=f"scenario {name}")
-        axis.legend(fontsize=8, frameon=False, loc="upper right")
+    figure.legend(*axis.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
     return {"references.png": figure}

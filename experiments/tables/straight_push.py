@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure
+from agent_proc.figures import Axes, Figure, legend_below
 from experiments.cells.straight_push import EVERY_TICKS
 from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_json, made_of
@@ -63,7 +63,7 @@ def _draw_above(axis: Axes, rows: list[Row]) -> None:
     goal = scenario.goal.pose.pose().apply(outline)
     axis.plot(*np.vstack([goal, goal[:1]]).T, color="black", linestyle="--", label="goal")
     axis.set(xlabel="x [m]", ylabel="y [m]", title="tracks of the corners", aspect="equal")
-    axis.legend(fontsize=7, loc="lower right")
+    legend_below(axis, n_columns=5)
 
 
 def corners_of(row: Row, outline: Floats) -> Floats:

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from msgspec.structs import replace
 
-from agent_proc.figures import Figure
+from agent_proc.figures import Figure, legend_below
 from agent_proc.push_model.map import Sample, make_push_map
 from agent_proc.push_model.model import NOMINAL
 from experiments.rows import Row, Rows, read_rows
@@ -113,5 +113,5 @@ def pictures() -> dict[str, Figure]:
     axis.set_yticks(at, [f"{one['box']}, {one['face']} face" for one in rows])
     axis.set(xlabel="turning radius of the point that does not slip sideways [m]", xlim=(0.0, None))
     axis.grid(axis="x", color="#e6e8eb")
-    axis.legend(frameon=False, fontsize=8)
+    legend_below(axis, n_columns=1)
     return {"unknown_boxes.png": figure}

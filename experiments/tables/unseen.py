@@ -88,7 +88,7 @@ def pictures() -> dict[str, Figure]:
         axis.set_xlim(left=0.0)
     axes[0].set_yticks(range(len(cases)), cases)
     axes[0].invert_yaxis()
-    axes[0].legend()
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(POLICIES))
     kinds = kinds_of(rows, "position_error_m")
     figure.suptitle(f"Unseen boxes and floors: mean of {rows[0]['n']} episodes each with {kinds}")
     return {"unseen.png": figure}

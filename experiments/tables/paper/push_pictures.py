@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure
+from agent_proc.figures import Axes, Figure, legend_below
 from experiments.rows import Row, read_rows
 from experiments.tables.paper.push_curves import USUAL_DEPTH_M, curve_name
 from legpush.arrays import Floats
@@ -43,7 +43,7 @@ def _degrees() -> Figure:
                 _draw_degree(axis, row)
         axis.set(title=f"degree {degree}", xlabel="along the push [m]", aspect="equal")
         axis.axhline(FLOOR_M, color="black", linewidth=0.7)
-        axis.legend(fontsize=7, loc="lower right")
+        legend_below(axis, n_columns=2)
         axis.grid(alpha=0.25)
     axes[0].set_ylabel("height of the foot's centre [m]")
     figure.suptitle(
@@ -97,7 +97,7 @@ def _draw_family(axis: Axes, locus: Locus, family: list[Row]) -> None:
         axis.plot(*way_of(row).T, color=(share, 0.35, 1.0 - share), linewidth=0.9, alpha=0.8)
     axis.axhline(FLOOR_M, color="black", linewidth=0.7)
     axis.axvline(end_m[0] - USUAL_DEPTH_M, color="saddlebrown", linewidth=1.0, label="foot at the face")
-    axis.legend(fontsize=7, loc="upper left")
+    legend_below(axis, n_columns=3)
     axis.grid(alpha=0.25)
 
 

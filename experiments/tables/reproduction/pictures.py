@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from agent_proc.figures import Axes, Figure
+from agent_proc.figures import Axes, Figure, legend_below
 from experiments.rows import Row
 from experiments.tables.learning import WINDOW
 from experiments.tables.learning_pictures import draw_average
@@ -75,7 +75,7 @@ def release_figure(rows: Sequence[Row]) -> Figure:
     errors.set_title("and where the box ends")
     errors.set_ylabel("position error at the end [cm]")
     errors.set_ylim(bottom=0.0)
-    errors.legend(fontsize=8)
+    legend_below(errors, n_columns=3)
     figure.suptitle(f"The published code without physics, {len(rows)} trainings: moving average over {WINDOW} episodes")
     return figure
 
@@ -94,7 +94,8 @@ def factorial_figure(rows: Sequence[Row]) -> Figure:
         axis.set_title(title)
         _finish(axis)
     axes[0].set_ylabel("position error [cm]")
-    axes[1].legend(title="end of an episode", fontsize=8, title_fontsize=8)
+    labels = axes[1].get_legend_handles_labels()
+    figure.legend(*labels, title="end of an episode", loc="outside lower center", ncols=3, fontsize=8, title_fontsize=8)
     figure.suptitle("World without physics: last policy of each training on unseen starts, and medians")
     return figure
 

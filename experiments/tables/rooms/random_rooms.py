@@ -111,7 +111,7 @@ def pictures() -> dict[str, Figure]:
 
 def _mosaic(rows: list[Row]) -> Figure:
     n_rows = ceil(len(rows) / N_COLUMNS)
-    figure = Figure(figsize=(1.25 * N_COLUMNS, 1.36 * n_rows), layout="constrained", dpi=90)
+    figure = Figure(figsize=(1.35 * N_COLUMNS, 1.55 * n_rows), layout="constrained", dpi=90)
     cells = np.atleast_1d(figure.subplots(n_rows, N_COLUMNS, squeeze=False)).ravel()
     for axis in cells:
         axis.set_axis_off()
@@ -139,4 +139,4 @@ def _draw_room(axis: Axes, row: Row, scenario: Scenario) -> None:
         points = row[f"track_{body}_x_m"], row[f"track_{body}_y_m"]
         axis.plot(*points, color=color, linewidth=0.7 if body == "trunk" else 1.3)
     label = "" if good else f" {row['reason']}"
-    axis.set_title(f"{row['seed']}{label}", fontsize=5, pad=1)
+    axis.set_title(f"{row['seed']}{label}", fontsize=8, pad=2)
