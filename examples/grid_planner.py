@@ -8,6 +8,7 @@ directions are complex numbers, x + iy: adding moves, multiplying turns.
 
 import argparse
 import json
+import os
 import queue
 import secrets
 import sys
@@ -118,7 +119,7 @@ def main():
     parser = argparse.ArgumentParser(description="A planner for legpush")
     parser.add_argument("--run", default="local")
     parser.add_argument("--name", default="main")
-    parser.add_argument("--listen", nargs="*", default=["tcp/127.0.0.1:17471"])
+    parser.add_argument("--listen", nargs="*", default=[f"unixsock-stream//tmp/legpush.{os.getuid()}/planner.sock"])
     parser.add_argument("--connect", nargs="*", default=[])
     options = parser.parse_args()
     off = {"enabled": False}

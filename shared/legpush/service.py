@@ -90,14 +90,14 @@ A = TypeVar("A", bound=Answering)
 def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Mapping[str, str] = os.environ) -> C:
     """Return the options of a process, of type `kind`, from its command line.
 
-    Defaults come from the environment, or else from the ports of the role. A wrong flag ends the process with code 2,
+    Defaults come from the environment, or else from the sockets of the role. A wrong flag ends the process with code 2,
     and `--help` with 0.
     """
-    ports = endpoints.local(role)
+    sockets = endpoints.local(role)
     default = kind(
         run=env.get("LEGPUSH_RUN", DEFAULT_RUN),
-        listen=_locators(env["LEGPUSH_LISTEN"]) if "LEGPUSH_LISTEN" in env else ports.listen,
-        connect=_locators(env["LEGPUSH_CONNECT"]) if "LEGPUSH_CONNECT" in env else ports.connect,
+        listen=_locators(env["LEGPUSH_LISTEN"]) if "LEGPUSH_LISTEN" in env else sockets.listen,
+        connect=_locators(env["LEGPUSH_CONNECT"]) if "LEGPUSH_CONNECT" in env else sockets.connect,
     )
     options: C = parse_arguments(kind, f"python -m {role}_proc", argv, default=default)
     return options

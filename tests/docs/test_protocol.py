@@ -9,7 +9,7 @@ import pytest
 
 from docs import generate
 from legpush.bus import keys
-from legpush.bus.endpoints import PORTS
+from legpush.bus.endpoints import LISTENING, own_directory
 from legpush.messages.common import PROTOCOL_VERSION
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -66,5 +66,5 @@ def test_the_keys_and_ports_of_the_document_are_those_of_the_code() -> None:
     ]
     for key in made:
         assert f"| `{key.replace(f'v{PROTOCOL_VERSION}', 'vV')}` |" in TEXT
-    for port in PORTS.values():
-        assert str(port) in TEXT
+    assert all(f"{role}.sock" in TEXT for role in LISTENING)
+    assert f"{own_directory().name.partition('.')[0]}.<user id>" in TEXT

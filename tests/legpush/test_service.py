@@ -10,6 +10,7 @@ import pytest
 
 from legpush import service
 from legpush.bus.bus import Bus
+from legpush.bus.endpoints import own_directory
 from legpush.errors import (
     ConfigError,
     EndpointError,
@@ -22,11 +23,11 @@ from legpush.errors import (
 from legpush.service import ServiceConfig, parse, run_process
 
 
-def test_without_flags_a_process_uses_the_ports_of_this_machine() -> None:
+def test_without_flags_a_process_uses_the_sockets_of_its_user() -> None:
     config = parse("agent", ServiceConfig, [], {})
     assert (config.run, config.name, config.inject_faults) == ("local", "main", 0.0)
-    assert config.listen == ("tcp/127.0.0.1:17473",)
-    assert set(config.connect) == {"tcp/127.0.0.1:17471", "tcp/127.0.0.1:17472"}
+    assert config.listen == (f"unixsock-stream/{own_directory()}/agent.sock",)
+    assert set(config.connect) == {f"unixsock-stream/{own_directory()}/{role}.sock" for role in ("planner", "sim")}
 
 
 def test_the_environment_gives_defaults_and_flags_overrule_it() -> None:

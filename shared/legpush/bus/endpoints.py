@@ -1,10 +1,11 @@
-"""Where processes find each other: unix sockets in the run's directory, or fixed ports of this machine.
+"""Where processes find each other: unix sockets in the run's directory, or in one of the user's own.
 
-A process that is started alone listens on the port of its role on 127.0.0.1 and connects to its peers' ports, so that
-planner, simulator and agent find each other without flags and in any order. The launcher gives them unix sockets in a
-directory that only the user can enter.
+A process that is started alone listens on the socket of its role in a directory of the user, and connects to its peers'
+sockets there, so that planner, simulator and agent find each other without flags and in any order. The launcher gives
+them sockets in a directory of the run. No other user can enter either of them. TCP is for those who ask for it.
 """
 
+import os
 import re
 import stat
 from collections.abc import Sequence
@@ -15,13 +16,14 @@ from typing import Final
 from legpush.errors import EndpointError
 from legpush.messages.common import Role
 
-PORTS: Final[dict[Role, int]] = {"planner": 17471, "sim": 17472, "agent": 17473}
+LISTENING: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
+"""Roles that others connect to."""
 CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {
     "planner": (),
     "sim": (),
     "agent": ("planner", "sim"),
-    "launcher": ("planner", "sim", "agent"),
-    "recorder": ("planner", "sim", "agent"),
+    "launcher": LISTENING,
+    "recorder": LISTENING,
 }
 PROTOCOLS: Final = ("unixsock-stream", "tcp")
 _ADDRESS: Final = re.compile(r"[^?#]+:(?P<port>[0-9]{1,5})([?#]|\Z)")
@@ -43,12 +45,38 @@ class Endpoints:
             _check(locator)
 
 
+def own_directory() -> Path:
+    """The directory of the sockets of processes that this user starts alone.
+
+    It depends on the user alone, not on the environment, so that all terminals and services of a user have the same.
+    """
+    return Path(f"/tmp/legpush.{os.getuid()}")  # noqa: S108 - `prepare` sees to it that nobody else can enter it
+
+
 def local(role: Role) -> Endpoints:
-    """The fixed ports on 127.0.0.1 of a process that is started alone."""
-    return Endpoints(
-        listen=(_tcp(role),) if role in PORTS else (),
-        connect=tuple(_tcp(peer) for peer in CONNECTS_TO[role]),
-    )
+    """The unix sockets of a process that is started alone; `prepare` makes their directory."""
+    return _sockets(own_directory(), role)
+
+
+def prepare(endpoints: Endpoints) -> None:
+    """Make the directory of the user, if one of the sockets is in it, and require that nobody else can enter it.
+
+    Raises:
+        EndpointError: Another user has made it, others may enter it, or it cannot be made.
+    """
+    directory = own_directory()
+    if not any(
+        locator.startswith(f"{PROTOCOLS[0]}/{directory}/") for locator in (*endpoints.listen, *endpoints.connect)
+    ):
+        return
+    try:
+        directory.mkdir(mode=0o700, exist_ok=True)
+        found = directory.lstat()
+    except OSError as error:
+        raise EndpointError(f"Expected to make {directory} for sockets, but {error.strerror}") from error
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
+        raise EndpointError(f"Expected {directory} to be a directory of this user, got one of user {found.st_uid}")
+    _require_private(directory)
 
 
 def in_directory(directory: Path, role: Role) -> Endpoints:
@@ -57,13 +85,8 @@ def in_directory(directory: Path, role: Role) -> Endpoints:
     Raises:
         EndpointError: Other users may enter the directory, or its path is too long.
     """
-    mode = stat.S_IMODE(directory.stat().st_mode)
-    if mode & 0o077:
-        raise EndpointError(f"Expected a directory with mode 0700 for the sockets, got {mode:04o} of {directory}")
-    return Endpoints(
-        listen=(_socket(directory, role),) if role in PORTS else (),
-        connect=tuple(_socket(directory, peer) for peer in CONNECTS_TO[role]),
-    )
+    _require_private(directory)
+    return _sockets(directory, role)
 
 
 def in_pool(directory: Path, name: str) -> Endpoints:
@@ -76,8 +99,17 @@ def listing(locators: Sequence[str]) -> str:
     return ", ".join(locators) if locators else "nothing"
 
 
-def _tcp(role: Role) -> str:
-    return f"tcp/127.0.0.1:{PORTS[role]}"
+def _require_private(directory: Path) -> None:
+    mode = stat.S_IMODE(directory.stat().st_mode)
+    if mode & 0o077:
+        raise EndpointError(f"Expected a directory with mode 0700 for the sockets, got {mode:04o} of {directory}")
+
+
+def _sockets(directory: Path, role: Role) -> Endpoints:
+    return Endpoints(
+        listen=(_socket(directory, role),) if role in LISTENING else (),
+        connect=tuple(_socket(directory, peer) for peer in CONNECTS_TO[role]),
+    )
 
 
 def _socket(directory: Path, name: str) -> str:

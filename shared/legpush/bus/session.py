@@ -14,7 +14,7 @@ from zlib import crc32
 import zenoh
 
 from legpush.bus.channels import Quality
-from legpush.bus.endpoints import Endpoints, listing
+from legpush.bus.endpoints import Endpoints, listing, prepare
 from legpush.bus.liveliness import LEASE_S
 from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Undeclare, ignore
 from legpush.errors import EndpointError
@@ -36,6 +36,7 @@ class ZenohSession:
         Raises:
             EndpointError: One of the endpoints cannot be listened on.
         """
+        prepare(endpoints)
         try:
             self._session: Any = zenoh.open(_config(endpoints))
         except zenoh.ZError as error:

@@ -12,8 +12,8 @@ from legpush.doctor.machine import (
     folder_findings,
     numerics_finding,
     opengl_finding,
-    port_findings,
     resource_findings,
+    socket_findings,
 )
 from legpush.doctor.packages import package_findings, python_finding
 from legpush.errors import one_line
@@ -42,7 +42,7 @@ def all_findings() -> Iterator[Finding]:
     yield from package_findings()
     yield numerics_finding()
     yield opengl_finding()
-    yield from port_findings()
+    yield from socket_findings()
     yield from folder_findings()
     yield from resource_findings()
 

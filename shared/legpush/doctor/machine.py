@@ -1,4 +1,4 @@
-"""Checks the machine: numerics, OpenGL, ports, sockets, folders, cores and memory."""
+"""Checks the machine: numerics, OpenGL, sockets, folders, cores and memory."""
 
 import os
 import resource
@@ -6,7 +6,7 @@ import shutil
 import socket
 import subprocess
 from collections.abc import Iterator
-from contextlib import closing, suppress
+from contextlib import closing
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Final
@@ -14,16 +14,15 @@ from typing import Final
 import msgspec
 import psutil
 
-from legpush.bus.endpoints import PORTS
+from legpush.bus.endpoints import local, own_directory, prepare
 from legpush.doctor.finding import Finding
-from legpush.errors import LegpushError
+from legpush.errors import EndpointError, LegpushError
 from legpush.numerics.profile import X86_64_V3, why_not_here
 from legpush.options.checks import require_writable_folder
 from legpush.processes.environment import child_environment
 from legpush.processes.start_program import program_command
 from legpush.runs.live_runs import find_live_runs, socket_directory
 
-LOOPBACK: Final = "127.0.0.1"
 SPACE_BYTES: Final = 500_000_000
 """A mission with a film takes about 10 MB, a training less; below this, a folder gets a note."""
 MEMORY_BYTES: Final = 2_000_000_000
@@ -73,18 +72,19 @@ def opengl_finding() -> Finding:
     return Finding(name="opengl", state="ok", detail=f"{drawing.backend} draws off screen{others}")
 
 
-def port_findings() -> Iterator[Finding]:
+def socket_findings() -> Iterator[Finding]:
     """Yield whether processes that are started by hand can listen, and those of a launcher."""
-    taken = [f"{port} ({role})" for role, port in PORTS.items() if not _is_free(port)]
-    if taken:
+    try:
+        prepare(local("sim"))
+    except EndpointError as error:
         yield Finding(
-            name="ports",
+            name="own sockets",
             state="note",
-            detail=f"in use on {LOOPBACK}: {', '.join(taken)}",
-            cure="processes that are started by hand need --listen and --connect; `legpush run` does not use them",
+            detail=str(error),
+            cure="processes that are started by hand need --listen and --connect; `legpush run` does not use it",
         )
     else:
-        yield Finding(name="ports", state="ok", detail=f"{', '.join(map(str, PORTS.values()))} on {LOOPBACK} are free")
+        yield Finding(name="own sockets", state="ok", detail=f"processes started by hand meet in {own_directory()}")
     try:
         with socket_directory() as folder, closing(socket.socket(socket.AF_UNIX)) as end:
             end.bind(str(folder / "planner.sock"))
@@ -137,12 +137,3 @@ def resource_findings() -> Iterator[Finding]:
     )
     runs = find_live_runs()
     yield Finding(name="live runs", state="ok", detail=", ".join(map(str, runs)) or "none")
-
-
-def _is_free(port: int) -> bool:
-    """Return whether a process could listen on a port of this machine."""
-    with closing(socket.socket()) as end, suppress(OSError):
-        end.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        end.bind((LOOPBACK, port))
-        return True
-    return False

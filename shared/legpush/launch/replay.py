@@ -11,7 +11,7 @@ from typing import Literal
 from rich.console import Console
 
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import Endpoints
+from legpush.bus.endpoints import Endpoints, local
 from legpush.errors import INTERRUPTED, ConfigError, OtherVersionError, StopRequestedError, one_line, printable
 from legpush.launch.display import make_display
 from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
@@ -54,9 +54,10 @@ def publish_again(options: ReplayOptions) -> int:
     recording = read_recording(options.files)
     from_start(recording, options.start_s)
     stop = stop_on_signals()
-    with Bus(options.run, "launcher", "replay", Endpoints(listen=options.listen)) as bus:
+    listen = options.listen or local("agent").listen
+    with Bus(options.run, "launcher", "replay", Endpoints(listen=listen)) as bus:
         bus.announce()
-        connect = " ".join(options.listen)
+        connect = " ".join(listen)
         sys.stdout.write(
             f"publishing as run {options.run}; `legpush record FILE --run {options.run} --connect {connect}`\n"
         )

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Final, Literal
 
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import BoxMass, FileMegabytes, Friction, Speed, TimeS, WaitS
-from legpush.bus.endpoints import local
 from legpush.errors import ConfigError
 from legpush.fields import Name, episode_and_step, require
 from legpush.options.scenarios import Changes
@@ -40,7 +39,7 @@ class RecordOptions:
     listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints to listen on."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
-    """Endpoints of planner, simulator and agent. If not given, --run finds them, or they are the ports of processes
+    """Endpoints of planner, simulator and agent. If not given, --run finds them, or they are the sockets of processes
     started by hand."""
     topics: Annotated[tuple[str, ...], arg("PATTERN ...")] = ()
     """Record only these topics, such as "sim/*" "plan/*"."""
@@ -119,8 +118,8 @@ class ReplayOptions:
     """Begin to publish this many seconds after the beginning."""
     run: Annotated[str, arg("NAME")] = "replay"
     """Name of the run in which the recording is published."""
-    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = local("agent").listen
-    """Endpoints for the recorders and viewers of that run."""
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints for the recorders and viewers of that run; if not given, the socket of an agent started by hand."""
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:

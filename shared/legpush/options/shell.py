@@ -8,7 +8,7 @@ from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, arg
 
 @dataclass(frozen=True, kw_only=True)
 class DoctorOptions:
-    """Check what this machine has for legpush: libraries, numerics, OpenGL, ports, temporary files, permissions.
+    """Check what this machine has for legpush: libraries, numerics, OpenGL, sockets, temporary files, permissions.
 
     Exit codes: 0 a mission can run, 1 something that a mission needs is missing.
     """

@@ -67,7 +67,7 @@ def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun
 
 
 def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
-    """Processes that were started by hand, on their fixed ports if no endpoints are given."""
+    """Processes that were started by hand, on the sockets of this user if no endpoints are given."""
     name = _name(run) or DEFAULT_RUN
     try:
         require(Name, name, "--run")

@@ -1,5 +1,6 @@
 """Where processes listen and connect."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,41 @@ def test_processes_started_alone_find_each_other() -> None:
     agent, sim, planner = (endpoints.local(role) for role in ("agent", "sim", "planner"))
     assert set(agent.connect) == {*sim.listen, *planner.listen}
     assert len({*agent.listen, *sim.listen, *planner.listen}) == 3
-    assert all(locator.startswith("tcp/127.0.0.1:") for locator in agent.connect)
+    assert all(locator.startswith(f"unixsock-stream/{endpoints.own_directory()}/") for locator in agent.connect)
+
+
+def test_the_directory_of_a_user_is_made_so_that_nobody_else_can_enter_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "own_directory", lambda: tmp_path / "own")
+    for _ in range(2):
+        endpoints.prepare(endpoints.local("agent"))
+    assert (tmp_path / "own").stat().st_mode & 0o777 == 0o700
+
+
+def test_other_endpoints_need_no_directory_of_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(endpoints, "own_directory", lambda: tmp_path / "own")
+    endpoints.prepare(Endpoints(listen=("tcp/127.0.0.1:17472",), connect=(f"unixsock-stream/{tmp_path}/sim.sock",)))
+    assert not (tmp_path / "own").exists()
+
+
+def test_a_directory_that_another_user_made_or_can_enter_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "own_directory", lambda: tmp_path / "own")
+    mine = endpoints.local("recorder")
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own").chmod(0o770)
+    with pytest.raises(EndpointError, match="mode 0700 for the sockets, got 0770"):
+        endpoints.prepare(mine)
+    (tmp_path / "own").chmod(0o700)
+    monkeypatch.setattr(os, "getuid", lambda: (tmp_path / "own").stat().st_uid + 1)
+    with pytest.raises(EndpointError, match="to be a directory of this user, got one of user"):
+        endpoints.prepare(mine)
+    (tmp_path / "own").rmdir()
+    (tmp_path / "own").symlink_to(tmp_path)
+    with pytest.raises(EndpointError, match="to be a directory of this user"):
+        endpoints.prepare(mine)
 
 
 def test_processes_in_one_directory_find_each_other(tmp_path: Path) -> None:

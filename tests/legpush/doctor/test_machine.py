@@ -1,25 +1,23 @@
-"""What `legpush doctor` says about ports, sockets, folders and OpenGL."""
+"""What `legpush doctor` says about sockets, folders and OpenGL."""
 
-import socket
 import subprocess
 from pathlib import Path
 
 import pytest
 
-from legpush.bus.endpoints import PORTS
-from legpush.doctor import machine
-from legpush.doctor.machine import folder_findings, opengl_finding, port_findings, resource_findings
+from legpush.bus import endpoints
+from legpush.doctor.machine import folder_findings, opengl_finding, resource_findings, socket_findings
 
 
-def test_a_port_in_use_is_named_with_its_role(monkeypatch: pytest.MonkeyPatch) -> None:
-    with socket.socket() as taken:
-        taken.bind((machine.LOOPBACK, 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        monkeypatch.setitem(PORTS, "sim", port)
-        found = next(port_findings())
+def test_a_directory_of_sockets_that_others_may_enter_gets_a_note(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "own_directory", lambda: tmp_path / "own")
+    assert next(socket_findings()).state == "ok"
+    (tmp_path / "own").chmod(0o755)
+    found = next(socket_findings())
     assert found.state == "note"
-    assert f"{port} (sim)" in found.detail
+    assert "0755" in found.detail
 
 
 def test_a_folder_that_cannot_be_written_to_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
