@@ -134,6 +134,11 @@ class _Posture:
         return outcome
 
 
+def as_it_is(scenario: Scenario, _seed: int) -> Scenario:
+    """Return the same scenario."""
+    return scenario
+
+
 def evaluate(
     worlds: Sequence[SteppingWorld],
     cases: Mapping[str, Scenario],
@@ -142,11 +147,12 @@ def evaluate(
     on_row: Callable[[Row], None] = lambda _: None,
     stop: threading.Event | None = None,
     finished: Mapping[tuple[str, int], Row] | None = None,
+    drawn: Callable[[Scenario, int], Scenario] = as_it_is,
 ) -> list[Row]:
     """Run each case with each seed, one episode per world at a time; rows in the order of cases, then seeds.
 
-    `on_row` is called on the caller's thread with each row as its episode ends. The `finished` ones, by case and seed,
-    are not run again.
+    `drawn` is the scenario of a start, by that of its case and its seed. `on_row` is called on the caller's thread with
+    each row as its episode ends. The `finished` ones, by case and seed, are not run again.
 
     Raises:
         StopRequestedError: `stop` was set.
@@ -158,7 +164,7 @@ def evaluate(
     def one(case: str, seed: int) -> Row:
         world = free.get()
         try:
-            return run_episode(world, cases[case], seed, policy, case, stop)
+            return run_episode(world, drawn(cases[case], seed), seed, policy, case, stop)
         finally:
             free.put(world)
 

@@ -3,7 +3,9 @@
 import threading
 from collections.abc import Callable, Sequence
 
-from agent_proc.evaluation.episodes import evaluate, summarize
+from msgspec.structs import replace
+
+from agent_proc.evaluation.episodes import as_it_is, evaluate, summarize
 from agent_proc.evaluation.starts import FIRST_CHECK_SEED
 from agent_proc.learning.learner import Learner, observation_moments
 from agent_proc.learning.training_plan import TrainingPlan
@@ -11,7 +13,10 @@ from agent_proc.policies.actor import Normalizer
 from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
 from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.sb3.layers import actor_layers
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.drawn import scenario_of_start
 from legpush.lockstep.world import SteppingWorld
+from legpush.scene.scenario import Scenario
 
 
 def build_policy(
@@ -40,7 +45,7 @@ def build_policy(
 def check_policy(
     policy: PolicyFolder, worlds: Sequence[SteppingWorld], *, on_episode: Callable[[], None], stop: threading.Event
 ) -> Check:
-    """Evaluate the deterministic policy in the scenario of its task; `on_episode` is called after each episode.
+    """Evaluate the deterministic policy as its task says; `on_episode` is called after each episode.
 
     Raises:
         StopRequestedError: `stop` was set.
@@ -54,6 +59,7 @@ def check_policy(
         LearnedPolicy(policy, "the policy in training"),
         on_row=lambda _: on_episode(),
         stop=stop,
+        drawn=starts_of(card.task),
     )
     summary = summarize(rows)[""]
     return Check(
@@ -65,6 +71,13 @@ def check_policy(
         falls=summary.n_falls,
         cycles=summary.n_cycles.value,
     )
+
+
+def starts_of(task: TaskConfig) -> Callable[[Scenario, int], Scenario]:
+    """What each start of an evaluation has in place of a scenario."""
+    if task.evaluation == "scenario":
+        return as_it_is
+    return lambda scenario, seed: scenario_of_start(replace(task, scenario=scenario), seed)
 
 
 def is_better(check: Check, best: Check | None) -> bool:

@@ -8,6 +8,7 @@ from typing import Final
 
 from agent_proc.evaluation.episodes import run_episode
 from agent_proc.evaluation.starts import FIRST_CHECK_SEED
+from agent_proc.learning.best_policy import starts_of
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.policy import Policy
 from legpush.history.entries import Acted, Observed, Opened
@@ -42,7 +43,8 @@ def keep_episode(plan: TrainingPlan, folder: Path, step: int, policy: Policy, wo
         protocol=PROTOCOL_VERSION, run=place.name, seed=FIRST_CHECK_SEED, versions=plan.versions, began_unix_s=time()
     )
     with Journal(place / JOURNAL_FILE, opened) as journal:
-        run_episode(_Written(world, journal), plan.task.scenario, FIRST_CHECK_SEED, policy)
+        scenario = starts_of(plan.task)(plan.task.scenario, FIRST_CHECK_SEED)
+        run_episode(_Written(world, journal), scenario, FIRST_CHECK_SEED, policy)
     return place
 
 

@@ -5,6 +5,7 @@ interrupted can go on from the journal of the answers it got before.
 """
 
 from agent_proc.endings import REASON_OF, MissionEndedError, MissionResult
+from agent_proc.policies.learned import require_single_face
 from agent_proc.policies.policy import Policy
 from agent_proc.push_model.map import PushMap
 from agent_proc.pushing.box_route import BoxRoute
@@ -38,8 +39,10 @@ def run_mission(
     `REASON_OF` after the reset ends the mission, and the result has it.
 
     Raises:
+        PolicyError: The policy chooses the face.
         LegpushError: The reset failed, or another error that a second try may not meet.
     """
+    require_single_face(policy)
     actor = Actor(world, scenario, revise, tell)
     planner = RoutePlanner(world, actor, seed)
     walker = Walker(actor, planner)

@@ -14,6 +14,7 @@ from agent_proc.mission.branching import Branch, BranchPolicy, read_branch
 from agent_proc.mission.facts import JSON, attach_facts
 from agent_proc.mission.mission import run_mission
 from agent_proc.mission.progress import MissionProgress
+from agent_proc.policies.learned import require_single_face
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.map import PushMap, load_push_map
@@ -158,7 +159,9 @@ def read_inputs(config: AgentConfig) -> tuple[Scenario, Policy, PushMap | None, 
     """
     scenario = load_scenario(config.scenario)
     push_map = None if config.push_map is None else load_push_map(config.push_map, scenario.box)
-    return scenario, config.make_policy(), push_map, config.branch()
+    policy = config.make_policy()
+    require_single_face(policy)
+    return scenario, policy, push_map, config.branch()
 
 
 def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:

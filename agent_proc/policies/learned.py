@@ -37,18 +37,18 @@ class NetworkPolicy:
                 f"{origin}: expected {n_seen} means, one for each element of the observation "
                 f"({', '.join(task.observation)}), got {len(normalizer.mean)}"
             )
-        self._task = task
+        self.task = task
         self._network = network
         self._normalizer = normalizer
 
     def decide(self, view: PushView) -> Push | None:
         """The next push, or None if an episode of training would have ended here."""
-        if has_arrived(self._task, view):
+        if has_arrived(self.task, view):
             return None
-        observation = observe(self._task, view)
+        observation = observe(self.task, view)
         if self._normalizer is not None:
             observation = self._normalizer.apply(observation)
-        return to_push(self._network.act(observation), self._task, view)
+        return to_push(self._network.act(observation), self.task, view)
 
 
 class LearnedPolicy(NetworkPolicy):
@@ -58,6 +58,20 @@ class LearnedPolicy(NetworkPolicy):
         """Make the policy of a folder that messages call `name`."""
         self.card = folder.card
         super().__init__(folder.card.task, folder.actor(), folder.normalizer, name)
+
+
+def require_single_face(policy: object) -> None:
+    """Require a policy that pushes the face that it is given: in missions, the path of the box decides about the face.
+
+    Raises:
+        PolicyError: It was trained on a task in which an action chooses the face.
+    """
+    task = getattr(policy, "task", None)
+    if isinstance(task, TaskConfig) and task.changes_face:
+        raise PolicyError(
+            "Expected a policy for a mission whose task has `changes_face = false`, since the path of the box decides "
+            "about the face, got one that chooses the face: evaluate it with `legpush compare --task`"
+        )
 
 
 def load_learned(name_or_path: str) -> LearnedPolicy:

@@ -37,6 +37,8 @@ class GuardedPolicy:
     def __init__(self, policy: Policy, name: str) -> None:
         self._policy = policy
         self._name = name
+        self.task = getattr(policy, "task", None)
+        """The task that it was trained on, if it says so."""
 
     def decide(self, view: PushView) -> Push | None:
         """Ask the policy.

@@ -7,6 +7,7 @@ from msgspec.structs import replace
 
 from agent_proc.evaluation.episodes import evaluate
 from agent_proc.evaluation.starts import FIRST_FINAL_SEED
+from agent_proc.learning.best_policy import starts_of
 from agent_proc.policies.folder import PolicyFolder
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.task.config import TaskConfig
@@ -44,7 +45,8 @@ def final_columns(
     decider = NetworkPolicy(task, policy.actor(), policy.normalizer, "the policy that was trained")
     nominal = replace(scenario, randomization=Randomization())
     (alone,) = evaluate(worlds[:1], {NOMINAL: nominal}, [first_seed], decider)
-    rows = evaluate(worlds, {DRAWN: scenario}, range(first_seed, first_seed + n_starts), decider)
+    seeds = range(first_seed, first_seed + n_starts)
+    rows = evaluate(worlds, {DRAWN: scenario}, seeds, decider, drawn=starts_of(task))
     return {
         "final_success": [row.success for row in rows],
         "final_ended": [row.ending for row in rows],

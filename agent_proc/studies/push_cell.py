@@ -6,7 +6,6 @@ from pathlib import Path
 from time import thread_time
 from typing import Any, Final, cast
 
-import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -24,7 +23,7 @@ from agent_proc.studies.cell_parts import (
     sha256_of_policy,
 )
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.drawn import drawn_scenario
+from agent_proc.task.drawn import scenario_of_start
 from agent_proc.task.file import DEFAULT_TASK, load_task
 from legpush.errors import ConfigError
 from legpush.fields import Seed
@@ -125,11 +124,7 @@ def drawn_start(scenario: Scenario, domain: str | None, seed: int) -> Scenario:
     """
     if domain is None:
         return scenario
-    task = load_task(domain, scenario)
-    drawn = drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
-    if drawn.mission.max_push_cycles is not None:
-        return drawn
-    return replace(drawn, mission=replace(drawn.mission, max_push_cycles=task.max_steps))
+    return scenario_of_start(load_task(domain, scenario), seed)
 
 
 def task_of(name: str, scenario: Scenario) -> TaskConfig:

@@ -43,6 +43,8 @@ class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=
     """It starts with the robot at its station, and has the drawn offsets and the goal with its tolerances."""
     domain: Domain = Domain()
     """What episodes of a training draw in its place."""
+    evaluation: Literal["scenario", "domain"] = "scenario"
+    """Whether evaluations of a training are made in the scenario itself, or each start draws from the domain, too."""
 
     def __post_init__(self) -> None:
         """Check the task.

@@ -29,8 +29,7 @@ class Domain(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What each episode of a training draws in place of what its scenario has; None keeps that of the scenario.
 
     Draws are uniform and independent, except for the distance, whose logarithm is uniform: as many episodes between 0.1
-    and 0.2 m as between 0.5 and 1 m. The robot stands ready behind the box that is drawn. Evaluations of a training are
-    made in the scenario itself.
+    and 0.2 m as between 0.5 and 1 m. The robot stands ready behind the box that is drawn.
     """
 
     mass_kg: Interval | None = None

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from msgspec.structs import asdict, replace
 
+from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import OFFSETS, Domain
 from legpush.errors import ConfigError
 from legpush.geometry import wrap_angle
@@ -14,6 +15,18 @@ from legpush.scene.station import station
 
 MOST_DRAWS: Final = 100
 """Draws of an offset of the centre of mass before the box counts as one that cannot have it."""
+
+
+def scenario_of_start(task: TaskConfig, seed: int) -> Scenario:
+    """Return what the seed of a start draws from the domain of a task; an episode has the steps of the task at most.
+
+    Raises:
+        ConfigError: The drawn box cannot be made.
+    """
+    drawn = drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
+    if drawn.mission.max_push_cycles is not None:
+        return drawn
+    return replace(drawn, mission=replace(drawn.mission, max_push_cycles=task.max_steps))
 
 
 def drawn_scenario(domain: Domain, scenario: Scenario, random: np.random.Generator) -> Scenario:

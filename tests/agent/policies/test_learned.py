@@ -12,7 +12,9 @@ from agent_proc.frames.push_view import PushView, box_in_goal_frame, push_view
 from agent_proc.learning.training import LAST
 from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.folder import shipped_policies
-from agent_proc.policies.learned import NetworkPolicy, load_learned
+from agent_proc.policies.learned import NetworkPolicy, load_learned, require_single_face
+from agent_proc.policies.registry import make_policy
+from agent_proc.policies.world_policy import GuardedPolicy
 from agent_proc.task.action import n_actions
 from agent_proc.task.file import load_task
 from legpush.errors import PolicyError
@@ -157,3 +159,14 @@ def test_a_shipped_policy_works_and_is_small(name: str) -> None:
     assert policy.card.check.success_rate >= least
     assert policy.card.check.position_error_m <= 0.015
     assert policy.card.check.falls == 0
+
+
+def test_a_policy_that_chooses_the_face_is_none_for_missions() -> None:
+    task = load_task("push-l1")
+    chooses = NetworkPolicy(task, Still(5), None, "a")
+    with pytest.raises(PolicyError, match="whose task has `changes_face = false`"):
+        require_single_face(chooses)
+    with pytest.raises(PolicyError, match="whose task has `changes_face = false`"):
+        require_single_face(GuardedPolicy(chooses, "a"))
+    require_single_face(NetworkPolicy(load_task("tuned"), Still(), None, "a"))
+    require_single_face(make_policy("scripted"))

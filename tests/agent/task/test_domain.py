@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent_proc.task.domain import Domain
-from agent_proc.task.drawn import drawn_scenario
+from agent_proc.task.drawn import drawn_scenario, scenario_of_start
 from agent_proc.task.file import load_task
 from legpush.errors import ConfigError
 from legpush.realism.settings import Randomization
@@ -124,3 +124,10 @@ def test_a_box_that_cannot_be_made_is_refused() -> None:
     domain = Domain(side_m=(0.3, 0.3), com_offset_m=(0.2, 0.2))
     with pytest.raises(ConfigError, match="got none in 100 draws"):
         drawn_scenario(domain, SCENARIO, np.random.default_rng(0))
+
+
+def test_a_start_has_what_its_seed_draws_and_as_many_cycles_as_the_task_has_steps() -> None:
+    task = load_task("push-l1")
+    starts = [scenario_of_start(task, seed) for seed in (1, 1, 2)]
+    assert starts[0] == starts[1] != starts[2]
+    assert {start.mission.max_push_cycles for start in starts} == {task.max_steps}
