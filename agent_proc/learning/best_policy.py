@@ -3,20 +3,15 @@
 import threading
 from collections.abc import Callable, Sequence
 
-from msgspec.structs import replace
-
-from agent_proc.evaluation.episodes import as_it_is, evaluate, summarize
-from agent_proc.evaluation.starts import FIRST_CHECK_SEED
+from agent_proc.evaluation.episodes import evaluate, summarize
+from agent_proc.evaluation.starts import FIRST_CHECK_SEED, starts_of
 from agent_proc.learning.learner import Learner, observation_moments
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Normalizer
 from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
 from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.sb3.layers import actor_layers
-from agent_proc.task.config import TaskConfig
-from agent_proc.task.drawn import scenario_of_start
 from legpush.lockstep.world import SteppingWorld
-from legpush.scene.scenario import Scenario
 
 
 def build_policy(
@@ -71,13 +66,6 @@ def check_policy(
         falls=summary.n_falls,
         cycles=summary.n_cycles.value,
     )
-
-
-def starts_of(task: TaskConfig) -> Callable[[Scenario, int], Scenario]:
-    """What each start of an evaluation has in place of a scenario."""
-    if task.evaluation == "scenario":
-        return as_it_is
-    return lambda scenario, seed: scenario_of_start(replace(task, scenario=scenario), seed)
 
 
 def is_better(check: Check, best: Check | None) -> bool:

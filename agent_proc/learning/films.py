@@ -7,8 +7,7 @@ from time import time
 from typing import Final
 
 from agent_proc.evaluation.episodes import run_episode
-from agent_proc.evaluation.starts import FIRST_CHECK_SEED
-from agent_proc.learning.best_policy import starts_of
+from agent_proc.evaluation.starts import FIRST_CHECK_SEED, starts_of
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.policy import Policy
 from legpush.history.entries import Acted, Observed, Opened

@@ -6,8 +6,7 @@ from typing import Any, Final
 from msgspec.structs import replace
 
 from agent_proc.evaluation.episodes import evaluate
-from agent_proc.evaluation.starts import FIRST_FINAL_SEED
-from agent_proc.learning.best_policy import starts_of
+from agent_proc.evaluation.starts import FIRST_FINAL_SEED, starts_of
 from agent_proc.policies.folder import PolicyFolder
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.task.config import TaskConfig

@@ -23,6 +23,7 @@ PARTS = [
     ("planner_proc", ("planner",)),
     ("sim_proc", ("sim",)),
     ("sim_proc/export", ("view",)),
+    ("sim_proc/scene_3d", ("view",)),
     ("sim_proc/view", ("view",)),
     ("agent_proc", ("agent",)),
     ("agent_proc/gym_envs.py", ("train",)),

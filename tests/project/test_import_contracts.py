@@ -47,7 +47,7 @@ ROGUES = {
     "Only one module imports tyro": ("legpush.recording", "import tyro"),
     "Only two modules of sim_proc.export import Foxglove": ("sim_proc.export", "import foxglove"),
     "Only tables import PyArrow": ("sim_proc.export", "import pyarrow"),
-    "Only sim_proc.view imports viser": ("sim_proc.view", "import viser"),
+    "Only the page and its scene import viser": ("sim_proc.view", "import viser"),
     "Only the guard of the page imports websockets": ("sim_proc.view", "import websockets"),
     "Only the trials of a tuning import Optuna": ("agent_proc.studies.tuning", "import optuna"),
     "Only its logger imports Weights & Biases": ("agent_proc.learning.loggers", "import wandb"),

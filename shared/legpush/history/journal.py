@@ -49,10 +49,14 @@ def read_entries(path: Path) -> Iterator[Entry]:
     except OSError as error:
         raise JournalError(f"Expected to read the journal {path}: {error.strerror}") from error
     with file:
-        reading = Reading(path, file.fileno())
-        yield from reading.entries()
-        if not is_incomplete(file.fileno(), reading.end):
-            raise JournalError(reading.damage())
+        reading, tried = Reading(path, file.fileno()), 0
+        # A frame that was incomplete a moment ago may be whole by now, since the journal may be written to meanwhile.
+        while reading.end > tried:
+            tried = reading.end
+            yield from reading.entries()
+            if is_incomplete(file.fileno(), reading.end):
+                return
+        raise JournalError(reading.damage())
 
 
 class Reading:

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from agent_proc.evaluation.starts import FIRST_CHECK_SEED
-from agent_proc.learning.best_policy import build_policy, check_policy, is_better, starts_of
+from agent_proc.learning.best_policy import build_policy, check_policy, is_better
 from agent_proc.learning.learner import make_learner
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
@@ -15,7 +15,6 @@ from agent_proc.policies.folder import Check, CurvePoint, PolicyFolder, read_pol
 from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import AnyProfile
-from agent_proc.task.drawn import scenario_of_start
 from agent_proc.task.file import load_task
 from legpush.errors import StopRequestedError
 from tests.agent.fake_world import FakeWorld, scenario_at_station
@@ -113,11 +112,3 @@ def test_a_check_can_be_stopped() -> None:
 
     with pytest.raises(StopRequestedError):
         check_policy(built(small_profile()), [FakeWorld()], on_episode=lambda: None, stop=stop)
-
-
-def test_a_level_is_evaluated_on_what_its_starts_draw() -> None:
-    task = load_task("push-l1")
-    drawn = starts_of(task)
-    assert drawn(task.scenario, 3) == scenario_of_start(task, 3) != drawn(task.scenario, 4)
-    tuned = load_task("tuned")
-    assert starts_of(tuned)(tuned.scenario, 3) is tuned.scenario

@@ -111,7 +111,10 @@ def test_the_version_is_that_of_the_package() -> None:
         (["run", "--policy", "a.zip"], "error: a.zip: expected --trust-policy-file"),
         (["replay", "a.mcap", "--rate", "0"], "error: Expected 0.001 to 1e+06 for --rate, got 0.0"),
         (["replay", "a.mcap", "--as", "cook"], "cook"),
-        (["export", "a.mcap"], "error: Expected --to with one of foxglove, csv, parquet, mp4, gif, or --out with its"),
+        (
+            ["export", "a.mcap"],
+            "error: Expected --to with one of foxglove, csv, parquet, mp4, gif, urdf, html, or --out with its",
+        ),
         (["export", "no-such.mcap", "--to", "csv"], "error: no-such.mcap: expected a recording that can be read"),
         (["branch", "a.mcap"], "error: Expected EPISODE:STEP for --at, such as 0:12, got ''"),
         (
@@ -157,7 +160,7 @@ def test_the_version_is_that_of_the_package() -> None:
             ["map", "push", "--out", "no/map.png"],
             "in an existing folder for --out, got no/map.png",
         ),
-        (["map", "push", "--out", "map.jpg"], "a .png file in an existing folder for --out, got map.jpg"),
+        (["map", "push", "--out", "map.jpg"], "Expected a file that ends in .png, .svg, .pdf for --out, got map.jpg"),
         (["map", "map.yaml"], "error: map.yaml: expected a readable map file (No such file or directory)\n"),
         (["map", "defalt"], "(did you mean `default`?)"),
         (["render", "full"], "error: Expected the folder of a run, with an episode-*.journal in it, got full\n"),

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from legpush.errors import DiskFullError, JournalError, OtherVersionError
 from legpush.history.entries import Acted, Awaited, Entry, Numbered, Observed, Opened, Planned, Queried, Refused
 from legpush.history.journal import Journal, read_entries
+from legpush.history.journal_file import is_incomplete
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.stepping import Outcome, Walk
 from tests.legpush.examples import PLAN, QUERY, RESET, TRACE, WORLD
@@ -201,3 +202,15 @@ def test_no_space_for_the_original_of_a_torn_journal_is_told_and_it_is_left_as_i
         Journal(path, OPENED)
     assert path.read_bytes() == torn
     assert list(path.parent.iterdir()) == [path]
+
+
+def test_an_entry_that_is_finished_while_it_is_read_is_read_too(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-5])
+
+    def finished_meanwhile(file: int, position: int) -> bool:
+        path.write_bytes(whole)
+        return is_incomplete(file, position)
+
+    monkeypatch.setattr("legpush.history.journal.is_incomplete", finished_meanwhile)
+    assert list(read_entries(path)) == [OPENED, *ENTRIES]
