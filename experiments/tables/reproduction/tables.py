@@ -21,6 +21,7 @@ TRAININGS: Final = {
     "learns_variable": "reproduction_learns_variable",
     "learns_variable_simulator": "reproduction_learns_variable_simulator",
     "observation": "reproduction_observation",
+    "observation_simulator": "reproduction_observation_simulator",
     "release": "reproduction_release",
     "text": "reproduction_text",
     "tuned_fixed": "reproduction_tuned_fixed",
