@@ -50,7 +50,7 @@ def test_a_task_is_taken_as_it_is() -> None:
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"max_step": 9}, ConfigError, r"among entry, .*max_steps, mass_kg, friction, .*box_yaw_deg, got max_step$"),
+        ({"max_step": 9}, ConfigError, r"among entry, .*max_steps, .*mass_kg, friction, .*box_yaw_deg, got max_step$"),
         ({"domain": {}}, ConfigError, "got domain$"),
         ({"max_steps": "many"}, ConfigError, r"settings of the task: at `max_steps`: .* a whole number, got .*'many'"),
         ({"entry": "random"}, ConfigError, "at `entry`: expected one of fixed, variable, got 'random'"),
