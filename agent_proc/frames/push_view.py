@@ -119,6 +119,13 @@ def push_view(
     )
 
 
+def seen_from(view: PushView, face: Face) -> PushView:
+    """The same moment, seen from another face; of what pushes have shown, only the lost depth is that of the box."""
+    if face == view.face:
+        return view
+    return push_view(view.world, view.scenario, view.lost_depth_m, face=face)
+
+
 def pushed_state(box: BoxState, face: Face) -> BoxState:
     """Pose of the pushed frame of a box: the axes are turned about z until the face is the rear one."""
     if face == "rear":

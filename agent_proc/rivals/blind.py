@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.frames.push_view import PushView, seen_from
 from agent_proc.task.action import CHOICES, deepest_push_m, n_actions, to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
@@ -82,10 +82,9 @@ class AlternatePolicy:
 
 def middle_push(task: TaskConfig, view: PushView, leg: FrontLeg, face: Face | None = None) -> Push:
     """The deepest push that a task allows with a leg, with w1 and w2 in their middle."""
-    face = view.face if face is None else face
-    there = view if face == view.face else push_view(view.world, view.scenario, view.lost_depth_m, face=face)
+    there = view if face is None else seen_from(view, face)
     depth_m = deepest_push_m(task, there) if task.entry == "variable" else task.fixed_depth_m
-    return Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m, face=face)
+    return Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m, face=there.face)
 
 
 def zero_action(task: TaskConfig) -> Action:

@@ -3,7 +3,7 @@
 from math import radians
 from typing import Final
 
-from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.frames.push_view import PushView, seen_from
 from agent_proc.rivals.blind import middle_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
@@ -39,4 +39,4 @@ def views_of_faces(view: PushView) -> dict[Face, PushView]:
     """The same world, seen from every face that may be pushed."""
     scenario = view.scenario
     faces = [face for face in PUSHABLE[scenario.box.shape] if face in scenario.pushing.faces]
-    return {face: push_view(view.world, scenario, view.lost_depth_m, face=face) for face in faces}
+    return {face: seen_from(view, face) for face in faces}

@@ -5,7 +5,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.frames.push_view import PushView, seen_from
 from agent_proc.push_model.model import PushModel
 from agent_proc.task.action_config import ActionConfig
 from legpush.errors import ConfigError
@@ -50,7 +50,7 @@ def to_push(action: NDArray[Any], task: ActionConfig, view: PushView) -> Push:
     face = view.face
     if task.changes_face:
         face = chosen_face(float(chosen[-1]), view, mirrored=task.mirrored and view.mirror_sign < 0.0)
-    there = view if face == view.face else push_view(view.world, view.scenario, view.lost_depth_m, face=face)
+    there = seen_from(view, face)
     depth_m = task.fixed_depth_m
     if task.entry == "variable":
         shallowest_m = shallowest_push_m(task, there)
