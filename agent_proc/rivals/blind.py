@@ -87,6 +87,18 @@ def middle_push(task: TaskConfig, view: PushView, leg: FrontLeg, face: Face | No
     return Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m, face=there.face)
 
 
+def require_variable_depth(task: TaskConfig, rival: str) -> None:
+    """Require a task whose actions choose the depth: the rival has depths of its own.
+
+    Raises:
+        ConfigError: All pushes of the task have one depth.
+    """
+    if task.entry != "variable":
+        raise ConfigError(
+            f"Expected a task with variable entry for the rival {rival}, got one with pushes of one depth"
+        )
+
+
 def zero_action(task: TaskConfig) -> Action:
     """The middle of every range: zeros, or the middle of the published grid with FL."""
     return (CHOICES[0] // 2, CHOICES[1] // 2, 0) if task.action_form == "discrete" else (0.0,) * n_actions(task)

@@ -14,6 +14,7 @@ from agent_proc.map_world.response_map import load_response_map
 from agent_proc.policies.scripted import CYCLE_COST, LEAST_GAIN, ScriptedPolicy
 from agent_proc.push_model.model import PushModel, nearest_model
 from agent_proc.pushing.docking.moves import PUSH_S, walk_s
+from agent_proc.rivals.blind import require_variable_depth
 from agent_proc.rivals.steering import views_of_faces
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
@@ -30,7 +31,12 @@ class FacedScript:
     """Chooses the face and the push from which the push model predicts the best end."""
 
     def __init__(self, task: TaskConfig, *, measured: bool = False) -> None:
-        """Predict with the `measured` response of the default box, or with the model that all missions begin with."""
+        """Predict with the `measured` response of the default box, or with the model that all missions begin with.
+
+        Raises:
+            ConfigError: All pushes of the task have one depth.
+        """
+        require_variable_depth(task, "script")
         self._task = task
         self._measured = measured
 

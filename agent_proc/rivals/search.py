@@ -7,6 +7,7 @@ from agent_proc.frames.push_view import PushView
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.pushing.docking.moves import DockWalk, dock_pushes
 from agent_proc.pushing.docking.search import DockSearch
+from agent_proc.rivals.blind import require_variable_depth
 from agent_proc.rivals.steering import views_of_faces
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
@@ -31,10 +32,12 @@ class SearchPolicy:
         """Make the policy.
 
         Raises:
-            ConfigError: The task has no choice of the face: then most goals are on no sequence.
+            ConfigError: The task has no choice of the face: then most goals are on no sequence. Or all pushes of the task
+                have one depth.
         """
         if not task.changes_face:
             raise ConfigError("Expected a task with `changes_face` for the rival search, got one with a single face")
+        require_variable_depth(task, "search")
         self._task = task
 
     def decide(self, view: PushView) -> Push | None:
@@ -56,7 +59,13 @@ class SearchPolicy:
         if push is None:
             return None
         w1, w2 = estimates[push.face].curve
-        return Push(w1=w1, w2=w2, leg=push.leg, depth_m=push.depth_m + view.lost_depth_m, face=push.face)
+        return Push(
+            w1=w1,
+            w2=w2,
+            leg=push.leg,
+            depth_m=min(push.depth_m + view.lost_depth_m, self._task.max_depth_m),
+            face=push.face,
+        )
 
 
 def _unturned(view: PushView) -> Pose2:
