@@ -32,7 +32,7 @@ class SearchPolicy:
         """Make the policy.
 
         Raises:
-            ConfigError: The task has no choice of the face, so that most goals are on no sequence, or none of the depth.
+            ConfigError: The task has no choice of the face, so most goals are on no sequence, or none of the depth.
         """
         if not task.changes_face:
             raise ConfigError("Expected a task with `changes_face` for the rival search, got one with a single face")
