@@ -84,7 +84,7 @@ def run_episode(
             break
         seen = as_seen(outcome.world)
         estimate = estimates[face]
-        push = policy.decide(push_view(seen, scenario, estimate.lost_depth_m, estimate.drift, face))
+        push = policy.decide(push_view(seen, scenario, estimate.felt, face))
         if push is None:
             ending = "done"
             break

@@ -9,6 +9,8 @@ from msgspec.structs import replace
 
 from agent_proc.frames.corners import goal_corners_m, tracked_corners_m
 from agent_proc.frames.poses import BoxError, pose_error
+from agent_proc.push_model.estimate import Drift, FeltBox
+from agent_proc.push_model.response import Response, expected_response
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.poses import planar_pose
@@ -19,9 +21,7 @@ from legpush.scene.scenario import Box, Goal, PoseDeg, Scenario
 
 LOOK_AHEAD_M: Final = 0.25
 """How far ahead on the line through the goal a box should head for."""
-Drift = tuple[float, float, float]
-"""Forward [m], left [m] and turn [rad] by one push, in the pushed frame."""
-NO_DRIFT: Final[Drift] = (0.0, 0.0, 0.0)
+NOTHING_FELT: Final = FeltBox()
 N_DIGITS: Final = 9
 """The side of the line that the box is on is decided by this many decimals of a metre."""
 
@@ -44,12 +44,25 @@ class PushView:
     """Pose of the pushed frame, world frame: measured, or predicted if the box is pushed in an open loop."""
     goal: Goal
     """Pose that the pushed frame should come to, world frame, and its tolerances."""
-    lost_depth_m: float = 0.0
-    """How much deeper this box has to be pushed than the default one to move as far, by its pushes up to now."""
-    drift: Drift = NO_DRIFT
-    """What the last pushes did beyond what was expected of them."""
+    felt: FeltBox = NOTHING_FELT
+    """What the pushes at this face have shown of the box."""
     face: Face = "rear"
     """The face of the box that is the rear one of the pushed frame."""
+
+    @property
+    def lost_depth_m(self) -> float:
+        """How much deeper this box has to be pushed than the default one to move as far."""
+        return self.felt.lost_depth_m
+
+    @property
+    def drift(self) -> Drift:
+        """What the last pushes did beyond what the push model expected of them."""
+        return self.felt.drift
+
+    @cached_property
+    def response(self) -> Response:
+        """What a push is expected to do."""
+        return expected_response(self.box) if self.felt.response is None else self.felt.response
 
     @cached_property
     def box_w(self) -> Pose2:
@@ -93,13 +106,7 @@ class PushView:
         return self.world.fallen
 
 
-def push_view(
-    world: WorldState,
-    scenario: Scenario,
-    lost_depth_m: float = 0.0,
-    drift: Drift = NO_DRIFT,
-    face: Face = "rear",
-) -> PushView:
+def push_view(world: WorldState, scenario: Scenario, felt: FeltBox = NOTHING_FELT, face: Face = "rear") -> PushView:
     """The view of a box that is pushed at one of its faces to the goal of its scenario."""
     if face == "rear":
         box, goal = scenario.box, scenario.goal
@@ -113,8 +120,7 @@ def push_view(
         box=box,
         box_state=pushed_state(world.box, face),
         goal=goal,
-        lost_depth_m=lost_depth_m,
-        drift=drift,
+        felt=felt,
         face=face,
     )
 
@@ -123,7 +129,7 @@ def seen_from(view: PushView, face: Face) -> PushView:
     """The same moment, seen from another face; of what pushes have shown, only the lost depth is that of the box."""
     if face == view.face:
         return view
-    return push_view(view.world, view.scenario, view.lost_depth_m, face=face)
+    return push_view(view.world, view.scenario, FeltBox(lost_depth_m=view.lost_depth_m), face)
 
 
 def pushed_state(box: BoxState, face: Face) -> BoxState:

@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from agent_proc.frames.push_view import NO_DRIFT, PushView, push_view, pushed_state
+from agent_proc.frames.push_view import NOTHING_FELT, PushView, push_view, pushed_state
 from agent_proc.learning.random_state import Pcg64State, set_state, state_of
 from agent_proc.learning.rendering import FRAME_SIZE, Rendering, RenderMode
 from agent_proc.policies.sb3.spaces import action_space, observation_space
@@ -233,14 +233,14 @@ class _Episode:
         self.pushes.append(push)
         self.outcome, scenario = outcome, self.reset.scenario
         seen = as_seen(outcome.world)
-        lost_depth_m, drift = 0.0, NO_DRIFT
+        felt = NOTHING_FELT
         if self.estimates:
             estimate = self.estimates[push.face]
             before, after = (planar_pose(pushed_state(box, push.face)) for box in (self.seen.world.box, seen.box))
             estimate.learn(before, push, after)
-            lost_depth_m, drift = estimate.lost_depth_m, estimate.drift
-        self.view = push_view(outcome.world, scenario, lost_depth_m, drift, push.face)
-        self.seen = push_view(seen, scenario, lost_depth_m, drift, push.face)
+            felt = estimate.felt
+        self.view = push_view(outcome.world, scenario, felt, push.face)
+        self.seen = push_view(seen, scenario, felt, push.face)
 
 
 def _errors(view: PushView) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from agent_proc.task.terms import GROUP as TERMS
 from agent_proc.task.terms import foreign_terms
 from legpush.errors import PolicyError
 from legpush.plugins import plugin_values
-from legpush.policy_names import GROUP, SCRIPTED, policy_kind, source_sha256
+from legpush.policy_names import CODED, GROUP, policy_kind, source_sha256
 
 
 def policy_sha256(name: str) -> str:
@@ -27,7 +27,7 @@ def policy_sha256(name: str) -> str:
         return source_sha256(name)
     if kind == "plug-in":
         return "".join(map(source_sha256, plugin_values(GROUP, name)))
-    if name == SCRIPTED:
+    if name in CODED:
         return ""
     if kind == "model file":
         return hashlib.sha256(_model(Path(name))).hexdigest()

@@ -1,4 +1,4 @@
-"""Finds a policy by name: scripted, shipped, a policy folder, a model file, or a user's factory."""
+"""Finds a policy by name: coded, shipped, a policy folder, a model file, or a user's factory."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -50,7 +50,7 @@ def policy_from_data(name: str, sha256: str, *, repeated: str | None = None, tru
 
 
 def make_policy(name: str, normalizer: Path | None = None, *, trust_file: bool = False) -> Policy:
-    """Make a policy: a plug-in (`scripted`, `fixed`, `variable`), a policy folder, a model file, or `module:factory`.
+    """Make a policy: a plug-in (such as `scripted` or `variable`), a policy folder, a model file, or `module:factory`.
 
     The name must come from the user, since some of these run code; `policy_from_data` is for names from elsewhere.
     `normalizer` belongs to a model file (`.zip`) only, which needs `trust_file`. The learning libraries are imported

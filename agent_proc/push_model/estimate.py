@@ -5,11 +5,13 @@ the rest of the depth moves the box. That lost depth is nearly the same at every
 the scales. It decides how deep the last, short pushes have to be.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from agent_proc.push_model.model import MIRROR, PushModel, nearest_model
+from agent_proc.push_model.response import Response, ResponseEstimate, turn_per_travel
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.common import USUAL_DEPTH_M
@@ -40,17 +42,30 @@ LEAST_SCALE: Final = 0.3
 MOST_SCALE: Final = 3.0
 
 
+Drift = tuple[float, float, float]
+"""Forward [m], left [m] and turn [rad] by one push, in the pushed frame."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeltBox:
+    """What the pushes up to now have shown of a box."""
+
+    lost_depth_m: float = 0.0
+    """How much deeper this box has to be pushed than the default one to move as far."""
+    drift: Drift = (0.0, 0.0, 0.0)
+    """What the last pushes did beyond what the model expected of them."""
+    response: Response | None = None
+    """What a push does; None if nothing is known but the size of the box."""
+
+
 class PushEstimate:
     """Scales of travel and turn by least squares over the observed pushes, with the model as prior."""
 
     def __init__(self, box: Box, model: PushModel | None = None) -> None:
-        """Begin with `model`, or with the nearest measured one; `box` has its size in the pushed frame.
-
-        The prior of the turn assumes a box that rests on its corners: a push turns it in proportion to the arm of the
-        push over the squared distance of the corners from the centre.
-        """
+        """Begin with `model`, or with the nearest measured one; `box` has its size in the pushed frame."""
         self._model = nearest_model(box) if model is None else model
-        self._turn_prior = _turn_per_travel(box) / _turn_per_travel(self._model.box)
+        self._turn_prior = turn_per_travel(box) / turn_per_travel(self._model.box)
+        self._response = ResponseEstimate(self._model, self._turn_prior)
         self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
         """Sums of measured times predicted, and of predicted squared."""
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
@@ -81,7 +96,12 @@ class PushEstimate:
         return lost_m if lost_m >= LEAST_LOST_M else 0.0
 
     @property
-    def drift(self) -> tuple[float, float, float]:
+    def felt(self) -> FeltBox:
+        """What a decision about a push may depend on."""
+        return FeltBox(lost_depth_m=self.lost_depth_m, drift=self.drift, response=self._response.response)
+
+    @property
+    def drift(self) -> Drift:
         """Forward [m], left [m] and turn [rad] of the last pushes beyond those of the model, as a weighted mean.
 
         Each push counts whatever its curve is; of the depth, only what this box yields to.
@@ -131,17 +151,19 @@ class PushEstimate:
     def learn(self, before: Pose2, push: Push, after: Pose2) -> None:
         """Update the estimates with the effect of a push.
 
-        The scales ignore a push with another curve than the model's: it turns the box differently. `before` and `after`
-        are poses of the pushed frame.
+        Scales and response ignore a push with another curve than the model's: it turns the box differently. `before`
+        and `after` are poses of the pushed frame.
         """
-        self._learn_drift(before, push, after)
-        self._learn_lost_depth(push.depth_m, (before.inverse() @ after).x_m)
+        moved = before.inverse() @ after
+        yielded_m = max(0.0, push.depth_m - self.lost_depth_m)
+        self._learn_drift(push, yielded_m, moved)
+        self._learn_lost_depth(push.depth_m, moved.x_m)
         if (push.w1, push.w2) != self.curve:
             return
+        self._response.learn(push, yielded_m, moved)
         row = np.zeros((1, 3))
         mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
         ((x_m, _, yaw_rad),) = self._model.push(row, mirror, depth_m, turn_scale=self._turn_prior).tolist()
-        moved = before.inverse() @ after
         for sums, prior, measured, predicted in (
             (self._travel, PRIOR_M, moved.x_m, x_m),
             (self._turn, PRIOR_RAD, wrap_angle(moved.yaw_rad), yaw_rad),
@@ -149,10 +171,9 @@ class PushEstimate:
             sums -= (1.0 - FORGETTING) * (sums - prior**2)
             sums += np.array([measured * predicted, predicted * predicted])
 
-    def _learn_drift(self, before: Pose2, push: Push, after: Pose2) -> None:
-        mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([max(0.0, push.depth_m - self.lost_depth_m)])
+    def _learn_drift(self, push: Push, yielded_m: float, moved: Pose2) -> None:
+        mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([yielded_m])
         ((x_m, y_m, yaw_rad),) = self._model.push(np.zeros((1, 3)), mirror, depth_m).tolist()
-        moved = before.inverse() @ after
         beyond = [moved.x_m - x_m, moved.y_m - y_m, wrap_angle(moved.yaw_rad - yaw_rad), 1.0]
         self._drift = DRIFT_FORGETTING * self._drift + np.array(beyond)
 
@@ -163,9 +184,3 @@ class PushEstimate:
             lost_m = max(lost_m, self.lost_depth_m)
         weight = (LOST_SD_M / (LOST_SD_M + LOST_SD_SHARE * depth_m)) ** 2
         self._lost = LOST_FORGETTING * self._lost + weight * np.array([lost_m, 1.0])
-
-
-def _turn_per_travel(box: Box) -> float:
-    """Turn per travel [1/m] of a box that is pushed at the usual share of its width, up to a constant factor."""
-    length_m, width_m, _ = box.size_m
-    return width_m / (length_m**2 + width_m**2)

@@ -129,8 +129,7 @@ class Follower:
             box=pushed_box(self._scenario.box, self._path.face),
             box_state=box,
             goal=replace(self._scenario.goal, pose=pose),
-            lost_depth_m=self._estimate.lost_depth_m,
-            drift=self._estimate.drift,
+            felt=self._estimate.felt,
             face=self._path.face,
         )
 

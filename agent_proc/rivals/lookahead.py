@@ -14,7 +14,7 @@ from agent_proc.frames.push_view import LOOK_AHEAD_M, PushView
 from agent_proc.policies.scripted import CYCLE_COST, MAX_CYCLES
 from agent_proc.push_model.model import MIRROR, PushModel
 from agent_proc.pushing.docking.moves import walk_s
-from agent_proc.rivals.faced_script import S_COST, measured_model
+from agent_proc.rivals.best_face import S_COST, measured_model
 from agent_proc.rivals.steering import views_of_faces
 from agent_proc.task.action import deepest_push_m, shallowest_push_m
 from agent_proc.task.config import TaskConfig

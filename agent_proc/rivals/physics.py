@@ -13,7 +13,7 @@ import numpy as np
 
 from agent_proc.frames.push_view import PushView, push_view
 from agent_proc.policies.scripted import CYCLE_COST
-from agent_proc.rivals.faced_script import measured_model
+from agent_proc.rivals.best_face import measured_model
 from agent_proc.rivals.lookahead import LookAhead, depths_m, predicted_costs
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
@@ -77,7 +77,7 @@ class PhysicsLookAhead:
             after = world.step(push).world
             if after.fallen or not can_push(as_seen(after), seen.scenario, seen.face):
                 continue
-            view = push_view(after, seen.scenario, seen.lost_depth_m, face=seen.face)
+            view = push_view(after, seen.scenario, seen.felt, seen.face)
             pushes = (*sequence.pushes, push)
             found.append(_Sequence(pushes=pushes, world=world, view=view, cost=self._cost(view, len(pushes))))
         return found

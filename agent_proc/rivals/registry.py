@@ -3,9 +3,12 @@
 from collections.abc import Callable
 from typing import Final, Literal
 
+from agent_proc.policies.dynamic_programming.policy import LEAST_GAIN as LEAST_GAIN_OF_TABLE
+from agent_proc.policies.dynamic_programming.policy import DynamicProgramming
 from agent_proc.policies.policy import Policy
+from agent_proc.policies.scripted import LEAST_GAIN
+from agent_proc.rivals.best_face import BestFace, scripted_by_map, scripted_by_size
 from agent_proc.rivals.blind import Action, AlternatePolicy, ConstantPolicy, RandomPolicy, zero_action
-from agent_proc.rivals.faced_script import FacedScript
 from agent_proc.rivals.lookahead import LookAhead
 from agent_proc.rivals.physics import Fork, PhysicsLookAhead
 from agent_proc.rivals.search import SearchPolicy
@@ -22,6 +25,7 @@ Rival = Literal[
     "bang_bang",
     "script",
     "script_over_map",
+    "dynamic_programming",
     "look_ahead",
     "look_ahead_by_physics",
     "search",
@@ -32,8 +36,14 @@ RIVALS: Final[dict[Rival, Callable[[TaskConfig, Action, Fork], Policy]]] = {
     "constant": lambda task, action, _fork: ConstantPolicy(task, action),
     "alternate": lambda task, _action, _fork: AlternatePolicy(task),
     "bang_bang": lambda task, _action, _fork: BangBangPolicy(task),
-    "script": lambda task, _action, _fork: FacedScript(task),
-    "script_over_map": lambda task, _action, _fork: FacedScript(task, measured=True),
+    "script": lambda task, _action, _fork: BestFace(task, "script", scripted_by_size, LEAST_GAIN),
+    "script_over_map": lambda task, _action, _fork: BestFace(task, "script_over_map", scripted_by_map, LEAST_GAIN),
+    "dynamic_programming": lambda task, _action, _fork: BestFace(
+        task,
+        "dynamic_programming",
+        DynamicProgramming(task.least_depth_m, task.max_depth_m).best,
+        LEAST_GAIN_OF_TABLE,
+    ),
     "look_ahead": lambda task, _action, _fork: LookAhead(task),
     "look_ahead_by_physics": lambda task, _action, fork: PhysicsLookAhead(task, fork),
     "search": lambda task, _action, _fork: SearchPolicy(task),

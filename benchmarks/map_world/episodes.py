@@ -61,7 +61,7 @@ def run(policy: str, seed: int, world: str) -> Episode:
     within: list[bool] = []
     ending = "max_cycles"
     for n_before in range(MAX_CYCLES):
-        push = deciding.decide(push_view(outcome.world, scenario, estimate.lost_depth_m))
+        push = deciding.decide(push_view(outcome.world, scenario, estimate.felt))
         if push is None:
             ending = "done"
             break

@@ -119,7 +119,7 @@ def heavy_push(cell: ResolvedPush) -> Mapping[str, Any]:
     ending = "max_cycles"
     while tally.n_cycles < MOST_CYCLES:
         seen = as_seen(outcome.world)
-        push = policy.decide(push_view(seen, scenario, estimate.lost_depth_m))
+        push = policy.decide(push_view(seen, scenario, estimate.felt))
         if push is None:
             ending = "done"
             break

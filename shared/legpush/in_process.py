@@ -76,8 +76,9 @@ def run(
         scenario: The name of a built-in scenario, the path of a scenario file, or a record.
         seed: Seed of the offsets of start and box, and of the path. Equal seeds give equal missions, bit for bit, with
             the same `state_crc` as `legpush run` under equal numerics.
-        policy: The policy that chooses the pushes: the name of a plug-in (`scripted`, `fixed`, `variable`), the path of
-            a policy folder or model file, `module:function`, or an object with a method `decide`.
+        policy: The policy that chooses the pushes: the name of a plug-in (`scripted`, `dynamic_programming`, `fixed`,
+            `variable`), the path of a policy folder or model file, `module:function`, or an object with a method
+            `decide`.
         trust_policy_file: Load a model file. It is a pickle: loading it runs any code in it.
         push_map: The push map of this box, measured by `legpush calibrate`.
         planner: Replaces the scenario's search, such as `rrt_star`.

@@ -10,7 +10,8 @@ from typing import Final, Literal
 from legpush.errors import PolicyError
 from legpush.plugins import Group, plugin_values
 
-SCRIPTED: Final = "scripted"
+CODED: Final = ("scripted", "dynamic_programming")
+"""Policies of this package that were not learned: code without a file."""
 DEFAULT_POLICY: Final = "variable"
 """The shipped policy that chooses leg, curve and depth."""
 GROUP: Final[Group] = "legpush.policies"
@@ -19,10 +20,10 @@ SB3_SUFFIX: Final = ".zip"
 """Suffix of a model that Stable-Baselines3 saved."""
 TRUST_FILE: Final = "--trust-policy-file"
 OWN_PACKAGE: Final = "agent_proc."
-"""Modules of the scripted and the shipped policies begin with this."""
+"""Modules of the coded and the shipped policies begin with this."""
 
 PolicyKind = Literal["own", "folder", "model file", "plug-in", "module:function"]
-"""`own` is the scripted policy or a shipped one; a `plug-in` is of another package."""
+"""`own` is a policy of this package, coded or shipped; a `plug-in` is of another package."""
 DATA: Final[tuple[PolicyKind, ...]] = ("own", "folder")
 """Kinds that run no code besides that of this package."""
 

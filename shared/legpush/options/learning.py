@@ -77,8 +77,8 @@ class TrainOptions(SimulatorOptions):
     """Training profile: tuned, paper-text, paper-observation, paper-learns, release, sac, td3, or the path of a profile
     file."""
     task: Annotated[str | None, arg("NAME|FILE")] = None
-    """Replaces the profile's task: tuned, paper-text, paper-observation, paper-learns, release, or the path of a task
-    file."""
+    """Replaces the profile's task: tuned, push-l1, push-l2, push-l3, paper-text, paper-observation, paper-learns,
+    release, or the path of a task file."""
     entry: Annotated[Literal["fixed", "variable"] | None, arg()] = None
     """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
     actions: Annotated[Literal["continuous", "discrete"] | None, arg()] = None
@@ -164,8 +164,8 @@ class EvaluateOptions(SimulatorOptions):
     """
 
     policy: Positional[Annotated[str, arg("POLICY")]]
-    """The policy: scripted, the name of a shipped policy, a policy folder, a model file (.zip) that Stable-Baselines3
-    saved, or module:factory for a policy of your own."""
+    """The policy: scripted, dynamic_programming, the name of a shipped policy, a policy folder, a model file (.zip) of
+    Stable-Baselines3, or module:factory for a policy of your own."""
     normalizer: Annotated[Path | None, arg("FILE")] = None
     """With a model file: the file of `VecNormalize.save`, if the training normalized observations."""
     trust_policy_file: Flag = False

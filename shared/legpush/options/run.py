@@ -36,8 +36,8 @@ class RunOptions:
     out: Annotated[Path | None, arg("DIR")] = None
     """Folder of the run; `runs/<time>-<scenario>-seed<N>` if not given. An unfinished run in this folder continues."""
     policy: Annotated[str, arg("POLICY")] = DEFAULT_POLICY
-    """Policy that chooses the pushes: scripted, the name of a shipped policy, a policy folder, a model file (.zip), or
-    module:factory."""
+    """Policy that chooses the pushes: scripted, dynamic_programming, the name of a shipped policy, a policy folder, a
+    model file (.zip), or module:factory."""
     trust_policy_file: Flag = False
     """Load a model file (.zip) of Stable-Baselines3. It is a pickle: loading it runs any code in it."""
     push_map: Annotated[Path | None, arg("FILE")] = None

@@ -46,8 +46,8 @@ def test_every_rival_pushes_as_its_task_allows(name: Rival, task: str) -> None:
             make_rival(name, config)
         return
 
-    if name.startswith("script") and config.entry == "fixed":
-        with pytest.raises(ConfigError, match="Expected a task with variable entry for the rival script"):
+    if name in ("script", "script_over_map", "dynamic_programming") and config.entry == "fixed":
+        with pytest.raises(ConfigError, match=f"Expected a task with variable entry for the rival {name}"):
             make_rival(name, config)
         return
 
@@ -85,7 +85,7 @@ def test_a_rival_has_nothing_to_do_at_the_goal(name: Rival) -> None:
     assert make_rival(name, LEVEL, (0.0,) * 5).decide(push_view(state, LEVEL.scenario)) is None
 
 
-@pytest.mark.parametrize("name", ["script", "script_over_map", "search"])
+@pytest.mark.parametrize("name", ["script", "script_over_map", "dynamic_programming", "search"])
 def test_a_rival_that_plans_brings_boxes_to_goals_at_any_side(name: Rival) -> None:
     world, rival = LocalWorld(new_simulator("map")), make_rival(name, LEVEL)
 

@@ -12,6 +12,7 @@ from hypothesis.strategies import floats
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import PushView, push_view
+from agent_proc.push_model.estimate import FeltBox
 from agent_proc.push_model.model import PushModel
 from agent_proc.task.action import deepest_push_m, no_push_helps, to_push
 from agent_proc.task.config import TaskConfig
@@ -132,11 +133,11 @@ def test_pushing_on_is_no_help_from_half_a_shallowest_push_before_the_goal() -> 
 
 @pytest.mark.parametrize("lost_m", [0.0, 0.004, 0.03])
 def test_a_box_that_loses_depth_is_pushed_deeper_by_as_much(lost_m: float) -> None:
-    view = replace(box_at(6.98), lost_depth_m=lost_m)
+    view = replace(box_at(6.98), felt=FeltBox(lost_depth_m=lost_m))
     for unit in (-1.0, 0.3, 1.0):
         usual = push(VARIABLE, [0.0, 0.0, 0.0, unit], box_at(6.98)).depth_m
         assert push(VARIABLE, [0.0, 0.0, 0.0, unit], view).depth_m == pytest.approx(usual + lost_m)
-    assert deepest_push_m(VARIABLE, replace(box_at(5.0), lost_depth_m=lost_m)) == VARIABLE.max_depth_m
+    assert deepest_push_m(VARIABLE, replace(box_at(5.0), felt=FeltBox(lost_depth_m=lost_m))) == VARIABLE.max_depth_m
     assert push(FIXED, [0.0, 0.0, 0.0], view).depth_m == FIXED.fixed_depth_m
 
 
@@ -144,7 +145,7 @@ def test_the_least_useful_push_is_that_of_this_box() -> None:
     """A fixed depth moves a box less that loses some of it; a variable one is chosen deeper."""
     short = box_at(7.0 - 0.0012)
     for lost_m, helps in ((0.0, True), (0.02, True)):
-        assert no_push_helps(VARIABLE, replace(short, lost_depth_m=lost_m)) != helps
+        assert no_push_helps(VARIABLE, replace(short, felt=FeltBox(lost_depth_m=lost_m))) != helps
     near = box_at(7.0 - 0.012)
     assert no_push_helps(FIXED, near)
-    assert not no_push_helps(FIXED, replace(near, lost_depth_m=0.03))
+    assert not no_push_helps(FIXED, replace(near, felt=FeltBox(lost_depth_m=0.03)))

@@ -5,7 +5,7 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.frames.push_view import push_view
-from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.push_model.estimate import FeltBox, PushEstimate
 from agent_proc.task.file import load_task
 from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift
 from legpush.geometry import Pose2
@@ -33,7 +33,7 @@ def test_a_drift_is_what_pushes_do_beyond_the_model_and_has_a_mirror_image() -> 
             x_m=expected.x_m + beyond.x_m, y_m=expected.y_m + beyond.y_m, yaw_rad=expected.yaw_rad + beyond.yaw_rad
         )
         estimate.learn(START, PUSH, after)
-    view = push_view(STATE, SCENARIO, estimate.lost_depth_m, estimate.drift)
+    view = push_view(STATE, SCENARIO, estimate.felt)
 
     assert PushDrift().read(view, 1.0) == pytest.approx([0.001, -0.004, 0.02], abs=1e-4)
     assert PushDrift().read(view, -1.0) == pytest.approx([0.001, 0.004, -0.02], abs=1e-4)
@@ -61,7 +61,7 @@ def test_a_task_that_observes_what_pushes_have_shown_says_so(name: str, feels: b
 
 @pytest.mark.parametrize("term", [BoxSides(), LostDepth(), PushDrift()])
 def test_what_is_read_is_within_its_limits(term: BoxSides | LostDepth | PushDrift) -> None:
-    view = push_view(STATE, SCENARIO, 0.03, (0.01, -0.02, 0.3))
+    view = push_view(STATE, SCENARIO, FeltBox(lost_depth_m=0.03, drift=(0.01, -0.02, 0.3)))
     low, high = term.limits(SCENARIO)
     assert (np.asarray(low) <= term.read(view, 1.0)).all()
     assert (term.read(view, 1.0) <= np.asarray(high)).all()

@@ -1,0 +1,97 @@
+"""Pushes as the value table says, for the response that this very box has shown up to now."""
+
+from dataclasses import replace
+from functools import lru_cache
+from math import radians
+from typing import Final
+
+import numpy as np
+
+from agent_proc.frames.push_view import PushView
+from agent_proc.policies.dynamic_programming.value_table import Problem, ValueTable
+from agent_proc.push_model.response import Response
+from legpush.messages.stepping import Push
+
+LEAST_M: Final = 0.005
+MOST_M: Final = 0.10
+"""Depths of pushes: those of the task `tuned`."""
+LEAST_RANGE_M: Final = 0.01
+"""A box that loses nearly the whole depth is pushed with depths that differ by this much at least."""
+N_CHOICES: Final = 24
+"""Depths among which a push chooses."""
+LEAST_GAIN: Final = 0.01
+"""Smallest gain for which it pushes, in tolerances: the cost of a push cycle."""
+SCALE_STEP: Final = 0.02
+LEFT_STEP: Final = 0.04
+BIAS_STEP: Final = 0.01
+DEPTH_STEP_M: Final = 0.005
+"""A table is used for all responses whose coefficients, and lost depth, round to the same multiples of these."""
+N_TABLES: Final = 16
+"""Tables that are kept."""
+
+
+class DynamicProgramming:
+    """Takes the push of the least cost, or stops where none costs less than the error that is left.
+
+    Equal views give equal decisions: all that it knows of the box is in the view.
+    """
+
+    def __init__(self, least_m: float = LEAST_M, most_m: float = MOST_M) -> None:
+        """Push with depths between these, beyond what this box loses, and at most with the second one."""
+        self._least_m = least_m
+        self._most_m = most_m
+
+    def decide(self, view: PushView) -> Push | None:
+        """The next push, or None if no push is worth its cost."""
+        push, cost, error = self.best(view)
+        return None if cost > error - LEAST_GAIN else push
+
+    def best(self, view: PushView) -> tuple[Push, float, float]:
+        """The push of the least cost, that cost, and the present error, both in tolerances."""
+        lost_m, response = view.lost_depth_m, view.response
+        lost_step_m = DEPTH_STEP_M * round(lost_m / DEPTH_STEP_M)
+        problem = self._problem(view, response, lost_m)
+        table = _table(self._problem(view, _rounded(response), lost_step_m))
+        mirror, depth_m = problem.pushes(N_CHOICES)
+        box = view.box_g
+        costs = table.costs((box.x_m, box.y_m, box.yaw_rad), response, mirror, depth_m)
+        index = int(costs.argmin())
+        push = Push(
+            w1=response.model.w1,
+            w2=response.model.w2,
+            leg="FL" if mirror[index] > 0.0 else "FR",
+            depth_m=min(float(depth_m[index]) + lost_m, self._most_m),
+            face=view.face,
+        )
+        (error,) = problem.error(*np.array([[box.x_m], [box.y_m], [box.yaw_rad]])).tolist()
+        return push, float(costs[index]), error
+
+    def _problem(self, view: PushView, response: Response, lost_m: float) -> Problem:
+        goal = view.goal
+        return Problem(
+            response=response,
+            least_m=self._least_m,
+            most_m=max(self._most_m - lost_m, self._least_m + LEAST_RANGE_M),
+            near_m=goal.position_tolerance_m,
+            near_rad=radians(goal.angle_tolerance_deg),
+        )
+
+
+@lru_cache(maxsize=N_TABLES)
+def _table(problem: Problem) -> ValueTable:
+    return ValueTable(problem)
+
+
+def _rounded(response: Response) -> Response:
+    """The response with coefficients as multiples of the steps."""
+    (a, b), (c, d, e), (f, g, h) = response.forward, response.left, response.turn
+    return replace(
+        response,
+        forward=(_to(SCALE_STEP, a), _to(SCALE_STEP, b)),
+        left=(_to(LEFT_STEP, c), _to(BIAS_STEP, d), _to(LEFT_STEP, e)),
+        turn=(_to(SCALE_STEP, f), _to(SCALE_STEP, g), _to(LEFT_STEP, h)),
+    )
+
+
+def _to(step: float, value: float) -> float:
+    return step * round(value / step)

@@ -1,0 +1,189 @@
+"""The value of every pose of the box near its goal: the least cost of pushes from there, with the error they leave.
+
+A push moves the box ahead. So the table is filled once, backwards from beyond the goal, slice by slice of the distance
+ahead. The value of a pose is that of stopping there, or of its best push: what is known of where the box comes to then
+is interpolated (Bellman's principle; Bertsekas, *Dynamic Programming and Optimal Control*, ch. 1).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from agent_proc.push_model.model import MIRROR
+from agent_proc.push_model.response import Response
+from legpush.arrays import Floats, Indices
+from legpush.scene.conventions import FRONT_LEGS
+
+CYCLE_COST: Final = 0.01
+"""Cost of each push cycle, in tolerances of the final error (our choice, as all below)."""
+MOST_TURN_RAD: Final = float(np.radians(20.0))
+"""A push that turns the box by more leaves it where the robot may not reach it with its next step."""
+TURN_COST: Final = 20.0
+"""Cost of twice that turn, in tolerances, beyond which it grows in proportion."""
+BEYOND_COST: Final = 100.0
+"""Cost per metre or radian beyond the borders of the table, in tolerances."""
+PAST_M: Final = (0.1, 0.05, 0.025, 0.012, 0.005, 0.0)
+NEAR_M: Final = (0.003, 0.006, 0.009, 0.013, 0.02, 0.03, 0.042, 0.056, 0.072, 0.09)
+FAR_M: Final = (0.11, 0.025, 0.45, 0.04, 1.8)
+"""Slices past the goal and before it; the far ones as first, step, then, step, end."""
+N_SIDE: Final = 41
+MOST_SIDE_M: Final = 0.5
+N_TURN: Final = 41
+MOST_TURNED_RAD: Final = float(np.radians(70.0))
+SIDE_GROWTH: Final = 3.0
+TURN_GROWTH: Final = 2.5
+"""Places beside the goal and headings are denser near zero, as a hyperbolic sine is."""
+N_DEPTHS: Final = 10
+LEAST_STEP_SHARE: Final = 0.5
+"""A push counts if it moves the box by this share of the way between two slices: a shorter one stays where the values
+are interpolated, and would seem to cost nothing again and again."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """What values depend on."""
+
+    response: Response
+    least_m: float
+    most_m: float
+    """Depths of pushes, without what this box loses of them."""
+    near_m: float
+    near_rad: float
+    """Tolerances of the goal."""
+
+    def error(self, x_m: Floats, y_m: Floats, yaw_rad: Floats) -> Floats:
+        """Norm of both errors in tolerances, in the frame of the goal."""
+        norm: Floats = np.hypot(np.hypot(x_m, y_m) / self.near_m, yaw_rad / self.near_rad)
+        return norm
+
+    def pushes(self, n_depths: int) -> tuple[Floats, Floats]:
+        """Mirror and depth of pushes with both legs, (2 n_depths,); shallow ones are denser."""
+        depths = self.least_m + (self.most_m - self.least_m) * np.square(np.linspace(0.0, 1.0, n_depths))
+        mirror, depth_m = np.array(list(product([MIRROR[leg] for leg in FRONT_LEGS], depths))).T
+        return mirror, depth_m
+
+
+class ValueTable:
+    """Values on a grid of poses of the box in the frame of its goal."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._x = _slices()
+        self._y = _dense(N_SIDE, MOST_SIDE_M, SIDE_GROWTH)
+        self._yaw = _dense(N_TURN, MOST_TURNED_RAD, TURN_GROWTH)
+        self._values = self._filled()
+
+    def costs(self, pose: tuple[float, float, float], response: Response, mirror: Floats, depth_m: Floats) -> Floats:
+        """Cost of pushing once and then as well as possible, by each push, (n,); depths are without what is lost.
+
+        It is infinite for pushes that are too short for the table, if there are others.
+        """
+        forward, left, turn = response.displacement(mirror, depth_m)
+        x_m, y_m, yaw_rad = pose
+        c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+        ahead = c * forward - s * left
+        costs = _push_cost(turn) + self._at(x_m + ahead, y_m + s * forward + c * left, yaw_rad + turn)
+        index = int(_Place.on(self._x, np.array([x_m])).index[0])
+        moves = ahead >= LEAST_STEP_SHARE * (self._x[index] - self._x[index + 1])
+        return np.where(moves, costs, np.inf) if moves.any() else costs
+
+    def _at(self, x_m: Floats, y_m: Floats, yaw_rad: Floats) -> Floats:
+        """Value at poses, (n,); beyond the table, that at its border and what it costs to be beyond."""
+        place = _Place.on(self._x, x_m)
+        flat = _Plane(self._y, self._yaw, y_m, yaw_rad)
+        near, far = flat.of(self._values, place.index), flat.of(self._values, place.index + 1)
+        past_m = np.maximum(x_m - self._x[0], 0.0)
+        value: Floats = near + place.share * (far - near) + BEYOND_COST * past_m + flat.beyond
+        return value
+
+    def _filled(self) -> Floats:
+        problem, x = self._problem, self._x
+        mirror, depth_m = problem.pushes(N_DEPTHS)
+        forward, left, turn = (each[:, None] for each in problem.response.displacement(mirror, depth_m))
+        c, s = np.cos(self._yaw), np.sin(self._yaw)
+        ahead = c * forward - s * left
+        y_m = self._y[None, :, None] + (s * forward + c * left)[:, None, :]
+        yaw_rad = np.broadcast_to((self._yaw + turn)[:, None, :], y_m.shape)
+        plane = _Plane(self._y, self._yaw, y_m, yaw_rad)
+        cost = _push_cost(turn)[:, :, None] + plane.beyond
+        row, column = np.arange(len(mirror))[:, None], np.arange(N_TURN)[None]
+        y_grid, yaw_grid = np.meshgrid(self._y, self._yaw, indexing="ij")
+        values = np.empty((len(x), N_SIDE, N_TURN))
+        after = np.empty((len(x), *y_m.shape))
+        for n, x_m in enumerate(x):
+            values[n] = problem.error(np.full_like(y_grid, x_m), y_grid, yaw_grid)
+            if n:
+                place = _Place.on(x[:n], x_m + ahead)
+                near = after[place.index, row, :, column]
+                far = after[np.minimum(place.index + 1, n - 1), row, :, column]
+                found = np.moveaxis(near + place.share[:, :, None] * (far - near), 2, 1) + cost
+                moves = ahead >= LEAST_STEP_SHARE * (x[n - 1] - x_m)
+                values[n] = np.minimum(values[n], np.where(moves[:, None, :], found, np.inf).min(axis=0))
+            after[n] = plane.of(values[n])
+        return values
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Place:
+    """Between which slices coordinates are."""
+
+    index: Indices
+    share: Floats
+
+    @classmethod
+    def on(cls, x: Floats, x_m: Floats) -> "_Place":
+        """Those of coordinates on descending slices; the nearest end, where they are beyond."""
+        index = np.clip(np.searchsorted(-x, -x_m, side="right") - 1, 0, max(len(x) - 2, 0))
+        if len(x) == 1:
+            return cls(index=index, share=np.zeros_like(x_m))
+        return cls(index=index, share=np.clip((x[index] - x_m) / (x[index] - x[index + 1]), 0.0, 1.0))
+
+
+class _Plane:
+    """Bilinear interpolation in a slice, at places beside the goal and headings."""
+
+    def __init__(self, y: Floats, yaw: Floats, y_m: Floats, yaw_rad: Floats) -> None:
+        self._j, self._v = _between(y, y_m)
+        self._k, self._w = _between(yaw, yaw_rad)
+        self._beyond_m = np.maximum(np.abs(y_m) - y[-1], 0.0)
+        self._beyond_rad = np.maximum(np.abs(yaw_rad) - yaw[-1], 0.0)
+
+    @cached_property
+    def beyond(self) -> Floats:
+        """What it costs to be beyond the borders."""
+        cost: Floats = BEYOND_COST * (self._beyond_m + self._beyond_rad)
+        return cost
+
+    def of(self, values: Floats, *index: Indices) -> Floats:
+        """Values at the places, (n,): of one slice, (y, yaw), or of slices, (x, y, yaw), with the `index` of each."""
+        j, k, v, w = self._j, self._k, self._v, self._w
+        low = values[(*index, j, k)] + w * (values[(*index, j, k + 1)] - values[(*index, j, k)])
+        high = values[(*index, j + 1, k)] + w * (values[(*index, j + 1, k + 1)] - values[(*index, j + 1, k)])
+        found: Floats = low + v * (high - low)
+        return found
+
+
+def _between(grid: Floats, value: Floats) -> tuple[Indices, Floats]:
+    index = np.clip(np.searchsorted(grid, value) - 1, 0, len(grid) - 2)
+    return index, np.clip((value - grid[index]) / (grid[index + 1] - grid[index]), 0.0, 1.0)
+
+
+def _push_cost(turn_rad: Floats) -> Floats:
+    beyond: Floats = np.maximum(np.abs(turn_rad) / MOST_TURN_RAD - 1.0, 0.0)
+    return CYCLE_COST + TURN_COST * beyond
+
+
+def _slices() -> Floats:
+    """Descending distances ahead of the goal."""
+    first, step, then, last_step, end = FAR_M
+    before_m = np.concatenate([NEAR_M, np.arange(first, then, step), np.arange(then, end, last_step)])
+    return np.concatenate([PAST_M, -before_m])
+
+
+def _dense(n: int, most: float, growth: float) -> Floats:
+    """`n` values from -most to most, denser near zero."""
+    steps: Floats = np.sinh(growth * np.linspace(-1.0, 1.0, n)) / np.sinh(growth)
+    return most * steps

@@ -1,0 +1,94 @@
+"""The response of a box: coefficients that follow what pushes do, each leg for itself."""
+
+from math import radians
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.push_model.model import MIRROR, NOMINAL, PushModel
+from agent_proc.push_model.response import Response, ResponseEstimate, expected_response
+from legpush.geometry import Pose2
+from legpush.messages.stepping import Push
+from legpush.scene.conventions import FRONT_LEGS, FrontLeg
+
+MODEL = PushModel()
+DEPTHS_M = (0.02, 0.05, 0.08, 0.1)
+
+
+def displaced(response: Response, leg: FrontLeg, depth_m: float) -> Pose2:
+    forward, left, turn = response.displacement(np.array([MIRROR[leg]]), np.array([depth_m]))
+    return Pose2(x_m=float(forward[0]), y_m=float(left[0]), yaw_rad=float(turn[0]))
+
+
+def fitted(true: Response, n_pushes: int) -> Response:
+    estimate, rng = ResponseEstimate(MODEL), np.random.default_rng(1)
+    for index in range(n_pushes):
+        leg, depth_m = FRONT_LEGS[index % 2], float(rng.choice(DEPTHS_M))
+        push = Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m)
+        estimate.learn(push, depth_m, displaced(true, leg, depth_m))
+    return estimate.response
+
+
+@pytest.mark.parametrize("leg", FRONT_LEGS)
+def test_before_the_first_push_it_is_the_model(leg: FrontLeg) -> None:
+    ((x_m, y_m, yaw_rad),) = MODEL.push(np.zeros((1, 3)), np.array([MIRROR[leg]]), np.array([0.05])).tolist()
+
+    expected = displaced(expected_response(NOMINAL), leg, 0.05)
+
+    assert (expected.x_m, expected.y_m, expected.yaw_rad) == pytest.approx((x_m, y_m, yaw_rad))
+    assert ResponseEstimate(MODEL).response == Response(model=MODEL)
+
+
+@given(
+    forward=st.tuples(st.floats(0.6, 1.2), st.floats(-0.3, 0.2)),
+    left=st.tuples(st.floats(0.3, 2.0), st.floats(-0.3, 0.3), st.floats(-0.4, 0.4)),
+    turn=st.tuples(st.floats(0.5, 1.8), st.floats(-1.5, 1.5), st.floats(-0.4, 0.4)),
+)
+def test_after_some_pushes_it_predicts_a_box_that_neither_turns_nor_yields_as_the_model_does(
+    forward: tuple[float, float], left: tuple[float, float, float], turn: tuple[float, float, float]
+) -> None:
+    true = Response(model=MODEL, forward=forward, left=left, turn=turn)
+
+    found = fitted(true, 20)
+
+    for leg in FRONT_LEGS:
+        for depth_m in DEPTHS_M:
+            expected, got = displaced(true, leg, depth_m), displaced(found, leg, depth_m)
+            assert got.x_m == pytest.approx(expected.x_m, abs=0.003)
+            assert got.y_m == pytest.approx(expected.y_m, abs=0.004)
+            assert got.yaw_rad == pytest.approx(expected.yaw_rad, abs=radians(1.0))
+
+
+def test_legs_that_differ_are_told_apart() -> None:
+    aside = Response(model=MODEL, turn=(1.0, 1.0, 0.0))
+    found = fitted(aside, 12)
+    turns = [displaced(found, leg, 0.08).yaw_rad for leg in FRONT_LEGS]
+
+    assert sum(turns) == pytest.approx(2 * 0.0596, rel=0.2)
+
+
+def test_a_push_that_hardly_moves_the_box_says_nothing() -> None:
+    estimate = ResponseEstimate(MODEL)
+    estimate.learn(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.01), 0.001, Pose2(x_m=0.02, y_m=0.01, yaw_rad=0.3))
+    assert estimate.response == Response(model=MODEL)
+
+
+def test_a_box_is_felt_by_pushes_with_the_curve_of_the_model() -> None:
+    start, after = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), Pose2(x_m=0.03, y_m=0.02, yaw_rad=0.1)
+    other, same = PushEstimate(NOMINAL), PushEstimate(NOMINAL)
+    other.learn(start, Push(w1=0.2, w2=0.2, leg="FR", depth_m=0.05), after)
+    same.learn(start, Push(w1=0.5, w2=0.5, leg="FR", depth_m=0.05), after)
+
+    assert other.felt.response == expected_response(NOMINAL)
+    assert same.felt.response != expected_response(NOMINAL)
+    assert other.felt.drift != (0.0, 0.0, 0.0)
+
+
+def test_a_longer_box_is_expected_to_turn_less() -> None:
+    longer = replace(NOMINAL, size_m=(0.45, 0.5, 0.4))
+    assert expected_response(longer).turn[0] < 1.0
+    assert PushEstimate(longer).felt.response == expected_response(longer)

@@ -1,0 +1,37 @@
+"""What a help names as valid is what there is: tasks, profiles and policies are found where they lie."""
+
+import ast
+
+import pytest
+
+from agent_proc.profiles.profile import profile_names
+from agent_proc.task.file import task_names
+from docs.field_texts import texts_below, tree_of
+from legpush.options.learning import EvaluateOptions, TrainOptions
+from legpush.options.run import RunOptions
+from legpush.plugins import plugin_names
+from legpush.policy_names import CODED, GROUP
+
+
+def help_of(options: type, field: str) -> str:
+    (definition,) = tree_of(options).body
+    assert isinstance(definition, ast.ClassDef)
+    return {names[-1]: text for names, text in texts_below(definition.body)}[field]
+
+
+@pytest.mark.parametrize(
+    ("options", "field", "names"),
+    [
+        (TrainOptions, "task", task_names()),
+        (TrainOptions, "profile", profile_names()),
+        (EvaluateOptions, "policy", CODED),
+        (RunOptions, "policy", CODED),
+    ],
+)
+def test_a_help_names_all_choices(options: type, field: str, names: tuple[str, ...]) -> None:
+    text = help_of(options, field)
+    assert [name for name in names if name not in text] == []
+
+
+def test_coded_policies_are_plug_ins() -> None:
+    assert set(CODED) <= set(plugin_names(GROUP))
