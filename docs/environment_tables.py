@@ -23,7 +23,7 @@ INFO = {
 }
 
 
-ALWAYS = "In every task; `ending` is `fell` or `astray`."
+ALWAYS = "In every task; `ending` is `fell`, `astray` or `refused`."
 
 
 def environment_parts() -> dict[str, str]:
@@ -76,7 +76,7 @@ def _task(name: str, task: TaskConfig) -> list[str]:
             f"| `{name}` | {_settings(table)} | {_meaning(ENDING, name, table)} |"
             for name, table in task.ending.items()
         ),
-        f"| a fall, or a box out of reach | - | {ALWAYS} |",
+        f"| a fall, a box out of reach, or a push that is refused | - | {ALWAYS} |",
         "",
         f"Success: the box is within {100 * goal.position_tolerance_m:g} cm and {goal.angle_tolerance_deg:g}° of its "
         f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, "

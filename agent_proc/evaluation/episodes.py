@@ -18,7 +18,7 @@ from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.statistics.intervals import mean, share
 from agent_proc.walking.around_box import can_push, walk_to_face
-from legpush.errors import StopRequestedError
+from legpush.errors import MotionError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import as_seen, planar_pose
@@ -28,7 +28,7 @@ from legpush.scene.scenario import Scenario
 
 EPISODE_CYCLES: Final = 200
 """Most push cycles of an episode if the scenario does not say how many."""
-EvaluationEnding = Literal["done", "fell", "astray", "max_cycles"]
+EvaluationEnding = Literal["done", "fell", "astray", "refused", "max_cycles"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +62,8 @@ def run_episode(
     stop: threading.Event | None = None,
 ) -> Row:
     """Reset and push until the policy is done, the robot falls, the box is out of its reach, or no cycles are left.
+
+    A push that the legs cannot follow, as on a steep slope, is refused by the simulator, and ends the episode too.
 
     To push another face than the last one, the robot walks around the box first.
 
@@ -98,7 +100,11 @@ def run_episode(
         if not can_push(seen, scenario, face):
             ending = "astray"
             break
-        outcome = step(push)
+        try:
+            outcome = step(push)
+        except MotionError:
+            ending = "refused"
+            break
         before, after = (pushed_pose(planar_pose(state.box), face) for state in (seen, as_seen(outcome.world)))
         estimates[face].learn(before, push, after)
         n_cycles += 1

@@ -20,9 +20,9 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.episode import earned, episode_ending
 from agent_proc.task.observed import observe
-from agent_proc.task.term import PushStep
+from agent_proc.task.term import EpisodeEnding, PushStep
 from agent_proc.walking.around_box import can_push, walk_to_face
-from legpush.errors import ConfigError, DivergedError
+from legpush.errors import ConfigError, DivergedError, MotionError
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.poses import as_seen, planar_pose
@@ -44,9 +44,9 @@ class EnvSnapshot(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     """Push the box of a scenario to its goal.
 
-    `terminated`: the robot fell, the box is out of its reach, or a rule of the task ends the episode. `truncated`:
-    after `max_steps`. The `info` of a step holds the terms of its reward by name under `reward_terms`, `is_success`,
-    `fell`, `position_error_m`, `angle_error_deg` and, at the end, `ending`.
+    `terminated`: the robot fell, the box is out of its reach, a push was refused, or a rule of the task ends the
+    episode. `truncated`: after `max_steps`. The `info` of a step holds the terms of its reward by name under
+    `reward_terms`, `is_success`, `fell`, `position_error_m`, `angle_error_deg` and, at the end, `ending`.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 4}  # noqa: RUF012 - Gymnasium declares it so
@@ -102,8 +102,13 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         episode = self._going_on()
         before = episode.view
         push = to_push(action, self.task, episode.seen)
-        episode.advance(push, self._carry_out(push, episode))
-        ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
+        ending: EpisodeEnding | None
+        try:
+            episode.advance(push, self._carry_out(push, episode))
+            ending = episode_ending(self.task, episode.first, episode.view, len(episode.pushes))
+        except MotionError:
+            # The robot stands where it stood: the simulator refuses a push before it begins.
+            ending = "refused"
         episode.over = ending is not None
         step = PushStep(first=episode.first, before=before, after=episode.view, ending=ending)
         terms = earned(self.task, step)

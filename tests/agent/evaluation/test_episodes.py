@@ -8,8 +8,9 @@ from agent_proc.frames.push_view import PushView
 from agent_proc.map_world.simulator import MapSimulator
 from agent_proc.policies.registry import make_policy
 from agent_proc.policies.scripted import ScriptedPolicy
+from legpush.errors import MotionError
 from legpush.lockstep.local import LocalWorld
-from legpush.messages.stepping import Push
+from legpush.messages.stepping import Motion, Push
 from legpush.scenarios.changes import override
 from tests.agent.evaluation.rows import row
 from tests.agent.fake_world import FakeWorld, scenario_at_station
@@ -55,6 +56,17 @@ def test_a_box_out_of_reach_ends_an_episode_in_place_of_a_push_that_would_be_ref
     result = run_episode(LocalWorld(MapSimulator()), scenario, 0, Always())
 
     assert (result.ending, result.success, result.n_cycles) == ("astray", False, 0)
+
+
+def test_a_push_that_the_legs_cannot_follow_ends_an_episode() -> None:
+    def refused(motion: Motion, n: int) -> bool:
+        if isinstance(motion, Push) and n == 3:
+            raise MotionError("Expected the curve of a push that the leg follows")
+        return False
+
+    result = run_episode(FakeWorld(falls_in=refused), scenario_at_station(), 0, Always())
+
+    assert (result.ending, result.success, result.n_cycles) == ("refused", False, 2)
 
 
 def test_an_episode_that_is_cut_off_is_no_success_wherever_the_box_is() -> None:
