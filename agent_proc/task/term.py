@@ -22,8 +22,8 @@ BEYOND_M: Final = 1.0
 Weight = Annotated[float, Meta(ge=-MAX_READING, le=MAX_READING)]
 EpisodeEnding = Literal["success", "fell", "missed", "astray", "refused", "max_steps"]
 """`success`: the task has nothing left to do, and the box is within the tolerances of its goal. `missed`: the same, but
-the box is outside of them. `astray`: the box has slid away from the robot, or a term gave the episode up. `refused`: the
-legs cannot follow the push, as on a steep slope."""
+the box is outside of them. `astray`: the box has slid away from the robot, or a term gave the episode up. `refused`:
+the legs cannot follow the push, as on a steep slope."""
 
 
 class ObservationTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
