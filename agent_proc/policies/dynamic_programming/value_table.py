@@ -6,11 +6,11 @@ is interpolated (Bellman's principle; Bertsekas, *Dynamic Programming and Optima
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from agent_proc.push_model.model import MIRROR
 from agent_proc.push_model.response import Response
@@ -23,8 +23,8 @@ MOST_TURN_RAD: Final = float(np.radians(20.0))
 """A push that turns the box by more leaves it where the robot may not reach it with its next step."""
 TURN_COST: Final = 20.0
 """Cost of twice that turn, in tolerances, beyond which it grows in proportion."""
-BEYOND_COST: Final = 100.0
-"""Cost per metre or radian beyond the borders of the table, in tolerances."""
+BEYOND_SHARE: Final = 0.9
+"""Cost of being beyond the borders of the table, as a share of what the errors grow by there: to stop costs more."""
 PAST_M: Final = (0.1, 0.05, 0.025, 0.012, 0.005, 0.0)
 NEAR_M: Final = (0.003, 0.006, 0.009, 0.013, 0.02, 0.03, 0.042, 0.056, 0.072, 0.09)
 FAR_M: Final = (0.11, 0.025, 0.45, 0.04, 1.8)
@@ -58,6 +58,11 @@ class Problem:
         """Norm of both errors in tolerances, in the frame of the goal."""
         norm: Floats = np.hypot(np.hypot(x_m, y_m) / self.near_m, yaw_rad / self.near_rad)
         return norm
+
+    def beyond(self, by_m: ArrayLike, by_rad: ArrayLike) -> Floats:
+        """Cost of being beyond the borders of a table."""
+        cost: Floats = BEYOND_SHARE * (np.asarray(by_m) / self.near_m + np.asarray(by_rad) / self.near_rad)
+        return cost
 
     def pushes(self, n_depths: int) -> tuple[Floats, Floats]:
         """Mirror and depth of pushes with both legs, (2 n_depths,); shallow ones are denser."""
@@ -95,8 +100,8 @@ class ValueTable:
         place = _Place.on(self._x, x_m)
         flat = _Plane(self._y, self._yaw, y_m, yaw_rad)
         near, far = flat.of(self._values, place.index), flat.of(self._values, place.index + 1)
-        past_m = np.maximum(x_m - self._x[0], 0.0)
-        value: Floats = near + place.share * (far - near) + BEYOND_COST * past_m + flat.beyond
+        problem, past_m = self._problem, np.maximum(x_m - self._x[0], 0.0)
+        value: Floats = near + place.share * (far - near) + problem.beyond(past_m, 0.0) + flat.beyond(problem)
         return value
 
     def _filled(self) -> Floats:
@@ -108,7 +113,7 @@ class ValueTable:
         y_m = self._y[None, :, None] + (s * forward + c * left)[:, None, :]
         yaw_rad = np.broadcast_to((self._yaw + turn)[:, None, :], y_m.shape)
         plane = _Plane(self._y, self._yaw, y_m, yaw_rad)
-        cost = _push_cost(turn)[:, :, None] + plane.beyond
+        cost = _push_cost(turn)[:, :, None] + plane.beyond(problem)
         row, column = np.arange(len(mirror))[:, None], np.arange(N_TURN)[None]
         y_grid, yaw_grid = np.meshgrid(self._y, self._yaw, indexing="ij")
         values = np.empty((len(x), N_SIDE, N_TURN))
@@ -151,11 +156,9 @@ class _Plane:
         self._beyond_m = np.maximum(np.abs(y_m) - y[-1], 0.0)
         self._beyond_rad = np.maximum(np.abs(yaw_rad) - yaw[-1], 0.0)
 
-    @cached_property
-    def beyond(self) -> Floats:
+    def beyond(self, problem: Problem) -> Floats:
         """What it costs to be beyond the borders."""
-        cost: Floats = BEYOND_COST * (self._beyond_m + self._beyond_rad)
-        return cost
+        return problem.beyond(self._beyond_m, self._beyond_rad)
 
     def of(self, values: Floats, *index: Indices) -> Floats:
         """Values at the places, (n,): of one slice, (y, yaw), or of slices, (x, y, yaw), with the `index` of each."""
