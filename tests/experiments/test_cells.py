@@ -11,6 +11,7 @@ from experiments.cells.close_up import CLOSE_UP
 from experiments.cells.heavy_push import HEAVY_PUSH, STILL_CYCLES
 from experiments.cells.own_estimate import OWN_ESTIMATE
 from experiments.cells.push_curve import PUSH_CURVE
+from experiments.cells.recurrent import RECURRENT
 from experiments.cells.straight_push import STRAIGHT_PUSH
 from experiments.cells.walk import WALK, path_of
 from legpush.study.cells import CellKind, columns_of
@@ -139,3 +140,12 @@ def test_the_known_friction_is_fed_forward_whatever_the_foot_feels() -> None:
     assert known["within"]
     assert felt["within"]
     assert known["state_crc"] != felt["state_crc"]
+
+
+def test_a_recurrent_training_gives_the_same_ends_again() -> None:
+    fields = {"task": "push-l1", "world": "map", "steps": 64, "n_simulators": 2, "n_steps": 16, "final_episodes": 2}
+    first, again = result(RECURRENT, **fields), result(RECURRENT, **fields)
+
+    assert first == again
+    assert len(first["final_success"]) == 2
+    assert set(first["final_ended"]) <= {"done", "fell", "astray", "refused", "max_cycles"}
