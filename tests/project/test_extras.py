@@ -39,7 +39,7 @@ BESIDE = [
     ("benchmarks", ("bench",)),
     ("docs", ("all", "docs")),
     ("examples", ()),
-    ("experiments", ("all",)),
+    ("experiments", ("bench",)),
     ("tests", ("all", "dev")),
 ]
 """The same for folders of the checkout that are not installed."""
