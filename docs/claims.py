@@ -143,7 +143,7 @@ def _shown_place(claim: Claim, place: str) -> str:
     elif place.startswith("legpush "):
         return f"`{place}`"
     elif (ROOT / place).exists():
-        return f"[{'/'.join(Path(place).parts[-2:])}]({TO_ROOT}{place})"
+        return f"[{Path(place).name}]({TO_ROOT}{place})"
     raise ClaimError(f"{claim.name}: expected a file, a study or a command that exists, got {place!r}")
 
 

@@ -11,6 +11,8 @@ from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from sphinx.ext.napoleon.docstring import GoogleDocstring
+
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
@@ -20,7 +22,7 @@ LINKS: Final = "external_links.txt"
 project = "legpush"
 author = "The authors of legpush"
 release = version = installed_version("legpush")
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns = ["templates", "schemas"]
 
 # Two dashes are the beginning of an option here.
@@ -32,8 +34,16 @@ html_show_copyright = False
 html_show_sphinx = False
 html_copy_source = False
 html_theme_options: dict[str, Any] = {
-    "light_css_variables": {"color-brand-primary": "#2f6690", "color-brand-content": "#2f6690"},
-    "dark_css_variables": {"color-brand-primary": "#8ab8d9", "color-brand-content": "#8ab8d9"},
+    "light_css_variables": {
+        "color-brand-primary": "#2f6690",
+        "color-brand-content": "#2f6690",
+        "picture-brightness": "1",
+    },
+    "dark_css_variables": {
+        "color-brand-primary": "#8ab8d9",
+        "color-brand-content": "#8ab8d9",
+        "picture-brightness": "0.8",
+    },
 }
 html_css_files = ["legpush.css"]
 html_static_path = ["static"]
@@ -49,8 +59,11 @@ nb_merge_streams = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"
 autodoc_default_options = {"members": True, "undoc-members": False}
-napoleon_numpy_docstring = False
+
+# Names in docstrings stand between single backticks.
+default_role = "literal"
 
 # Notebooks call `legpush`, whose command lies beside this interpreter.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
@@ -70,6 +83,21 @@ def _without_dead_links(_app: "Sphinx", page: str, source: list[str]) -> None:
     source[0] = _LINK.sub(text, source[0])
 
 
+def _read_sections(_app: "Sphinx", what: Any, _name: str, _object: object, _options: object, lines: list[str]) -> None:
+    """Turn the sections of a docstring into fields.
+
+    The text of an attribute has no sections. Napoleon would take the words before its first colon for a type.
+    """
+    if what not in ("attribute", "property"):
+        lines[:] = GoogleDocstring(lines, what=what).lines()
+
+
+def _link_pictures(_app: "Sphinx", page: Any) -> None:
+    """Give every picture a width: Sphinx then links it to its full size, in which small print can be read."""
+    for picture in page.findall(lambda node: node.tagname == "image"):
+        picture.setdefault("width", "100%")
+
+
 def _list_external_links(app: "Sphinx", error: Exception | None) -> None:
     """Write all links to other sites, each with the pages that have it."""
     if error is not None or app.builder.name != "html":
@@ -85,4 +113,6 @@ def _list_external_links(app: "Sphinx", error: Exception | None) -> None:
 def setup(app: "Sphinx") -> None:
     """Register what happens to a page before it is read, and to the site when it is built."""
     app.connect("source-read", _without_dead_links)
+    app.connect("autodoc-process-docstring", _read_sections)
+    app.connect("doctree-read", _link_pictures)
     app.connect("build-finished", _list_external_links)

@@ -98,11 +98,19 @@ def _drawn(domain: Domain) -> str:
 
 def _elements(what: str, elements: tuple[Element, ...]) -> list[str]:
     rows = (
-        f"| {index} | `{each.name}` | {each.unit} | {each.frame or '-'} | {each.low:g} to {each.high:g} | "
+        f"| {index} | `{each.name}` | {_unit(each, elements)} | {each.frame or '-'} | {each.low:g} to {each.high:g} | "
         f"{each.meaning.replace('|', chr(92) + '|')} |"
         for index, each in enumerate(elements)
     )
     return [f"| {what} | name | unit | frame | range | meaning |", "| --- | --- | --- | --- | --- | --- |", *rows, ""]
+
+
+def _unit(element: Element, elements: tuple[Element, ...]) -> str:
+    """The unit of an element, from those of its term, which has one for all elements or one for each."""
+    term = element.name.partition(".")[0]
+    units = element.unit.split(", ")
+    axes = [each.name for each in elements if each.name.startswith(f"{term}.")]
+    return units[axes.index(element.name)] if len(units) > 1 else element.unit
 
 
 def _meaning(terms: Mapping[str, type[Struct]], name: str, table: Table) -> str:

@@ -228,13 +228,16 @@ def _table(record: type[msgspec.Struct]) -> str:
 
 
 def _bounds_table() -> str:
-    """The bounds of numbers with their reasons; a least and a largest value with one reason share a row."""
+    """The bounds of numbers with their reasons; bounds with one reason share a row."""
     lines = ["| bound | value | reason |", "| --- | --- | --- |"]
     sources = [(each, docs) for each in (bounds, limits) for docs in texts_below(tree_of(each).body)]
     for source, (names, reason) in sources:
+        if not names[0].isupper():
+            continue  # a type, not a number
         values = [getattr(source, name) for name in names]
         texts = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
-        lines.append(f"| {', '.join(f'`{name}`' for name in names)} | {' to '.join(texts)} | {reason} |")
+        between = " to " if names[0].startswith("LEAST_") else ", "
+        lines.append(f"| {', '.join(f'`{name}`' for name in names)} | {between.join(texts)} | {reason} |")
     return "\n".join([*lines, ""])
 
 
@@ -284,12 +287,10 @@ def _words(kind: inspect.Type) -> str:
 
 
 def _bounds(kind: inspect.FloatType | inspect.IntType) -> str:
-    signs = ((kind.gt, ">"), (kind.ge, ">="), (kind.lt, "<"), (kind.le, "<="))
-    texts = [
-        f"{sign} {bound:g}" if isinstance(bound, float) else f"{sign} {bound}"
-        for bound, sign in signs
-        if bound is not None
-    ]
+    gt, ge, lt, le = (f"{b:g}" if isinstance(b, float) else b for b in (kind.gt, kind.ge, kind.lt, kind.le))
+    if ge is not None and le is not None:
+        return f", {ge} to {le}"
+    texts = [f"{sign} {bound}" for bound, sign in ((gt, ">"), (ge, ">="), (lt, "<"), (le, "<=")) if bound is not None]
     return f", {' and '.join(texts)}" if texts else ""
 
 

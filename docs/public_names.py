@@ -25,9 +25,18 @@ def public_names() -> str:
         left = [name for name in left if name not in taken]
         parts += [f"## {title}", "", "```{eval-rst}"]
         for name in taken:
-            kind = "autoclass" if inspect.isclass(getattr(legpush, name)) else "autofunction"
-            parts += [f".. {kind}:: legpush.{name}", ""]
+            value = getattr(legpush, name)
+            kind = "autoclass" if inspect.isclass(value) else "autofunction"
+            parts += [f".. {kind}:: legpush.{name}{_short_signature(value)}", ""]
         parts += ["```", ""]
     if left:
         raise RuntimeError(f"Expected a heading for every public name, got none for {', '.join(left)}")
     return "\n".join(parts)
+
+
+def _short_signature(value: object) -> str:
+    """Return a signature without values for a record of records, whose own one fills a page."""
+    if not (isinstance(value, type) and issubclass(value, msgspec.Struct)):
+        return ""
+    fields = msgspec.structs.fields(value)
+    return "(**fields)" if any(isinstance(field.default, msgspec.Struct) for field in fields) else ""

@@ -33,17 +33,22 @@ def learn_parts() -> dict[str, str]:
 
 
 def _tasks() -> str:
-    """Columns of tasks, rows of what they consist of."""
-    tasks = {name: load_task(name) for name in task_names()}
-    lines = [f"| | {' | '.join(f'`{name}`' for name in tasks)} |", f"| --- |{' --- |' * len(tasks)}"]
-    for title, text in (
-        ("action", lambda task: f"{task.action_form}, {task.entry} entry{', mirrored' if task.mirrored else ''}"),
-        ("observation", lambda task: ", ".join(f"`{name}`" for name in task.observation)),
-        ("reward", lambda task: ", ".join(f"{table['weight']:g} `{name}`" for name, table in task.reward.items())),
-        ("ends by", lambda task: ", ".join(_named(name, table) for name, table in task.ending.items())),
-        ("starts of a training", _starts),
-    ):
-        lines.append(f"| {title} | {' | '.join(text(task) for task in tasks.values())} |")
+    """A row for each task, with what it consists of."""
+    lines = [
+        "| task | action | observation | reward | ends by | starts of a training |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for task_name in task_names():
+        task = load_task(task_name)
+        cells = (
+            f"`{task_name}`",
+            f"{task.action_form}, {task.entry} entry{', mirrored' if task.mirrored else ''}",
+            ", ".join(f"`{name}`" for name in task.observation),
+            ", ".join(f"{table['weight']:g} `{name}`" for name, table in task.reward.items()),
+            ", ".join(_named(name, table) for name, table in task.ending.items()),
+            _starts(task),
+        )
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([*lines, ""])
 
 

@@ -33,9 +33,9 @@ class Domain(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """
 
     mass_kg: Interval | None = None
-    """Of the box."""
+    """Mass of the box."""
     friction: Interval | None = None
-    """Of the box."""
+    """Friction of the box with the floor."""
     shape: Shapes | None = None
     """Shapes of the box, as likely as each other. A cylinder is as wide as it is long."""
     side_m: Interval | None = None
@@ -44,24 +44,24 @@ class Domain(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far the centre of mass is off, along the length of the box and along its width. What the shape cannot have is
     drawn again."""
     distance_m: Interval | None = None
-    """From the box's nominal place to its goal, in the direction of the scenario. The last pushes are the difficult
-    ones, and short distances give more of them."""
+    """Distance from the box's nominal place to its goal, in the direction of the scenario. The last pushes are the
+    difficult ones, and short distances give more of them."""
     goal_bearing_deg: Interval | None = None
-    """By how much that direction is turned about the box."""
+    """Angle by which the direction from the box to its goal is turned about the box."""
     goal_yaw_deg: Interval | None = None
-    """By how much the heading of the goal is turned."""
+    """Angle by which the heading of the goal is turned."""
     slope_deg: Interval | None = None
     """Inclination of the floor."""
     uphill_deg: Interval | None = None
-    """The direction in which it rises."""
+    """Direction in which the floor rises."""
     start_xy_m: Distance | None = None
     """Largest offset of the robot from its nominal place along x and y, as in the scenario's `randomization`."""
     start_yaw_deg: Turn | None = None
-    """The same of its heading."""
+    """Largest offset of the robot's heading."""
     box_xy_m: Distance | None = None
-    """The same of the place of the box."""
+    """Largest offset of the box from its nominal place along x and y."""
     box_yaw_deg: Turn | None = None
-    """The same of the heading of the box."""
+    """Largest offset of the box's heading."""
 
     def __post_init__(self) -> None:
         """Check the intervals.

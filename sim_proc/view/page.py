@@ -110,6 +110,8 @@ class Page:
         """Update plots, episodes and statuses."""
         at_ns = time_ns()
         if self.shown is not None:
+            if self._beside is not None:
+                self._aim_at_both()
             row = self.player.row(self.shown)
             self._plots.show(self.shown, row)
             if not self.player.follows:
@@ -193,6 +195,12 @@ class Page:
                 self._begin(self.history.episodes[key])
                 if self.player.follows:
                     self.player.play(self.history.episodes[key])
+
+    def _aim_at_both(self) -> None:
+        """Aim the camera of those who open the page from now on at both rooms."""
+        camera = CAMERAS["Room"]
+        self._server.initial_camera.position = self._on_page(camera.position_m, camera)
+        self._server.initial_camera.look_at = self._on_page(camera.look_at_m, camera)
 
     def _aim(self, command: PanelCommand) -> None:
         """Aim the camera of the user who asked for it."""

@@ -39,7 +39,7 @@ CAMERAS: Final = {
     "Side": Viewpoint((0.4, -2.6, 0.9), (0.4, 0.0, 0.2)),
     "Top": Viewpoint((-0.05, 0.0, 6.0), (0.0, 0.0, 0.0)),
     "Box": Viewpoint((-0.3, -1.5, 0.9), (0.0, 0.0, 0.1), "box"),
-    "Room": Viewpoint((0.0, -0.75, 1.0), (0.0, 0.0, 0.0), "room"),
+    "Room": Viewpoint((0.0, -0.9, 1.2), (0.0, 0.0, 0.0), "room"),
 }
 PREVIOUS_STEP, PREVIOUS_TICK, NEXT_TICK, NEXT_STEP = JUMPS = ("|<", "<", ">", ">|")
 """Buttons that move by a step of the lockstep or by a tick."""

@@ -105,7 +105,7 @@ def test_a_row_shows_the_number_of_the_results_and_links_its_evidence(tmp_path: 
     part = claims.parts(path)["claims"]
 
     n = numbers.read("circles")["n"]
-    links = "study [circles](../experiments/studies/circles.toml), [docs/claims.py](../docs/claims.py)"
+    links = "study [circles](../experiments/studies/circles.toml), [claims.py](../docs/claims.py)"
     assert f"| Fig. 1 | A finding | {n} circles | reproduced | {links} |" in part
     assert "| reproduced | 1 | the same method or the same finding |" in part
     assert "Made: `circles`" in part

@@ -9,7 +9,7 @@ from agent_proc.profiles.profile import load_profile
 from agent_proc.studies.tuning.space import load_space
 from agent_proc.task.file import load_task, task_names
 from agent_proc.task.terms import OWN
-from docs import generate, term_tables
+from docs import environment_tables, generate, term_tables
 from tests.docs.test_pages import CODE
 
 TEXT = generate.LEARN.read_text()
@@ -29,6 +29,16 @@ def test_every_task_and_every_term_is_in_a_table() -> None:
     tables = "\n".join(term_tables.learn_parts().values())
 
     assert all(f"| `{name}` |" in tables for name in (*task_names(), *OWN))
+
+
+def test_the_page_of_the_environments_is_up_to_date_and_every_element_has_one_unit() -> None:
+    parts = environment_tables.environment_parts()
+    page = generate.ENVIRONMENT.read_text()
+    rows = re.findall(r"^\| \d+ \| `(.+?)` \| (.*?) \|", parts["environment_tasks"], re.MULTILINE)
+
+    assert generate.filled(page, parts) == page, "run `python -m docs.generate`"
+    assert [name for name, unit in rows if "," in unit] == []
+    assert {unit for name, unit in rows if name == "drift.turn"} == {"rad"}
 
 
 @pytest.mark.parametrize("text", FILES)

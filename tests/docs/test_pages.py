@@ -56,10 +56,6 @@ def test_some_page_has_python() -> None:
     assert WITH_PYTHON
 
 
-NO_MODULES = {*entry_points().groups, *get_args(Group), *(f"legpush.{name}" for name in legpush.__all__)}
-"""Groups of plug-ins and public names, which look like modules."""
-
-
 @pytest.mark.parametrize("page", ALL, ids=lambda page: page.stem)
 def test_a_page_begins_with_its_only_title(page: Path) -> None:
     titles = re.findall(r"^# .+$", prose(page), re.MULTILINE)

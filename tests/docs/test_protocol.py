@@ -33,6 +33,15 @@ def test_every_record_that_a_table_refers_to_has_a_table() -> None:
     assert targets <= headings
 
 
+def test_the_bounds_are_numbers_and_only_a_least_and_a_largest_one_are_an_interval() -> None:
+    rows = re.findall(r"^\| (`[A-Z_`, ]+`) \| (.*?) \|", generate.protocol_parts()["bounds"], re.MULTILINE)
+    assert rows
+    for names, values in rows:
+        assert all(float(value) >= 0 for value in re.split(" to |, ", values))
+        assert (" to " in values) == ("LEAST_" in names and ", " in names), names
+    assert "typing." not in TEXT
+
+
 def test_the_schemas_are_up_to_date() -> None:
     files = {path.name: path.read_text() for path in generate.SCHEMAS.iterdir()}
 

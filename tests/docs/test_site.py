@@ -84,6 +84,18 @@ def test_nothing_is_loaded_from_another_site(pages: dict[Path, Page]) -> None:
     assert [load for page in pages.values() for load in page.loads if urlsplit(load).netloc] == []
 
 
+def test_every_picture_leads_to_its_full_size(pages: dict[Path, Page]) -> None:
+    pictures = {load for page in pages.values() for load in page.loads if load.endswith((".png", ".jpg"))}
+    assert pictures
+    assert pictures <= {link for page in pages.values() for link in page.links}
+
+
+def test_the_text_of_an_attribute_stays_whole(site: Path) -> None:
+    api = re.sub("<[^>]+>", "", (site / "api.html").read_text())
+    assert "Exit code of the process: 2 for bad input" in api
+    assert "of even density. cuboid: all of it." in api
+
+
 def test_links_to_other_sites_are_listed(site: Path, pages: dict[Path, Page]) -> None:
     listed = {line.split()[0] for line in (site / "external_links.txt").read_text().splitlines()}
     used = {link.partition("#")[0] for page in pages.values() for link in page.links if urlsplit(link).netloc}

@@ -24,6 +24,7 @@ MAX_FOOT_FRICTION: Final = 5.0
 MAX_SLOPE_DEG: Final = 20.0
 """Steepest slope that the robot is not told of, twice the steepest known one."""
 MAX_DIRECTION_DEG: Final = 360.0
+"""A direction, a full turn either way."""
 MAX_COMMAND_LATENCY_S: Final = 0.2
 """Longest time from a command to its servo: a quarter of a gait cycle."""
 MAX_GUST_N: Final = 2000.0

@@ -107,6 +107,16 @@ def test_mirror_images_get_mirrored_answers(folder: Path) -> None:
     assert {left.leg, right.leg} == {"FL", "FR"}
 
 
+def test_a_folder_of_a_training_names_its_policies(folder: Path, tmp_path: Path) -> None:
+    training = tmp_path / "training"
+    for name in ("best", "last"):
+        shutil.copytree(folder, training / name)
+
+    message = rf"{training}: expected a policy, got a folder of policies: choose {training}/best or {training}/last"
+    with pytest.raises(PolicyError, match=message):
+        load_learned(str(training))
+
+
 @pytest.mark.parametrize("name", ["policy.safetensors", "card.json"])
 def test_a_missing_file_is_named(folder: Path, name: str) -> None:
     (folder / name).unlink()

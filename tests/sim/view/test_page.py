@@ -6,10 +6,12 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.history.run_history import RunHistory
+from legpush.history.timeline import TRUNK
 from legpush.messages import codec
 from legpush.messages.stepping import Action, Observation
 from legpush.messages.telemetry import Copy, Origin
-from sim_proc.view.page import Page
+from sim_proc.view.beside import GAP_M
+from sim_proc.view.page import SLOW_PERIOD_S, Page
 from sim_proc.view.panel import PanelCommand
 from tests.legpush.recording.recordings import AGENT, EPISODE, SIM
 
@@ -57,6 +59,24 @@ def training(messages: tuple[list[Copy], list[Copy]]) -> Training:
 def page(training: Training) -> Iterator[Page]:
     with Page(training, "127.0.0.1", 0) as opened:
         yield opened
+
+
+def test_with_a_second_recording_the_page_opens_at_both_rooms(
+    training: Training, messages: tuple[list[Copy], list[Copy]]
+) -> None:
+    second = Training(messages)
+    for each in (training, second):
+        each.add(1)
+    with Page(training, "127.0.0.1", 0, second) as page:
+        page.update(SLOW_PERIOD_S)
+        page._slow_at = 0.0
+        page.update(SLOW_PERIOD_S)
+
+        assert page.shown is not None
+        width_m, depth_m = page.shown.scenario.room.size_m
+        trunk = page.shown.qpos[page.player.row(page.shown)][TRUNK]
+        middle_m = (width_m + GAP_M / 2 - trunk[0], depth_m / 2 - trunk[1], 0.0)
+        assert page._server.initial_camera.look_at == pytest.approx(middle_m)
 
 
 def test_an_old_episode_can_be_looked_at_for_as_long_as_one_likes(page: Page, training: Training) -> None:
