@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -23,3 +24,19 @@ def test_no_wish_stops_a_simulator_or_makes_it_load_opengl(wish: str | None) -> 
         [sys.executable, "-c", SIMULATE], env=environment, check=False, capture_output=True, text=True
     )
     assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
+
+
+WARN = """
+from sim_proc.headless import mujoco
+model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>")
+data = mujoco.MjData(model)
+data.qvel[0] = 1e30
+mujoco.mj_step(model, data)
+"""
+
+
+def test_a_warning_of_mujoco_leaves_no_file_behind(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", WARN], cwd=tmp_path, check=True, capture_output=True, text=True)
+
+    assert "QVEL" in done.stderr + done.stdout
+    assert list(tmp_path.iterdir()) == []
