@@ -31,7 +31,7 @@ with _without_opengl():
     import mujoco
     import mujoco.rollout
 
-# A warning of MuJoCo belongs into the log of its process, not into a file of the folder in which the user happens to be.
+# A warning of MuJoCo belongs into the log of its process, not into a file in the folder from which the user started it.
 _log = mujoco.MjLogConfig.get()
 _log.logto_file = False
 _log.set()

@@ -28,7 +28,8 @@ def test_no_wish_stops_a_simulator_or_makes_it_load_opengl(wish: str | None) -> 
 
 WARN = """
 from sim_proc.headless import mujoco
-model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>")
+body = '<body><freejoint/><geom size="1"/></body>'
+model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
 data = mujoco.MjData(model)
 data.qvel[0] = 1e30
 mujoco.mj_step(model, data)
