@@ -101,7 +101,7 @@ def _run_and_tell(
     """Run the mission in its folder, and tell the user how it ended, except on a full disk."""
     for line in clear_killed_runs():
         console.print(Text(line), soft_wrap=True)
-    with run_folder(folder, scenario):
+    with run_folder(folder, scenario, private=options.out is None):
         if (report := finished_report(folder, options)) is not None:
             console.print(Text(f"finished already; the report in {folder} is kept"), soft_wrap=True)
             _summarize(console, folder, report)
@@ -109,7 +109,7 @@ def _run_and_tell(
         for journal in journals(folder):
             if done := mend(journal):
                 console.print(Text(done), soft_wrap=True)
-        write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode())
+        write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode(), private=True)
         verdict = _run_in(folder, options, programs, console, about)
         if verdict.exit_code in (NO_SUCCESS, GAVE_UP) and not (folder / REPORT_FILE).exists():
             require_space(folder)  # on a full disk a process cannot even say so in its log
