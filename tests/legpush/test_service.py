@@ -50,7 +50,7 @@ def test_a_name_that_could_not_be_part_of_a_key_is_refused(flags: list[str]) -> 
 
 def test_an_endpoint_that_is_none_is_refused() -> None:
     with pytest.raises(EndpointError, match="such as tcp/"):
-        parse("sim", ServiceConfig, ["--listen", "here"], {}).endpoints()
+        parse("sim", ServiceConfig, ["--listen", "here"], {}).endpoints("sim")
 
 
 def test_faults_with_an_impossible_probability_are_refused() -> None:

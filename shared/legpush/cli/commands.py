@@ -27,6 +27,7 @@ from legpush.options.scenarios import (
     RandomScenario,
     ShowScenario,
 )
+from legpush.options.secure import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
@@ -73,6 +74,16 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
     ),
     "bench": Group(
         "Measure how missions and trainings stand what goes wrong.", {"soak": SoakOptions, "faults": ListFaults}
+    ),
+    "secure": Group(
+        "Make, add, renew, revoke or list the certificates with which hosts talk to each other.",
+        {
+            "init": BeginAuthority,
+            "add": AddHosts,
+            "renew": RenewCertificates,
+            "revoke": RevokeCertificates,
+            "show": ShowCertificates,
+        },
     ),
     "plan-check": PlanCheckOptions,
     "doctor": DoctorOptions,

@@ -24,6 +24,7 @@ from legpush.options.scenarios import (
     ShowScenario,
     changed_scenario,
 )
+from legpush.options.secure import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
 from legpush.output.reply import document
@@ -230,6 +231,15 @@ def _merge_studies(command: MergeStudies) -> int:
     sys.stdout.write(f"{n_rows} of {n_cells} cells; written to {command.folder}\n")
     document({"folder": command.folder, "n_rows": n_rows, "n_cells": n_cells})
     return 0
+
+
+@execute.register
+def _secure(
+    command: BeginAuthority | AddHosts | RenewCertificates | RevokeCertificates | ShowCertificates,
+) -> int:
+    from legpush.authority.command import run_secure
+
+    return run_secure(command)
 
 
 @execute.register

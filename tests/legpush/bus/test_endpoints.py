@@ -76,9 +76,15 @@ def test_a_socket_path_that_the_system_cannot_hold_is_refused(tmp_path: Path) ->
     "address", ["127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", "[::1]:65536", "h:80x", ":80", "h:-1"]
 )
 def test_a_port_that_is_none_is_refused_before_anything_waits_for_it(address: str) -> None:
-    for endpoint in ({"listen": (f"tcp/{address}",)}, {"connect": (f"tcp/{address}",)}):
-        with pytest.raises(EndpointError, match="Expected a host and a port from 0 to 65535, such as tcp/127"):
-            Endpoints(**endpoint)
+    for protocol in ("tcp", "tls"):
+        locator, said = (
+            (f"{protocol}/{address}",),
+            f"Expected a host and a port from 0 to 65535, such as {protocol}/127",
+        )
+        with pytest.raises(EndpointError, match=said):
+            Endpoints(listen=locator)
+        with pytest.raises(EndpointError, match=said):
+            Endpoints(connect=locator)
 
 
 @pytest.mark.parametrize(
