@@ -8,8 +8,10 @@ for those who have credentials: then nothing else is used.
 
 import os
 import re
+import socket
 import stat
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -104,6 +106,13 @@ def prepare(endpoints: Endpoints) -> None:
     if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
         raise EndpointError(f"Expected {directory} to be a directory of this user, got one of user {found.st_uid}")
     _require_private(directory)
+
+
+def free_ports(roles: Sequence[Role]) -> dict[Role, int]:
+    """Return a different port of 127.0.0.1 for each role, on which nobody listens now."""
+    with ExitStack() as stack:
+        sockets = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in roles]
+        return {role: one.getsockname()[1] for role, one in zip(roles, sockets, strict=True)}
 
 
 def in_directory(directory: Path, role: Role) -> Endpoints:

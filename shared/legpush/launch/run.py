@@ -16,7 +16,7 @@ from rich.text import Text
 
 from legpush.bus import channels
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import in_directory
+from legpush.bus.endpoints import LISTENING, free_ports
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, printable
 from legpush.files import next_file, require_space, write_whole
 from legpush.history.mending import mend
@@ -171,9 +171,10 @@ def _run_in(
     """Run the mission; every process has ended when this returns."""
     with ExitStack() as stack:
         sockets = stack.enter_context(socket_directory())
-        place = Place(folder=given.absolute(), sockets=sockets)
-        for_recorders = in_directory(sockets, "recorder")
-        bus = stack.enter_context(Bus(place.run, "launcher", "main", in_directory(sockets, "launcher")))
+        ports = {} if options.secure is None else free_ports(LISTENING)
+        place = Place(folder=given.absolute(), sockets=sockets, secure=options.secure, ports=ports)
+        for_recorders = place.endpoints("recorder")
+        bus = stack.enter_context(Bus(place.run, "launcher", "main", place.endpoints("launcher")))
         statuses = bus.subscribe(channels.statuses(bus.run))
         display = stack.enter_context(make_display(console))
         crew = stack.enter_context(Crew())
@@ -247,6 +248,8 @@ def _again(options: RunOptions, folder: Path) -> str:
         words += ["--planner-command", options.planner_command]
     if options.push_map is not None:
         words += ["--push-map", str(options.push_map)]
+    if options.secure is not None:
+        words += ["--secure", str(options.secure)]
     if not options.picture:
         words += ["--no-picture"]
     if not options.video:
