@@ -7,6 +7,7 @@ from typing import Annotated, Final
 from legpush.arguments import USUAL_OUTPUT, OutputOptions, Positional, arg
 from legpush.bounds import ValidDays
 from legpush.bus.secure.certificate_names import CertificateRole
+from legpush.errors import ConfigError
 from legpush.fields import require
 
 USUAL_DAYS: Final = 365
@@ -14,6 +15,8 @@ AUTHORITY_DAYS: Final = 3650
 THIS_HOST: Final = "localhost"
 Folder = Positional[Annotated[Path, arg("DIR")]]
 Days = Annotated[int, arg("N")]
+Hosts = Positional[Annotated[tuple[str, ...], arg("HOST[=ADDRESS,...]")]]
+Names = Positional[Annotated[tuple[str, ...], arg("HOST")]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +29,7 @@ class BeginAuthority:
 
     folder: Folder
     """The new folder."""
-    hosts: Annotated[tuple[str, ...], arg("NAME[=ADDRESS,...] ...")] = (THIS_HOST,)
+    hosts: Hosts = (THIS_HOST,)
     """The hosts, each with the DNS names and IP addresses at which others connect to it, such as robot=10.0.0.7. The
     name is an address, too, and so is loopback."""
     days: Days = USUAL_DAYS
@@ -49,7 +52,7 @@ class AddHosts:
 
     folder: Folder
     """The folder that `legpush secure init` made."""
-    hosts: Annotated[tuple[str, ...], arg("NAME[=ADDRESS,...] ...")]
+    hosts: Hosts = ()
     """The hosts, as for `legpush secure init`."""
     days: Days = USUAL_DAYS
     """How long the certificates are valid."""
@@ -69,8 +72,8 @@ class RenewCertificates:
 
     folder: Folder
     """The folder that `legpush secure init` made."""
-    hosts: Annotated[tuple[str, ...], arg("NAME ...")] = ()
-    """Only these hosts."""
+    hosts: Names = ()
+    """Only these hosts; all of them if none is given."""
     roles: Annotated[tuple[CertificateRole, ...], arg()] = ()
     """Only these roles."""
     days: Days = USUAL_DAYS
@@ -91,11 +94,15 @@ class RevokeCertificates:
 
     folder: Folder
     """The folder that `legpush secure init` made."""
-    hosts: Annotated[tuple[str, ...], arg("NAME ...")]
+    hosts: Names = ()
     """The hosts whose certificates are revoked."""
     roles: Annotated[tuple[CertificateRole, ...], arg()] = ()
     """Only these roles."""
     output: OutputOptions = USUAL_OUTPUT
+
+    def __post_init__(self) -> None:
+        if not self.hosts:
+            raise ConfigError("Expected the hosts whose certificates are revoked, got none")
 
 
 @dataclass(frozen=True, kw_only=True)
