@@ -42,9 +42,10 @@ def write_whole(path: Path, data: bytes, *, private: bool = False) -> None:
             os.fsync(file.fileno())
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
         kept = "; the previous one is untouched" if path.exists() else ""
         raise DiskError(f"{path}: expected to write {len(data)} bytes ({error.strerror}){kept}") from error
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def private_opener(path: str, flags: int) -> int:

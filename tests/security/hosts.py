@@ -30,7 +30,7 @@ NOT_YET: Final = (1.0, 2.0)
 
 def made(folder: Path, *hosts: str) -> Path:
     """Make an authority, and return the folder of its first host."""
-    begin(folder, hosts or (HOST,), 30, 30)
+    begin(folder, hosts or (HOST,), 90, 90)
     return folder / (hosts[0].partition("=")[0] if hosts else HOST)
 
 

@@ -9,6 +9,7 @@ from legpush.authority.carry_out import add, begin, listed, renew, revoke
 from legpush.authority.register import Register
 from legpush.bus.secure.host_folder import ACCESS_FILE, AUTHORITY
 from legpush.errors import printable
+from legpush.options.checks import require_writable_folder
 from legpush.options.secure import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.output.reply import document
 
@@ -27,6 +28,7 @@ def run_secure(command: object) -> int:
 
 @run_secure.register
 def _begin(command: BeginAuthority) -> int:
+    require_writable_folder(command.folder, "DIR")
     register = begin(command.folder, command.hosts, command.days, command.authority_days)
     return _tell(
         command.folder,

@@ -81,6 +81,8 @@ RIGHTS: Final[Mapping[CertificateRole, Rights]] = {
     ),
 }
 """What each role may say and hear."""
+OF_ALL: Final = (keys.status(ANY, ANY, ANY), keys.copies(ANY, ANY, ANY))
+"""What a launcher and a recorder ask for: keys of all roles at once, so no rule for one role includes them."""
 EVERYBODY: Final = keys.liveliness(ANY, ANY, ANY, ANY)
 """All tokens: every process sees who is there."""
 
@@ -109,7 +111,7 @@ def _rules(role: CertificateRole, rights: Rights) -> list[dict[str, Any]]:
     lookups = ["declare_liveliness_subscriber", "liveliness_query"]
     return [
         _allow(f"{role} says", "ingress", ["put"], rights.says),
-        _allow(f"{role} is asked for what it says", "egress", ["declare_subscriber"], rights.says),
+        _allow(f"{role} is asked for what it says", "egress", ["declare_subscriber"], (*rights.says, *OF_ALL)),
         _allow(f"{role} hears", "egress", ["put"], rights.hears),
         _allow(f"{role} asks for what it hears", "ingress", ["declare_subscriber"], rights.hears),
         _allow(f"{role} shows itself", "ingress", ["liveliness_token"], (rights.shows,)),

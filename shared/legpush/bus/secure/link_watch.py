@@ -37,6 +37,7 @@ class LinkWatch:
         self._unreached = list(connect)
         self._linked = linked
         self._shown = shown
+        self._seen: set[str] = set()
         self._since: dict[str, float] = {}
         self._told: set[str] = set()
         self._end = threading.Event()
@@ -70,12 +71,13 @@ class LinkWatch:
     def look(self, now: float) -> None:
         """Look at the links at the time `now`, in seconds, and log what is new."""
         linked = self._linked()
+        self._seen.update(self._shown())
         for name in linked:
             role = self._credentials.role_of(name)
             if name not in self._since:
                 self._since[name] = now
                 self._tell_link(name, role)
-            is_silent = role in SHOWN and role not in self._shown() and now - self._since[name] >= SILENT_S
+            is_silent = role in SHOWN and role not in self._seen and now - self._since[name] >= SILENT_S
             if is_silent and name not in self._told:
                 self._told.add(name)
                 log.warning(

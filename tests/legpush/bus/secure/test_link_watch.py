@@ -64,8 +64,9 @@ def test_a_process_that_shows_nothing_is_told_once_and_again_after_it_was_gone(w
         world.linked = ["sim.robot.1", "recorder.laptop.1"]
 
 
-def test_a_process_that_shows_itself_is_not_told_about(world: World) -> None:
-    world.linked = ["sim.robot.1"]
+def test_a_process_that_has_shown_itself_is_not_told_about(world: World) -> None:
+    """Also not while it ends: its token goes before its link."""
+    world.linked, world.shown = ["sim.robot.1"], {"sim"}
     world.look(0.0)
-    world.shown = {"sim"}
+    world.shown = set()
     assert world.look(SILENT_S) == []
