@@ -104,6 +104,7 @@ def raw_session(
         tls |= {
             "root_ca_certificate": str(host / AUTHORITY_FILE),
             "enable_mtls": True,
+            "close_link_on_expiration": True,
             **{f"{side}_certificate": certificate for side in ("listen", "connect")},
             **{f"{side}_private_key": key for side in ("listen", "connect")},
         }

@@ -12,7 +12,7 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from legpush.bus import keys
+from legpush.bus import channels, keys
 from legpush.bus.endpoints import Endpoints
 from legpush.bus.secure.access_rules import EVERYBODY, RIGHTS, access_control
 from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES, CertificateRole
@@ -138,6 +138,60 @@ def test_each_certificate_says_and_hears_what_its_role_may_and_nothing_else(host
 def everything_came(sender: zenoh.Session, heard: Heard, messages: set[str], tokens: set[str]) -> bool:
     """Publish everything, and return whether all of this has come."""
     return put_all(sender) and messages <= heard.messages and tokens <= heard.tokens
+
+
+USES: Final[tuple[tuple[CertificateRole, str, CertificateRole, str], ...]] = (
+    ("agent", channels.plan_requests(RUN, "main").key, "planner", channels.plan_requests(RUN, "*").key),
+    ("agent", channels.plan_cancels(RUN, "main").key, "planner", channels.plan_cancels(RUN, "*").key),
+    ("planner", channels.plan_results(RUN, "main").key, "agent", channels.plan_results(RUN, "main").key),
+    ("agent", channels.actions(RUN, "main").key, "sim", channels.actions(RUN, "main").key),
+    ("sim", channels.answers(RUN, "main").key, "agent", channels.answers(RUN, "main").key),
+    ("planner", channels.statuses(RUN, "planner", "main").key, "agent", channels.statuses(RUN, "planner").key),
+    ("sim", channels.statuses(RUN, "sim", "main").key, "agent", channels.statuses(RUN, "sim", "main").key),
+    *(
+        (role, channels.statuses(RUN, role, "main").key, "launcher", channels.statuses(RUN).key)
+        for role in ("planner", "sim", "agent", "recorder")
+    ),
+    *(
+        (role, channels.copies(RUN, role, "main").key, recorder, channels.copies(RUN).key)
+        for role in ("planner", "sim", "agent", "launcher")
+        for recorder in ("recorder", "viewer")
+    ),
+    *(
+        (recorder, channels.taken(RUN, role, "main").key, role, channels.taken(RUN, role, "main").key)
+        for role in ("planner", "sim", "agent", "launcher")
+        for recorder in ("recorder", "viewer")
+    ),
+)
+"""Who says what under which key, who hears it, and under which key: as the processes do it."""
+
+
+def note(heard: set[tuple[int, str]], number: int, key: str, payload: bytes) -> None:
+    """Note that something came under a key, in the subscription of this number."""
+    heard.add((number, key))
+
+
+def test_what_processes_say_to_each_other_passes_the_rules_of_both_sides(host: Path) -> None:
+    at = {role: free_endpoint() for role in CERTIFICATE_ROLES}
+    with ExitStack() as stack:
+        sessions: dict[CertificateRole, ZenohSession] = {}
+        for role, own in at.items():
+            others = tuple(at[peer] for peer in sessions)
+            there = Endpoints(listen=(own,), connect=others, credentials=read_credentials(host, role))
+            sessions[role] = stack.enter_context(closing(ZenohSession(there, role)))
+        heard: set[tuple[int, str]] = set()
+        kept: list[object] = []
+        for number, (_, _, hearer, pattern) in enumerate(USES):
+            kept.append(sessions[hearer].subscribe(pattern, partial(note, heard, number)))
+        senders = [sessions[sender].publisher(key, "tap").send for sender, key, _, _ in USES]
+
+        def all_heard() -> bool:
+            for send in senders:
+                send(b"")
+            return {(number, key) for number, (_, key, _, _) in enumerate(USES)} <= heard
+
+        assert eventually(all_heard), [use for n, use in enumerate(USES) if (n, use[1]) not in heard]
+        assert kept
 
 
 def test_the_admin_space_answers_nobody(host: Path) -> None:

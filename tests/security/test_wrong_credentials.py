@@ -3,7 +3,7 @@
 import logging
 import re
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Event
@@ -243,3 +243,18 @@ def test_the_refused_side_is_told_why_and_under_which_name(
             said = str(error)
     assert monotonic() - began_s < TOLD_S
     assert re.search(expected, said), said
+
+
+def test_a_link_is_closed_when_a_certificate_expires(host: Path, tmp_path: Path) -> None:
+    short = give(
+        copied(host, tmp_path / HOST), "agent", valid_between(host.parent, f"agent.{HOST}.1", (-1.0, 4.0 / 86400))
+    )
+    at = free_endpoint()
+    with (
+        closing(ZenohSession(Endpoints(listen=(at,), credentials=read_credentials(host, "sim")), "sim")) as session,
+        raw_session(short, "agent", connect=[at]),
+    ):
+        assert eventually(lambda: session.linked() == (f"agent.{HOST}.1",))
+        assert eventually(lambda: session.linked() == ())
+        Event().wait(1.0)
+        assert session.linked() == ()
