@@ -6,11 +6,11 @@ from functools import singledispatch
 from pathlib import Path
 
 from legpush.authority.carry_out import add, begin, listed, renew, revoke
+from legpush.authority.options import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.authority.register import Register
 from legpush.bus.secure.host_folder import ACCESS_FILE, AUTHORITY
 from legpush.errors import printable
 from legpush.options.checks import require_writable_folder
-from legpush.options.secure import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.output.reply import document
 
 

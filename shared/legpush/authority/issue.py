@@ -62,7 +62,7 @@ class Issuer:
         return self._certificate.not_valid_after_utc
 
     def issue(self, name: str, addresses: Sequence[str], days: int) -> Pair:
-        """Sign a certificate for a process: valid for so many days, but not longer than the authority itself.
+        """Sign a certificate for a process, valid for some days, but not longer than the authority itself.
 
         Args:
             name: Its common name.

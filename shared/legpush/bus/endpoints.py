@@ -46,7 +46,7 @@ class Endpoints:
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     credentials: Credentials | None = None
-    """With whom this process talks over TLS, and as who."""
+    """With which certificate this process talks over TLS, and with which others."""
 
     def __post_init__(self) -> None:
         for locator in (*self.listen, *self.connect):

@@ -8,6 +8,7 @@ from operator import or_
 from typing import Annotated, Any, Final
 
 from legpush.arguments import subcommand
+from legpush.authority.options import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.errors import ConfigError
 from legpush.options.bench import ListFaults, SoakOptions
 from legpush.options.conformance import PlanCheckOptions
@@ -27,7 +28,6 @@ from legpush.options.scenarios import (
     RandomScenario,
     ShowScenario,
 )
-from legpush.options.secure import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions

@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from functools import singledispatch
 
 from legpush.arguments import parse
+from legpush.authority.options import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.cli.commands import COMMANDS, choice_of
 from legpush.entry.interrupts import hold
 from legpush.errors import ConfigError, one_line, printable
@@ -24,7 +25,6 @@ from legpush.options.scenarios import (
     ShowScenario,
     changed_scenario,
 )
-from legpush.options.secure import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.options.shell import CompletionOptions, DoctorOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
 from legpush.output.reply import document

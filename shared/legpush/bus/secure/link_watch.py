@@ -23,7 +23,7 @@ log = logging.getLogger(__name__)
 
 
 class LinkWatch:
-    """Logs who is linked under which name, who refuses whom, and who stays silent; a context manager."""
+    """Logs which certificates are linked, which handshakes fail, and which processes stay silent; a context manager."""
 
     def __init__(
         self,
