@@ -12,8 +12,11 @@ from typing import Final
 
 import pytest
 
+from legpush.bus.secure.host_folder import read_credentials
+from legpush.history.run_history import RunHistory
 from legpush.recording.mcap_file.reader import read_recording
 from legpush.runs.report import read_report
+from sim_proc.view.sources import LiveSource
 from tests.ports import free_ports
 from tests.security.hosts import made
 from tests.system.conftest import RecordedMission
@@ -85,7 +88,14 @@ def test_processes_by_hand_on_two_hosts_have_the_same_states_while_they_are_reco
     mission = stack.enter_context(
         running(tmp_path, "agent", "-m", "agent_proc", *laptop, *flags, "--connect", planner, sim)
     )
+    viewer = read_credentials(lab / "laptop", "viewer")
+    history = RunHistory()
+    with LiveSource("local", (planner, sim, agent), viewer) as source:
+        while mission.poll() is None:
+            source.pump(history, 0.1)
+            sleep(0.05)
     assert mission.wait(LIMIT_S) == 0, (tmp_path / "agent.log").read_text()
+    assert [len(timeline.steps) > 3 for timeline in history.episodes.values()] == [True]
     assert read_report(tmp_path / "run")["state_crc"] == read_report(push_mission.out)["state_crc"]
     recorder.terminate()
     assert recorder.wait(30.0) in (0, 1)

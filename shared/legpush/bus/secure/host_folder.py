@@ -142,15 +142,18 @@ def _require_host_folder(folder: Path) -> None:
 
 
 def _require_private(folder: Path, key: Path) -> None:
-    """Require that nobody else can read the key."""
-    try:
-        mode = stat.S_IMODE(key.stat().st_mode)
-    except OSError as error:
-        raise CredentialsError(f"{key}: expected a private key ({error.strerror})") from error
-    if mode & 0o077:
-        raise CredentialsError(
-            f"{key}: expected mode 0600, got {mode:04o}: others could read it; `chmod -R go= {folder}` mends that"
-        )
+    """Require that nobody else can read the key, or change what decides who may take part."""
+    if not key.is_file():
+        raise CredentialsError(f"{key}: expected a private key, got no file")
+    cure = f"`chmod -R go= {folder}` mends that"
+    if (mode := stat.S_IMODE(key.stat().st_mode)) & 0o077:
+        raise CredentialsError(f"{key}: expected mode 0600, got {mode:04o}: others could use it; {cure}")
+    for path in (folder, folder / ACCESS_FILE, folder / AUTHORITY_FILE):
+        if path.exists() and (mode := stat.S_IMODE(path.stat().st_mode)) & 0o022:
+            raise CredentialsError(
+                f"{path}: expected a mode in which others cannot write, got {mode:04o}: they could let themselves in; "
+                f"{cure}"
+            )
 
 
 def _require_role(credentials: Credentials) -> None:

@@ -47,6 +47,16 @@ def readable_key(host: Path) -> Path:
     return host
 
 
+def writable_names(host: Path) -> Path:
+    (host / "access.json").chmod(0o660)
+    return host
+
+
+def writable_folder(host: Path) -> Path:
+    host.chmod(0o777)
+    return host
+
+
 def no_certificate(host: Path) -> Path:
     (host / "sim.pem").unlink()
     return host
@@ -98,9 +108,11 @@ def revoked(host: Path) -> Path:
 WRONG: dict[Callable[[Path], Path], str] = {
     no_folder: r"Expected the folder of a host for --secure, with access\.json in it, got .*nowhere; `legpush secure",
     folder_of_the_authority: r"Expected the folder of a host .*lab/laptop, .*lab/robot\), got that of the authority",
-    readable_key: r"sim\.key: expected mode 0600, got 0640: others could read it; `chmod -R go= .*robot` mends that",
+    readable_key: r"sim\.key: expected mode 0600, got 0640: others could use it; `chmod -R go= .*robot` mends that",
+    writable_names: r"access\.json: expected a mode in which others cannot write, got 0660: .*; `chmod -R go= .*robot`",
+    writable_folder: r"robot: expected a mode in which others cannot write, got 0777: they could let themselves in",
     no_certificate: r"sim\.pem: expected the certificate of a simulator, got no file",
-    no_key: r"sim\.key: expected a private key \(No such file",
+    no_key: r"sim\.key: expected a private key, got no file",
     names_that_are_none: r"access\.json: expected the names of certificates by role \(Expected `object`, got `array`\)",
     names_of_another_format: r"access\.json: .* \(Expected `int` <= 1 - at `\$\.format`\)",
     names_of_an_unknown_role: r"access\.json: .*\(Invalid enum value 'router'",
