@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import msgspec
 import zenoh
@@ -96,6 +96,7 @@ def raw_session(
     listen: Sequence[str] = (),
     connect: Sequence[str] = (),
     access: dict[str, Any] | None = None,
+    mode: Literal["peer", "router"] = "peer",
 ) -> Iterator[zenoh.Session]:
     """Open a session with the certificate of a role, without a check of its own; None has no certificate."""
     tls: dict[str, Any] = {"verify_name_on_connect": False}
@@ -109,7 +110,7 @@ def raw_session(
             **{f"{side}_private_key": key for side in ("listen", "connect")},
         }
     settings: dict[str, Any] = {
-        "mode": "peer",
+        "mode": mode,
         "listen/endpoints": list(listen),
         "connect/endpoints": list(connect),
         "connect/timeout_ms": -1,

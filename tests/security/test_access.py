@@ -20,7 +20,7 @@ from legpush.bus.secure.host_folder import ACCESS_FILE, read_access, read_creden
 from legpush.bus.session import ZenohSession
 from legpush.messages.common import Role
 from tests.legpush.fakes import eventually
-from tests.security.hosts import free_endpoint, made, raw_session
+from tests.security.hosts import copied, free_endpoint, give, issuer_of, made, raw_session
 
 RUN: Final = "r1"
 BUS_ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent", "launcher", "recorder")
@@ -192,6 +192,29 @@ def test_what_processes_say_to_each_other_passes_the_rules_of_both_sides(host: P
 
         assert eventually(all_heard), [use for n, use in enumerate(USES) if (n, use[1]) not in heard]
         assert kept
+
+
+def test_nothing_passes_a_router_even_if_a_good_certificate_is_behind_it(host: Path, tmp_path: Path) -> None:
+    """The rules see the certificate of the router, and none is on the list."""
+    router = give(copied(host, tmp_path / "router"), "agent", issuer_of(host).issue("router.robot.1", (), 1))
+    at, through = free_endpoint(), free_endpoint()
+    sim = Endpoints(listen=(at,), credentials=read_credentials(host, "sim"))
+    with (
+        closing(ZenohSession(sim, "sim main")) as defended,
+        raw_session(router, "agent", listen=[through], connect=[at], mode="router"),
+        raw_session(host, "agent", connect=[through]) as agent,
+    ):
+        came, went = Heard(defended._session), Heard(agent)
+        kept = [*show(defended._session, "defended"), *show(agent, "agent")]
+        assert eventually(lambda: defended.linked() == ("router.robot.1",) and bool(agent.info.links()))
+        for _ in range(5):
+            put_all(agent)
+            put_all(defended._session)
+            Event().wait(0.1)
+        assert kept
+        assert came.messages == went.messages == set()
+        assert not came.tokens & tokens_of("agent")
+        assert not went.tokens & tokens_of("defended")
 
 
 def test_the_admin_space_answers_nobody(host: Path) -> None:
