@@ -90,7 +90,7 @@ EVERYBODY: Final = keys.liveliness(ANY, ANY, ANY, ANY)
 def access_control(names: Mapping[CertificateRole, Sequence[str]]) -> dict[str, Any]:
     """Return Zenoh's configuration `access_control` for certificates with these names, by role.
 
-    A role without a name gets no subject: for Zenoh, a subject without names is everybody.
+    A role without a name gets no subject: Zenoh takes one without names for everybody, and refuses an empty list.
     """
     present = [role for role in RIGHTS if names.get(role)]
     rules = [rule for role in present for rule in _rules(role, RIGHTS[role])]
