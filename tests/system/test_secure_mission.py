@@ -104,6 +104,15 @@ def test_processes_by_hand_on_two_hosts_have_the_same_states_while_they_are_reco
     assert said(tmp_path, "sim", r"linked with agent\.laptop\.1 as sim\.robot\.1")
 
 
+def test_an_evaluation_joins_a_simulator_of_another_host(lab: Path, tmp_path: Path, stack: ExitStack) -> None:
+    (sim,) = (f"tls/127.0.0.1:{port}" for port in free_ports(1))
+    stack.enter_context(running(tmp_path, "sim", "-m", "sim_proc", "--secure", str(lab / "robot"), "--listen", sim))
+    words = ("--join", "local", "--simulators", "1", "--episodes", "1", "--out", str(tmp_path / "evaluated"))
+    done = legpush("evaluate", "scripted", *words, "--connect", sim, "--secure", str(lab / "laptop"))
+    assert done.returncode == 0, done.stderr
+    assert said(tmp_path, "sim", r"linked with agent\.laptop\.1 as sim\.robot\.1")
+
+
 def test_a_stranger_is_told_why_and_the_accepting_side_notes_each_handshake(
     lab: Path, tmp_path: Path, stack: ExitStack
 ) -> None:
