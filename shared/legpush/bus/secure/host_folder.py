@@ -45,6 +45,8 @@ class Credentials:
     role: CertificateRole
     name: str
     """Name of its certificate, such as `sim.robot.1`."""
+    ends: datetime
+    """When its certificate expires; UTC."""
     names: Mapping[CertificateRole, tuple[str, ...]]
     """Names of all certificates that may take part."""
 
@@ -104,7 +106,8 @@ def read_credentials(folder: Path, role: CertificateRole, now: datetime | None =
     _require_private(folder, key)
     own = own_certificate(certificate, key, folder / AUTHORITY_FILE)
     require_valid_now(certificate, own, now)
-    credentials = Credentials(folder=folder, role=role, name=own.name, names=read_access(folder / ACCESS_FILE).names)
+    names = read_access(folder / ACCESS_FILE).names
+    credentials = Credentials(folder=folder, role=role, name=own.name, ends=own.ends, names=names)
     _require_role(credentials)
     if own.ends - now < WARN:
         days = (own.ends - now) / timedelta(days=1)

@@ -6,6 +6,7 @@ Zenoh is silent about certificates that are refused and about access rules that 
 import logging
 import threading
 from collections.abc import Callable, Collection, Sequence
+from datetime import UTC, datetime
 from time import monotonic
 from typing import Final
 
@@ -40,6 +41,7 @@ class LinkWatch:
         self._seen: set[str] = set()
         self._since: dict[str, float] = {}
         self._told: set[str] = set()
+        self._has_expired = False
         self._end = threading.Event()
         self._looking = threading.Thread(target=self._watch_links, name="links", daemon=True)
         self._shaking = threading.Thread(target=self._watch_handshakes, name="handshakes", daemon=True)
@@ -67,6 +69,17 @@ class LinkWatch:
     def _watch_links(self) -> None:
         while not self._end.wait(LOOK_S):
             self.look(monotonic())
+            self.look_at_clock(datetime.now(UTC))
+
+    def look_at_clock(self, now: datetime) -> None:
+        """Log, once, that the own certificate has expired: links close then, and no others come about."""
+        if now >= self._credentials.ends and not self._has_expired:
+            self._has_expired = True
+            log.error(
+                "the certificate %s has expired, and its links are closed: `legpush secure renew` makes another one, "
+                "with which this process has to be started again",
+                self._credentials.name,
+            )
 
     def look(self, now: float) -> None:
         """Look at the links at the time `now`, in seconds, and log what is new."""

@@ -1,6 +1,7 @@
 """Who is linked, who is a stranger and who stays silent is told once, and again after the link was gone."""
 
 import logging
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ OWN = Credentials(
     folder=Path("/x"),
     role="agent",
     name="agent.laptop.1",
+    ends=datetime(2027, 1, 1, tzinfo=UTC),
     names={"sim": ("sim.robot.1",), "agent": ("agent.laptop.1",), "recorder": ("recorder.laptop.1",)},
 )
 
@@ -23,12 +25,12 @@ class World:
         self.linked: list[str] = []
         self.shown: set[str] = set()
         self._log = caplog
-        self._watch = LinkWatch(OWN, (), lambda: self.linked, lambda: self.shown)
+        self.watch = LinkWatch(OWN, (), lambda: self.linked, lambda: self.shown)
 
     def look(self, now: float) -> list[str]:
         """What is logged at this time."""
         self._log.clear()
-        self._watch.look(now)
+        self.watch.look(now)
         return [record.getMessage() for record in self._log.records]
 
 
@@ -70,3 +72,16 @@ def test_a_process_that_has_shown_itself_is_not_told_about(world: World) -> None
     world.look(0.0)
     world.shown = set()
     assert world.look(SILENT_S) == []
+
+
+def test_a_process_whose_certificate_expires_while_it_runs_says_so_once(
+    world: World, caplog: pytest.LogCaptureFixture
+) -> None:
+    world.watch.look_at_clock(OWN.ends - timedelta(seconds=1))
+    assert caplog.text == ""
+    for _ in range(3):
+        world.watch.look_at_clock(OWN.ends)
+    (record,) = caplog.records
+    assert record.getMessage().startswith(
+        "the certificate agent.laptop.1 has expired, and its links are closed: `legpush"
+    )
