@@ -8,6 +8,7 @@ from typing import Final, cast
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, listing
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import PeerError, StopRequestedError
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
@@ -127,5 +128,6 @@ def simulators(
         return nullcontext(local_worlds(options.n_simulators, options.world))
     if options.join is None:
         return own_simulators(options.n_simulators, logs, stop, record=options.record, kind=kind, folder=folder)
-    endpoints = Endpoints(listen=options.listen, connect=options.connect)
+    credentials = credentials_of(options.secure, "agent")
+    endpoints = Endpoints(listen=options.listen, connect=options.connect, credentials=credentials)
     return joined_simulators(options.n_simulators, options.join, endpoints, stop)

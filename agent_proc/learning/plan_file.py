@@ -38,7 +38,8 @@ def write_plan(folder: Path, plan: TrainingPlan) -> None:
     Raises:
         DiskError: It cannot be written.
     """
-    write_whole(folder / CONFIG_FILE, msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n")
+    text = msgspec.json.format(msgspec.json.encode(plan), indent=1) + b"\n"
+    write_whole(folder / CONFIG_FILE, text, private=True)
 
 
 def read_plan(folder: Path) -> TrainingPlan:

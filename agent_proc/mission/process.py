@@ -28,6 +28,7 @@ from legpush.bus.endpoints import DEFAULT_NAME
 from legpush.bus.status import StatusBeacon
 from legpush.errors import ConfigError
 from legpush.fields import Name, Seed, require
+from legpush.files import make_folder
 from legpush.history.entries import Opened
 from legpush.history.journal import Journal
 from legpush.lockstep.client import SimLink
@@ -171,7 +172,8 @@ def work(config: AgentConfig, bus: Bus, stop: threading.Event) -> int:
         LegpushError: What ended the mission, if it was no outcome of the mission itself; its report is written.
     """
     scenario, policy, push_map, branch = read_inputs(config)
-    folder = writable_folder(config.out or Path("runs") / f"{scenario.name}-seed{config.seed}")
+    usual = Path("runs") / f"{scenario.name}-seed{config.seed}"
+    folder = writable_folder(config.out or usual, private=config.out is None)
     opened = Opened(
         protocol=PROTOCOL_VERSION,
         run=bus.run,
@@ -219,14 +221,14 @@ def main() -> int:
     return run_process("agent", AgentConfig, work)
 
 
-def writable_folder(folder: Path) -> Path:
-    """Make the folder if need be, and return it.
+def writable_folder(folder: Path, *, private: bool) -> Path:
+    """Make the folder if need be, and return it; only the user can enter a new one that is `private`.
 
     Raises:
         ConfigError: It cannot be made, nothing can be written to it, or there is a link in it.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder, private=private)
     except OSError as error:
         raise ConfigError(f"Expected a folder that can be made for --out, got {folder} ({error.strerror})") from error
     if not os.access(folder, os.W_OK | os.X_OK):

@@ -31,7 +31,7 @@ from agent_proc.studies.push_cell import task_of
 from agent_proc.studies.rows_of_study import rows_of_study
 from agent_proc.task.file import DEFAULT_TASK, load_task, scenario_of_task
 from legpush.errors import ConfigError
-from legpush.files import write_whole
+from legpush.files import make_folder, write_whole
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning_tools import CompareOptions, dated
 from legpush.options.scenarios import changed_scenario
@@ -80,6 +80,7 @@ def compare(options: CompareOptions, console: Console) -> int:
     source = str(Path(source).absolute()) if Path(source).is_file() else source
     task = task_of(source, scenario)
     words = [*sys.argv[1:], *([] if options.out else ["--out", str(folder)])]
+    make_folder(folder, private=options.out is None)
     with staying(LocalEngine(options.n_workers)) as engine:
         orders = Orders(
             engine=lambda _: engine,

@@ -23,7 +23,7 @@ from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
 from agent_proc.simulators import require_world, simulators
 from legpush.errors import ConfigError, StopRequestedError
-from legpush.files import next_file, sha256_of, write_whole
+from legpush.files import make_folder, next_file, sha256_of, write_whole
 from legpush.long_work.finished import open_finished
 from legpush.long_work.progress import counted
 from legpush.numerics.current import current
@@ -72,9 +72,10 @@ def run(options: EvaluateOptions, console: Console) -> int:
             console.print(Text(f"# {case or scenario.name}\n{dump_scenario(changed)}"), soft_wrap=True)
         document({"scenarios": sweep.cases, "seeds": [options.seed, options.seed + options.episodes - 1]})
         return 0
-    (folder / LOGS).mkdir(parents=True, exist_ok=True)
+    make_folder(folder, private=options.out is None)
+    make_folder(folder / LOGS, private=True)
     with own_folder(folder):
-        write_whole(folder / LOGS / COMMAND_FILE, f"{_again(options, folder)}\n".encode())
+        write_whole(folder / LOGS / COMMAND_FILE, f"{_again(options, folder)}\n".encode(), private=True)
         rows = _finish(options, sweep, policy, folder, console)
         summaries = summarize(rows)
         for case, summary in summaries.items():
@@ -93,7 +94,8 @@ def run(options: EvaluateOptions, console: Console) -> int:
         write_whole(folder / ROWS_FILE, as_csv(columns).encode())
         write_parquet(columns, folder / PARQUET_FILE)
         save_plot(rows, sweep, options.policy, folder / PLOT_FILE)
-        write_whole(folder / SUMMARY_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
+        text = msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n"
+        write_whole(folder / SUMMARY_FILE, text, private=True)
         (folder / FINISHED_FILE).unlink()
     console.print(Text(f"written to {folder}"), soft_wrap=True)
     document({"folder": folder, **record})

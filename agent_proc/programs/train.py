@@ -28,7 +28,7 @@ from agent_proc.studies.seed_trainings import has_seeds
 from agent_proc.task.file import load_task
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.fields import parse_seeds
-from legpush.files import write_whole
+from legpush.files import make_folder, write_whole
 from legpush.numerics.computed_with import computed_with, told
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
@@ -73,7 +73,7 @@ def train(options: TrainOptions, console: Console) -> int:
             sys.stdout.write(msgspec.json.format(msgspec.json.encode(plan), indent=2).decode() + "\n")
             document(plan)
             return 0
-        _begin(folder, plan)
+        _begin(folder, plan, private=options.out is None)
     try:
         return _learn(folder, plan, options, console)
     except (LegpushError, OSError) as error:
@@ -107,8 +107,8 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
 
     stop, links_stop = stop_on_signals(), threading.Event()
     options = replace(options, simulators=plan.n_simulators, world=plan.world)
-    (folder / LOGS).mkdir(exist_ok=True)
-    write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder)}\n".encode())
+    make_folder(folder / LOGS, private=True)
+    write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder)}\n".encode(), private=True)
     with (
         own_folder(folder),
         simulators(options, folder / LOGS, links_stop, kind="train", folder=folder) as worlds,
@@ -207,9 +207,9 @@ def _plan(options: TrainOptions) -> tuple[Path, TrainingPlan]:
     return folder, plan
 
 
-def _begin(folder: Path, plan: TrainingPlan) -> None:
-    """Make the folder with the plan in it."""
-    folder.mkdir(parents=True, exist_ok=True)
+def _begin(folder: Path, plan: TrainingPlan, *, private: bool) -> None:
+    """Make the folder with the plan in it; only the user can enter one that is `private`."""
+    make_folder(folder, private=private)
     write_plan(folder, plan)
 
 

@@ -23,6 +23,7 @@ from agent_proc.studies.seed_trainings import (
     write_summary,
 )
 from legpush.errors import INTERRUPTED
+from legpush.files import make_folder
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
 from legpush.output.reply import document
@@ -110,6 +111,7 @@ def _train(source: str, options: TrainOptions, folder: Path, console: Console) -
         shown=partial(shown, console, partial(progress_text, folder, seeds)),
         folder_of=lambda task: seed_folder(folder, task.inputs["seed"]),
     )
+    make_folder(folder, private=options.out is None)
     tally = carry_out(study, folder / STUDY, orders)
     if stop.is_set():
         console.print(Text(f"interrupted: {line(tally, 0.0)}; to go on: {again}"), soft_wrap=True)

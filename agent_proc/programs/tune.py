@@ -21,7 +21,7 @@ from agent_proc.studies.tuning.space import Space, Value, load_space
 from agent_proc.task.file import load_task
 from legpush.errors import ConfigError
 from legpush.fields import parse_seeds
-from legpush.files import write_whole
+from legpush.files import make_folder, write_whole
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning_tools import TuneOptions, dated
 from legpush.output.reply import document
@@ -117,7 +117,7 @@ def _begin(folder: Path, options: TuneOptions, space: Space) -> None:
     about = {**plain, "simulators": options.n_simulators, "space": space.parameters, "profile": space.profile}
     text = msgspec.json.format(msgspec.json.encode(about), indent=1) + b"\n"
     file = folder / SETTINGS_FILE
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder, private=options.out is None)
     if not file.exists():
         if any(folder.iterdir()):
             raise ConfigError(f"Expected a new or empty folder for --out, or that of this tuning, got {folder}")

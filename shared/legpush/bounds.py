@@ -146,6 +146,8 @@ MAX_FILE_MB: Final = 1e6
 """Size of a part of a recording, up to 1 TB."""
 MAX_SIMULATORS: Final = 256
 """Most simulators of a learner: each is a process that takes 90 MB."""
+MAX_VALID_DAYS: Final = 36_500
+"""Longest time for which a certificate is valid, in days: a century."""
 
 Count = Annotated[int, Meta(ge=0, le=MAX_COUNT)]
 Crc = Annotated[int, Meta(ge=0, le=2**32 - 1)]
@@ -235,3 +237,4 @@ Speed = Annotated[float, Meta(ge=LEAST_SPEED, le=MAX_SPEED)]
 FramesPerSecond = Annotated[float, Meta(ge=LEAST_FPS, le=MAX_FPS)]
 FileMegabytes = Annotated[float, Meta(ge=LEAST_FILE_MB, le=MAX_FILE_MB)]
 Simulators = Annotated[int, Meta(ge=1, le=MAX_SIMULATORS)]
+ValidDays = Annotated[int, Meta(ge=1, le=MAX_VALID_DAYS)]

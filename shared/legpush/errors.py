@@ -75,6 +75,12 @@ class EndpointError(LegpushError):
     exit_code = 2
 
 
+class CredentialsError(LegpushError):
+    """A certificate, key or access rule with which a process cannot take part; names it, and who refuses it."""
+
+    exit_code = 2
+
+
 class MessageError(LegpushError):
     """Bytes that are not a valid message; names the path of the first field that is wrong."""
 

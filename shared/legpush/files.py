@@ -14,36 +14,63 @@ from legpush.errors import LegpushError
 
 SPACE: Final = 65536
 """Number of bytes for which `require_space` looks."""
+PRIVATE_FILE: Final = 0o600
+"""Mode of a file that can hold a secret of the user: a command line, a log, a recording."""
+PRIVATE_FOLDER: Final = 0o700
+"""Mode of a folder with such files, where the user has not chosen the folder."""
 
 
 class DiskError(LegpushError):
     """A file that could not be written; names the file, and says whether the previous one is kept."""
 
 
-def write_whole(path: Path, data: bytes) -> None:
+def write_whole(path: Path, data: bytes, *, private: bool = False) -> None:
     """Write a file beside `path`, onto the disk, and only then put it in its place.
+
+    A `private` file can be read by its user alone.
 
     Raises:
         DiskError: The file cannot be written; the previous one is unchanged.
     """
     part = path.with_name(f"{path.name}.part")
     try:
-        with part.open("wb") as file:
+        with open(part, "wb", opener=private_opener if private else None) as file:
+            if private:
+                os.fchmod(file.fileno(), PRIVATE_FILE)
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
         kept = "; the previous one is untouched" if path.exists() else ""
         raise DiskError(f"{path}: expected to write {len(data)} bytes ({error.strerror}){kept}") from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def private_opener(path: str, flags: int) -> int:
+    """Open a file as `open` does with this as its `opener`; a file that is made now can be read by its user alone."""
+    return os.open(path, flags, PRIVATE_FILE)
+
+
+def make_folder(folder: Path, *, private: bool) -> None:
+    """Make a folder and its parents if they are missing.
+
+    Only the user can enter a `private` one. A folder that is there keeps its mode.
+
+    Raises:
+        OSError: It cannot be made.
+    """
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(mode=PRIVATE_FOLDER if private else 0o777, exist_ok=True)
 
 
 @contextmanager
-def new_file(path: Path) -> Iterator[Path]:
+def new_file(path: Path, *, private: bool = False) -> Iterator[Path]:
     """Yield a path to write to; on exit, put the file there onto the disk and name it `path`, in one step.
 
-    After an error within the context there is no file. An existing file is never replaced.
+    After an error within the context there is no file. An existing file is never replaced. A `private` file can be read
+    by its user alone.
 
     Raises:
         OSError: The file cannot be made; `FileExistsError` if another one has the name.
@@ -52,6 +79,8 @@ def new_file(path: Path) -> Iterator[Path]:
         scratch = Path(folder) / f"whole{path.suffix}"
         yield scratch
         with scratch.open("rb") as file:
+            if private:
+                os.fchmod(file.fileno(), PRIVATE_FILE)
             os.fsync(file.fileno())
         _name(scratch, path)
 

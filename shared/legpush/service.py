@@ -12,6 +12,7 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
 from typing import Annotated, Literal, Protocol, TypeVar
 
@@ -21,6 +22,8 @@ from legpush.bus import endpoints
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
 from legpush.bus.faults import Faults
+from legpush.bus.secure.host_folder import credentials_of
+from legpush.bus.session import log_refused_links
 from legpush.errors import FAILED, exit_code_of, one_line
 from legpush.fields import Name, require
 from legpush.messages.common import Role
@@ -43,6 +46,9 @@ class ServiceConfig:
     """Endpoints to listen on, such as tcp/127.0.0.1:17472 or unixsock-stream//tmp/run/sim.sock."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of the peers to connect to; the peers may start later."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init` made: talk over TLS alone. The usual endpoints are then ports of
+    127.0.0.1: 17471 of the planner, 17472 of the simulator, 17473 of the agent."""
     inject_faults: Annotated[float, arg("P")] = 0.0
     """For tests: drop, duplicate, delay and reorder sent messages, each with this probability."""
     fault_seed: Annotated[int, arg("N")] = 0
@@ -56,13 +62,22 @@ class ServiceConfig:
         for field in ("run", "name"):
             require(Name, getattr(self, field), f"--{field}")
 
-    def endpoints(self) -> Endpoints:
-        """Return the endpoints to listen on and to connect to.
+    def endpoints(self, role: Role) -> Endpoints:
+        """Return the endpoints to listen on and to connect to; with `--secure`, TLS ports in the place of sockets.
 
         Raises:
             EndpointError: One of the texts is not an endpoint.
+            CredentialsError: The certificate of the process cannot be used.
         """
-        return Endpoints(listen=self.listen, connect=self.connect)
+        credentials = credentials_of(self.secure, role)
+        if credentials is None:
+            return Endpoints(listen=self.listen, connect=self.connect)
+        sockets, ports = endpoints.local(role), endpoints.local(role, credentials)
+        return Endpoints(
+            listen=ports.listen if self.listen == sockets.listen else self.listen,
+            connect=ports.connect if self.connect == sockets.connect else self.connect,
+            credentials=credentials,
+        )
 
     def faults(self) -> Faults:
         """Return the injected faults.
@@ -117,7 +132,9 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
         output.decides = False
         start_log(f"{role}/{config.name}", config.log_level)
         tell_if_native()
-        at = config.endpoints()
+        at = config.endpoints(role)
+        if at.credentials is not None:
+            log_refused_links()
         with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded) as bus:
             code = work(config, bus, stop) or 0
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")

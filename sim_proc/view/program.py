@@ -4,6 +4,7 @@ import sys
 import threading
 import webbrowser
 
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import one_line
 from legpush.options.view import EVERYWHERE, ViewOptions
 from legpush.output.reply import document
@@ -17,6 +18,10 @@ def main() -> int:
     return run_command("view", ViewOptions, lambda options: serve(options, stop_on_signals()))
 
 
+def _live(options: ViewOptions) -> LiveSource:
+    return LiveSource(options.run, options.connect, credentials_of(options.secure, "viewer"))
+
+
 def serve(options: ViewOptions, stop: threading.Event) -> int:
     """Serve the page until `stop` is set.
 
@@ -24,7 +29,7 @@ def serve(options: ViewOptions, stop: threading.Event) -> int:
         LegpushError: The recording, the run or the address cannot be used.
     """
     source: RecordedSource | LiveSource
-    source = RecordedSource(options.files) if options.files else LiveSource(options.run, options.connect)
+    source = RecordedSource(options.files) if options.files else _live(options)
     beside = None if options.beside is None else RecordedSource([options.beside])
     with Page(source, options.host, options.port, beside) as page, source:
         also = "" if beside is None else f", beside it {one_line(beside.title)}"

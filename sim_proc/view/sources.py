@@ -8,7 +8,8 @@ from time import monotonic
 from typing import Final
 
 from legpush.bus.bus import Bus
-from legpush.errors import ConfigError, RecordingError
+from legpush.bus.secure.host_folder import Credentials
+from legpush.errors import ConfigError, EndpointError, RecordingError
 from legpush.history.run_history import RunHistory
 from legpush.messages.telemetry import Origin
 from legpush.recording.facts import scenario_of
@@ -77,15 +78,16 @@ class LiveSource:
     is_live = True
     is_reading = False
 
-    def __init__(self, run: str | None, connect: tuple[str, ...]) -> None:
-        """Choose a run by its name, or by endpoints to connect to.
+    def __init__(self, run: str | None, connect: tuple[str, ...], credentials: Credentials | None = None) -> None:
+        """Choose a run by its name, or by endpoints to connect to, with `credentials` over TLS.
 
         Raises:
             ConfigError: Several runs are possible, or `run` is not a valid name.
         """
         self._run = run
         self._connect = connect
-        self._watched = choose_run(run, connect)
+        self._credentials = credentials
+        self._watched = choose_run(run, connect, credentials)
         self._open = ExitStack()
         self._looked_at = monotonic()
 
@@ -129,7 +131,7 @@ class LiveSource:
         if self._watched.launched in find_live_runs() or any(peer.role != "launcher" for peer in self.live()):
             return None
         try:
-            found = find_run(self._run, self._connect)
-        except ConfigError:  # several have begun: this one stays on the page
+            found = find_run(self._run, self._connect, self._credentials)
+        except (ConfigError, EndpointError):  # several have begun, or one without TLS: this one stays on the page
             return None
         return found if found is not None and found.launched != self._watched.launched else None

@@ -5,14 +5,17 @@ import subprocess
 import sys
 import threading
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
 from legpush import service
+from legpush.authority.carry_out import begin
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import own_directory
 from legpush.errors import (
     ConfigError,
+    CredentialsError,
     EndpointError,
     LegpushError,
     PeerError,
@@ -50,7 +53,7 @@ def test_a_name_that_could_not_be_part_of_a_key_is_refused(flags: list[str]) -> 
 
 def test_an_endpoint_that_is_none_is_refused() -> None:
     with pytest.raises(EndpointError, match="such as tcp/"):
-        parse("sim", ServiceConfig, ["--listen", "here"], {}).endpoints()
+        parse("sim", ServiceConfig, ["--listen", "here"], {}).endpoints("sim")
 
 
 def test_faults_with_an_impossible_probability_are_refused() -> None:
@@ -145,3 +148,21 @@ def test_help_needs_no_heavy_library(module: str) -> None:
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60.0, check=False)
     assert done.returncode == 0, done.stderr
     assert "--inject-faults" in done.stdout
+
+
+def test_with_credentials_the_usual_endpoints_are_tls_ports_and_others_stay(tmp_path: Path) -> None:
+    begin(tmp_path / "lab", ["robot"], 90, 90)
+    secure = ["--secure", str(tmp_path / "lab" / "robot")]
+    usual = parse("agent", ServiceConfig, secure, {}).endpoints("agent")
+    assert (usual.listen, usual.connect) == (
+        ("tls/127.0.0.1:17473",),
+        ("tls/127.0.0.1:17471", "tls/127.0.0.1:17472"),
+    )
+    assert usual.credentials is not None
+    assert usual.credentials.name == "agent.robot.1"
+    given = parse("sim", ServiceConfig, [*secure, "--listen", "tls/0.0.0.0:1"], {}).endpoints("sim")
+    assert given.listen == ("tls/0.0.0.0:1",)
+    with pytest.raises(EndpointError, match="Expected endpoints such as tls/"):
+        parse("sim", ServiceConfig, [*secure, "--listen", "tcp/0.0.0.0:1"], {}).endpoints("sim")
+    with pytest.raises(CredentialsError, match="Expected the folder of a host for --secure"):
+        parse("sim", ServiceConfig, ["--secure", str(tmp_path)], {}).endpoints("sim")

@@ -26,6 +26,10 @@ ROGUES = {
     "No circles between siblings": ("planner_proc.search", "from planner_proc import planning"),
     "Only the bus's session imports Zenoh": ("legpush.bus", "import zenoh"),
     "Only two modules import MuJoCo: without OpenGL, and for films": ("sim_proc.model", "import mujoco"),
+    "Only two modules import cryptography: one signs certificates, one reads them": (
+        "legpush.bus.secure",
+        "from cryptography import x509",
+    ),
     "Only one module imports Numba": ("sim_proc.physics", "import numba"),
     "Only three modules of the planner import OMPL": ("planner_proc.search", "from ompl import base"),
     "Missions and evaluations load no learning library": (

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -20,9 +21,9 @@ PLACES = (
     *(LOGS, f"{LOGS}/agent.log", f"{LOGS}/command.txt.part", "best/card.json"),
 )
 USES: dict[str, Callable[[Path], object]] = {
-    "run": lambda folder: run_folder(folder, load_scenario("push")).__enter__(),
+    "run": lambda folder: run_folder(folder, load_scenario("push"), private=True).__enter__(),
     "train and recover": lambda folder: own_folder(folder).__enter__(),
-    "agent": writable_folder,
+    "agent": partial(writable_folder, private=True),
     "film": lambda folder: film_run(VideoConfig(folder=folder)),
 }
 

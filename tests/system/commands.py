@@ -11,12 +11,16 @@ from typing import Final
 
 import psutil
 
+from legpush.authority.carry_out import begin
+
 LEGPUSH: Final = str(Path(sys.executable).with_name("legpush"))
 RECORDING: Final = "RECORDING"
 CUT: Final = "cut.mcap"
 RUN: Final = "RUN"
 STUDY: Final = "STUDY"
-"""Words for a short recording, for one that is cut off, for the folder of its run, and for that of a study."""
+LAB: Final = "own-lab"
+"""Words for a short recording, for one that is cut off, for the folder of its run, for that of a study, and for that of
+an authority."""
 VARIABLE: Final = str(Path(__file__).parents[2] / "agent_proc" / "policies" / "variable")
 """Folder of a policy."""
 COMMANDS: Final[dict[str, tuple[str, ...]]] = {
@@ -58,6 +62,11 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "bench faults": ("bench", "faults"),
     "examples list": ("examples", "list"),
     "examples copy": ("examples", "copy", "mine"),
+    "secure init": ("secure", "init", "lab", "robot", "laptop"),
+    "secure add": ("secure", "add", LAB, "desk"),
+    "secure renew": ("secure", "renew", LAB),
+    "secure revoke": ("secure", "revoke", LAB, "robot"),
+    "secure show": ("secure", "show", LAB),
     "doctor": ("doctor",),
     "completion": ("completion", "bash"),
     "help": ("--help",),
@@ -103,6 +112,8 @@ def interrupt(name: str, after_s: float, folder: Path, words: dict[str, str]) ->
     """Start a command in an empty folder, and interrupt it so long after it began to handle signals."""
     (folder / "tmp").mkdir()
     (folder / "study.toml").write_text(STUDY_FILE)
+    if LAB in COMMANDS[name]:
+        begin(folder / LAB, ["robot"], 1, 1)
     data = Path(words[RECORDING]).read_bytes()
     (folder / CUT).write_bytes(data[: len(data) // 2])
     command = [LEGPUSH, *(words.get(word, word) for word in COMMANDS[name])]

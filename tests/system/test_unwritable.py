@@ -34,6 +34,7 @@ COMMANDS: Final = {
     "study table --csv": ("study", "table", STUDY, "--csv", f"{OUT}.csv"),
     "study table --plot": ("study", "table", STUDY, "--plot", f"{OUT}.png"),
     "bench soak": ("bench", "soak", "--cells", "kill-sim-walking", "--out", OUT),
+    "secure init": ("secure", "init", OUT),
     "study run": ("study", "run", "study.toml", "--out", OUT),
 }
 

@@ -9,6 +9,7 @@ import wandb
 from stable_baselines3.common.logger import KVWriter
 
 from agent_proc.learning.training_plan import TrainingPlan
+from legpush.files import make_folder
 
 PROJECT: Final = "legpush"
 OFFLINE: Final = "offline"
@@ -23,6 +24,7 @@ class WandbLog(KVWriter):
     def __init__(self, plan: TrainingPlan, folder: Path) -> None:
         self._folder = folder
         name = folder.resolve().name
+        make_folder(folder / "wandb", private=True)
         self._run = wandb.init(
             project=os.environ.get("WANDB_PROJECT", PROJECT),
             dir=str(folder),

@@ -16,6 +16,7 @@ from legpush.bus.keys import parse_token
 from legpush.bus.liveliness import Liveliness
 from legpush.bus.ports import Publisher, Subscription
 from legpush.bus.recorder_taps import RecorderTaps
+from legpush.bus.secure.host_folder import Credentials
 from legpush.bus.session import ZenohSession
 from legpush.bus.tally import Tally
 from legpush.bus.transport import Session
@@ -65,6 +66,10 @@ class Bus:
         self.taps = RecorderTaps(origin, self._send_copies)
 
     def __enter__(self) -> Self:
+        if self.endpoints.credentials is not None:
+            from legpush.bus.secure.probe import require_accepted
+
+            require_accepted(self.endpoints.connect, self.endpoints.credentials)
         self._session = self._open_session(self.endpoints, f"{self.role} {self.name}")
         self._closing.callback(self._session.close)
         log.info(
@@ -77,7 +82,20 @@ class Bus:
         self._open_taps()
         everybody = keys.liveliness(self.run, "*", "*", "*")
         self._closing.callback(self._session.watch_tokens(everybody, self._take_token))
+        if self.endpoints.credentials is not None:
+            self._watch_links(self.endpoints.credentials)
         return self
+
+    def _watch_links(self, credentials: Credentials) -> None:
+        from legpush.bus.secure.link_watch import LinkWatch
+
+        log.info("taking part as %s", credentials.name)
+        watch = LinkWatch(credentials, self.endpoints.connect, self._session.linked, self._roles_shown)
+        self._closing.enter_context(watch)
+
+    def _roles_shown(self) -> set[str]:
+        """Roles of which a live process shows its token."""
+        return {peer.role for peer in self.liveliness.live()}
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._closing.close()

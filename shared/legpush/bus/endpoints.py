@@ -2,17 +2,21 @@
 
 A process that is started alone listens on the socket of its role in a directory of the user, and connects to its peers'
 sockets there, so that planner, simulator and agent find each other without flags and in any order. The launcher gives
-them sockets in a directory of the run. No other user can enter either of them. TCP is for those who ask for it.
+them sockets in a directory of the run. No other user can enter either of them. TCP is for those who ask for it, and TLS
+for those who have credentials: then nothing else is used.
 """
 
 import os
 import re
+import socket
 import stat
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from legpush.bus.secure.host_folder import Credentials
 from legpush.errors import EndpointError
 from legpush.messages.common import Role
 
@@ -25,7 +29,9 @@ CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {
     "launcher": LISTENING,
     "recorder": LISTENING,
 }
-PROTOCOLS: Final = ("unixsock-stream", "tcp")
+PROTOCOLS: Final = ("unixsock-stream", "tcp", "tls")
+TLS_PORTS: Final[dict[Role, int]] = {"planner": 17471, "sim": 17472, "agent": 17473}
+"""Where a process with credentials listens on 127.0.0.1 if nothing else is asked for."""
 _ADDRESS: Final = re.compile(r"[^?#]+:(?P<port>[0-9]{1,5})([?#]|\Z)")
 """A host and a port; Zenoh takes parameters behind them."""
 MAX_PORT: Final = 65535
@@ -39,10 +45,18 @@ class Endpoints:
 
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
+    credentials: Credentials | None = None
+    """With which certificate this process talks over TLS, and with which others."""
 
     def __post_init__(self) -> None:
         for locator in (*self.listen, *self.connect):
-            _check(locator)
+            require_locator(locator)
+            if locator.startswith("tls/") is (self.credentials is None):
+                raise EndpointError(
+                    f"Expected --secure DIR with {locator}, got no certificate"
+                    if self.credentials is None
+                    else f"Expected endpoints such as tls/127.0.0.1:17472 with --secure, got {locator!r}"
+                )
 
 
 def own_directory() -> Path:
@@ -53,9 +67,24 @@ def own_directory() -> Path:
     return Path(f"/tmp/legpush.{os.getuid()}")  # noqa: S108 - `prepare` sees to it that nobody else can enter it
 
 
-def local(role: Role) -> Endpoints:
-    """The unix sockets of a process that is started alone; `prepare` makes their directory."""
-    return _sockets(own_directory(), role)
+def local(role: Role, credentials: Credentials | None = None) -> Endpoints:
+    """The unix sockets of a process that is started alone; `prepare` makes their directory.
+
+    With credentials, TLS ports of 127.0.0.1 instead.
+    """
+    if credentials is None:
+        return _sockets(own_directory(), role)
+    return on_loopback(role, TLS_PORTS, credentials)
+
+
+def on_loopback(role: Role, ports: Mapping[Role, int], credentials: Credentials) -> Endpoints:
+    """TLS ports of 127.0.0.1 for a role, of those that planner, simulator and agent listen on."""
+    at = {peer: f"tls/127.0.0.1:{port}" for peer, port in ports.items()}
+    return Endpoints(
+        listen=(at[role],) if role in LISTENING else (),
+        connect=tuple(at[peer] for peer in CONNECTS_TO[role]),
+        credentials=credentials,
+    )
 
 
 def prepare(endpoints: Endpoints) -> None:
@@ -77,6 +106,13 @@ def prepare(endpoints: Endpoints) -> None:
     if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
         raise EndpointError(f"Expected {directory} to be a directory of this user, got one of user {found.st_uid}")
     _require_private(directory)
+
+
+def free_ports(roles: Sequence[Role]) -> dict[Role, int]:
+    """Return a different port of 127.0.0.1 for each role, on which nobody listens now."""
+    with ExitStack() as stack:
+        sockets = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in roles]
+        return {role: one.getsockname()[1] for role, one in zip(roles, sockets, strict=True)}
 
 
 def in_directory(directory: Path, role: Role) -> Endpoints:
@@ -116,7 +152,12 @@ def _socket(directory: Path, name: str) -> str:
     return f"unixsock-stream/{directory.absolute()}/{name}.sock"
 
 
-def _check(locator: str) -> None:
+def require_locator(locator: str) -> None:
+    """Check the form of an endpoint.
+
+    Raises:
+        EndpointError: It has another form; says which.
+    """
     protocol, _, address = locator.partition("/")
     if protocol not in PROTOCOLS or not address:
         raise EndpointError(
@@ -129,9 +170,9 @@ def _check(locator: str) -> None:
             "use a shorter path"
         )
     host_and_port = _ADDRESS.match(address)
-    if protocol == "tcp" and (host_and_port is None or int(host_and_port["port"]) > MAX_PORT):
+    if protocol in ("tcp", "tls") and (host_and_port is None or int(host_and_port["port"]) > MAX_PORT):
         raise EndpointError(
-            f"Expected a host and a port from 0 to {MAX_PORT}, such as tcp/127.0.0.1:17472, got {locator!r}"
+            f"Expected a host and a port from 0 to {MAX_PORT}, such as {protocol}/127.0.0.1:17472, got {locator!r}"
         )
 
 

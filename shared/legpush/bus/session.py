@@ -5,6 +5,7 @@ there yet, or comes back, is connected to within half a second, so the order of 
 """
 
 import json
+import os
 import re
 from collections.abc import Callable
 from functools import partial
@@ -16,9 +17,13 @@ import zenoh
 from legpush.bus.channels import Quality
 from legpush.bus.endpoints import Endpoints, listing, prepare
 from legpush.bus.liveliness import LEASE_S
+from legpush.bus.secure.access_rules import access_control
+from legpush.bus.secure.host_folder import Credentials
 from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Undeclare, ignore
 from legpush.errors import EndpointError
 
+NO_COLOUR: Final = "NO_COLOR"
+"""Environment variable that keeps escape sequences out of Zenoh's log."""
 RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
 
 _SOURCE: Final = re.compile(r"\.? at /\S+\.rs:\d+\.?")
@@ -47,6 +52,11 @@ class ZenohSession:
     def close(self) -> None:
         """Close all links."""
         self._session.close()
+
+    def linked(self) -> tuple[str, ...]:
+        """Return the names in the certificates of all processes at the other ends of the links, if they have any."""
+        names = (link.auth_identifier for link in self._session.info.links())
+        return tuple(str(name) for name in names if name is not None)
 
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`; those of the lockstep are never dropped on a living link."""
@@ -139,10 +149,44 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         "open/return_conditions/connect_scouted": False,
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": round(1e3 * LEASE_S),
+        "adminspace/enabled": False,
     }
+    if endpoints.credentials is not None:
+        settings |= _secured(endpoints.credentials)
     for path, value in settings.items():
         config.insert_json5(path, json.dumps(value))
     return config
+
+
+def _secured(credentials: Credentials) -> dict[str, Any]:
+    """Return settings for TLS with certificates on both sides, and for what each certificate may say and hear."""
+    certificate, key = str(credentials.certificate), str(credentials.key)
+    return {
+        "transport/link/tls": {
+            "root_ca_certificate": str(credentials.authority),
+            "enable_mtls": True,
+            "listen_certificate": certificate,
+            "listen_private_key": key,
+            "connect_certificate": certificate,
+            "connect_private_key": key,
+            "verify_name_on_connect": True,
+            "close_link_on_expiration": True,
+        },
+        "access_control": access_control(credentials.names),
+    }
+
+
+def log_refused_links() -> None:
+    """Write a line to standard output for each handshake of TLS that fails: all that Zenoh says about strangers."""
+    before = os.environ.get(NO_COLOUR)
+    os.environ[NO_COLOUR] = "1"
+    try:
+        zenoh.init_log_from_env_or("zenoh_link_tls=warn")
+    finally:
+        if before is None:
+            del os.environ[NO_COLOUR]
+        else:
+            os.environ[NO_COLOUR] = before
 
 
 def _callback(function: Callable[[zenoh.Sample], None]) -> Any:

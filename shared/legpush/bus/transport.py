@@ -1,6 +1,6 @@
 """What the bus needs of a network: a session that sends bytes, receives bytes, and shows who is alive."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from legpush.bus.channels import Quality
@@ -31,6 +31,9 @@ class Session(Protocol):
 
     def close(self) -> None:
         """Close all links."""
+
+    def linked(self) -> Sequence[str]:
+        """Return the names in the certificates of all processes at the other ends of the links, if they have any."""
 
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`."""

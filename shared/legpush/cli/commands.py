@@ -8,6 +8,7 @@ from operator import or_
 from typing import Annotated, Any, Final
 
 from legpush.arguments import subcommand
+from legpush.authority.options import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.errors import ConfigError
 from legpush.options.bench import ListFaults, SoakOptions
 from legpush.options.conformance import PlanCheckOptions
@@ -73,6 +74,16 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
     ),
     "bench": Group(
         "Measure how missions and trainings stand what goes wrong.", {"soak": SoakOptions, "faults": ListFaults}
+    ),
+    "secure": Group(
+        "Make, add, renew, revoke or list the certificates with which hosts talk to each other.",
+        {
+            "init": BeginAuthority,
+            "add": AddHosts,
+            "renew": RenewCertificates,
+            "revoke": RevokeCertificates,
+            "show": ShowCertificates,
+        },
     ),
     "plan-check": PlanCheckOptions,
     "doctor": DoctorOptions,

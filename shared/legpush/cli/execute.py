@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from functools import singledispatch
 
 from legpush.arguments import parse
+from legpush.authority.options import AddHosts, BeginAuthority, RenewCertificates, RevokeCertificates, ShowCertificates
 from legpush.cli.commands import COMMANDS, choice_of
 from legpush.entry.interrupts import hold
 from legpush.errors import ConfigError, one_line, printable
@@ -230,6 +231,15 @@ def _merge_studies(command: MergeStudies) -> int:
     sys.stdout.write(f"{n_rows} of {n_cells} cells; written to {command.folder}\n")
     document({"folder": command.folder, "n_rows": n_rows, "n_cells": n_cells})
     return 0
+
+
+@execute.register
+def _secure(
+    command: BeginAuthority | AddHosts | RenewCertificates | RevokeCertificates | ShowCertificates,
+) -> int:
+    from legpush.authority.command import run_secure
+
+    return run_secure(command)
 
 
 @execute.register

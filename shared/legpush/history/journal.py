@@ -248,7 +248,7 @@ def _create(path: Path, opened: Opened) -> None:
     """Put a new journal in place as a whole, so that every journal that is found has its first entry."""
     path.parent.mkdir(parents=True, exist_ok=True)
     # If another process makes the same journal at this moment, the lock decides between the two.
-    with suppress(FileExistsError), new_file(path) as scratch:
+    with suppress(FileExistsError), new_file(path, private=True) as scratch:
         scratch.write_bytes(MAGIC + frame(codec.encode(AnyEntry(e=opened))))
 
 

@@ -87,7 +87,7 @@ def cut(path: Path, file: int, position: int) -> Path:
     """
     names = (path.with_name(f"{path.name}{DAMAGED}{f'-{number}' if number else ''}") for number in count())
     kept = next(name for name in names if not name.exists())
-    with new_file(kept) as scratch:
+    with new_file(kept, private=True) as scratch:
         shutil.copyfile(path, scratch)
     os.ftruncate(file, position)
     os.fsync(file)

@@ -5,11 +5,13 @@ import subprocess
 from pathlib import Path
 from typing import Final
 
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import DISK_FULL, ConfigError, LegpushError, OtherVersionError
 from legpush.history.entries import Opened
 from legpush.history.journal import cannot_go_on, read_entries
 from legpush.launch.last_words import ERROR
 from legpush.launch.process_commands import Place, Programs, agent_flags
+from legpush.messages.common import ROLES
 from legpush.numerics.computed_with import computed_with
 from legpush.options.checks import require_writable_folder
 from legpush.options.run import RunOptions
@@ -35,10 +37,13 @@ def check_mission(options: RunOptions, scenario: Scenario, folder: Path, program
     Raises:
         ConfigError: The folder cannot be written to, the robot cannot push the box, the planner cannot steer so, or the
             policy, the push map or the recording to continue cannot be used.
+        CredentialsError: A certificate of --secure cannot be used.
         OtherVersionError: The folder has the mission of another version, whose scenarios were written otherwise.
         LegpushError: The check itself failed.
     """
     require_writable_folder(folder, "--out")
+    for role in (*ROLES, "launcher", "recorder"):
+        credentials_of(options.secure, role)
     _require_this_version(folder, scenario)
     if heavy := cannot_push(scenario):
         raise ConfigError(f"{scenario.name}: {heavy}; {REASONS['too_heavy'].remedy}")

@@ -2,11 +2,12 @@
 
 import shlex
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from legpush.bus.endpoints import in_directory
+from legpush.bus.endpoints import Endpoints, in_directory, on_loopback
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.launch.film import film_arguments
 from legpush.messages.common import Role
 from legpush.options.run import RunOptions, split_command
@@ -24,11 +25,27 @@ class Place:
     """The folder for the results of the run; absolute."""
     sockets: Path
     """A directory of mode 0700 for the sockets of its processes."""
+    secure: Path | None = None
+    """The folder of this host, for processes that talk over TLS instead."""
+    ports: Mapping[Role, int] = field(default_factory=dict)
+    """Their ports of 127.0.0.1."""
 
     @property
     def run(self) -> str:
         """The name of the run on the bus."""
         return run_name(self.folder)
+
+    def endpoints(self, role: Role) -> Endpoints:
+        """Return where a process of the run listens and connects.
+
+        Raises:
+            EndpointError: The directory of the sockets cannot be used.
+            CredentialsError: The certificate of the process cannot be used.
+        """
+        credentials = credentials_of(self.secure, role)
+        if credentials is None:
+            return in_directory(self.sockets, role)
+        return on_loopback(role, self.ports, credentials)
 
 
 def process_arguments(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
@@ -85,10 +102,12 @@ class Programs:
 
 def bus_flags(role: Role, options: RunOptions, place: Place) -> tuple[str, ...]:
     """Return the flags for the endpoints of a process, for injected faults and for recording."""
-    endpoints = in_directory(place.sockets, role)
+    endpoints = place.endpoints(role)
     flags = ["--run", place.run, "--listen", *endpoints.listen]
     if endpoints.connect:
         flags += ["--connect", *endpoints.connect]
+    if place.secure is not None:
+        flags += ["--secure", str(place.secure.absolute())]
     foreign = role == "planner" and options.planner_command is not None
     if options.inject_faults > 0.0 and not foreign:
         flags += ["--inject-faults", str(options.inject_faults), "--fault-seed", str(options.seed)]

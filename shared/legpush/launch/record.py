@@ -2,11 +2,12 @@
 
 import logging
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from time import time
 
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import Endpoints, local
+from legpush.bus.endpoints import local
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import printable
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.options.checks import require_writable_file
@@ -25,8 +26,10 @@ def run_recorder(options: RecordOptions) -> int:
     """Record, and return the exit code: 0 if the recording is complete, 1 if not."""
     require_writable_file(options.file, "FILE")
     # With --listen, the processes are started by hand.
-    chosen = choose_run(options.run, options.connect or (local("recorder").connect if options.listen else ()))
-    at = Endpoints(listen=options.listen, connect=chosen.endpoints.connect)
+    credentials = credentials_of(options.secure, "recorder")
+    usual = local("recorder", credentials).connect if options.listen else ()
+    chosen = choose_run(options.run, options.connect or usual, credentials)
+    at = replace(chosen.endpoints, listen=options.listen)
     stop = stop_on_signals()
     start_log(f"recorder/{options.name}", "warning" if options.output.quiet else "info")
     about = {

@@ -1,6 +1,7 @@
 """`legpush replay`: verifies a recording, lets it take the part of a process, or publishes it again."""
 
 import logging
+import shlex
 import sys
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -12,6 +13,7 @@ from rich.console import Console
 
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, local
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import INTERRUPTED, ConfigError, OtherVersionError, StopRequestedError, one_line, printable
 from legpush.launch.display import make_display
 from legpush.launch.process_commands import Place, Programs, process_arguments, recorded_policy_flags
@@ -54,13 +56,13 @@ def publish_again(options: ReplayOptions) -> int:
     recording = read_recording(options.files)
     from_start(recording, options.start_s)
     stop = stop_on_signals()
-    listen = options.listen or local("agent").listen
-    with Bus(options.run, "launcher", "replay", Endpoints(listen=listen)) as bus:
+    credentials = credentials_of(options.secure, "launcher")
+    listen = options.listen or local("agent", credentials).listen
+    with Bus(options.run, "launcher", "replay", Endpoints(listen=listen, credentials=credentials)) as bus:
         bus.announce()
-        connect = " ".join(listen)
-        sys.stdout.write(
-            f"publishing as run {options.run}; `legpush record FILE --run {options.run} --connect {connect}`\n"
-        )
+        words = ["legpush", "record", "FILE", "--run", options.run, "--connect", *listen]
+        words += [] if options.secure is None else ["--secure", str(options.secure)]
+        sys.stdout.write(f"publishing as run {options.run}; `{shlex.join(words)}`\n")
         sys.stdout.flush()
         turn = n = 0
         while not stop.is_set() and (options.loop or turn == 0):

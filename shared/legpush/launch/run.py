@@ -16,7 +16,7 @@ from rich.text import Text
 
 from legpush.bus import channels
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import in_directory
+from legpush.bus.endpoints import LISTENING, free_ports
 from legpush.errors import DISK_FULL, INTERRUPTED, ConfigError, LegpushError, is_disk_full, printable
 from legpush.files import next_file, require_space, write_whole
 from legpush.history.mending import mend
@@ -101,7 +101,7 @@ def _run_and_tell(
     """Run the mission in its folder, and tell the user how it ended, except on a full disk."""
     for line in clear_killed_runs():
         console.print(Text(line), soft_wrap=True)
-    with run_folder(folder, scenario):
+    with run_folder(folder, scenario, private=options.out is None):
         if (report := finished_report(folder, options)) is not None:
             console.print(Text(f"finished already; the report in {folder} is kept"), soft_wrap=True)
             _summarize(console, folder, report)
@@ -109,7 +109,7 @@ def _run_and_tell(
         for journal in journals(folder):
             if done := mend(journal):
                 console.print(Text(done), soft_wrap=True)
-        write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode())
+        write_whole(folder / LOGS / COMMAND_FILE, f"{again}\n".encode(), private=True)
         verdict = _run_in(folder, options, programs, console, about)
         if verdict.exit_code in (NO_SUCCESS, GAVE_UP) and not (folder / REPORT_FILE).exists():
             require_space(folder)  # on a full disk a process cannot even say so in its log
@@ -171,9 +171,10 @@ def _run_in(
     """Run the mission; every process has ended when this returns."""
     with ExitStack() as stack:
         sockets = stack.enter_context(socket_directory())
-        place = Place(folder=given.absolute(), sockets=sockets)
-        for_recorders = in_directory(sockets, "recorder")
-        bus = stack.enter_context(Bus(place.run, "launcher", "main", in_directory(sockets, "launcher")))
+        ports = {} if options.secure is None else free_ports(LISTENING)
+        place = Place(folder=given.absolute(), sockets=sockets, secure=options.secure, ports=ports)
+        for_recorders = place.endpoints("recorder")
+        bus = stack.enter_context(Bus(place.run, "launcher", "main", place.endpoints("launcher")))
         statuses = bus.subscribe(channels.statuses(bus.run))
         display = stack.enter_context(make_display(console))
         crew = stack.enter_context(Crew())
@@ -247,6 +248,8 @@ def _again(options: RunOptions, folder: Path) -> str:
         words += ["--planner-command", options.planner_command]
     if options.push_map is not None:
         words += ["--push-map", str(options.push_map)]
+    if options.secure is not None:
+        words += ["--secure", str(options.secure)]
     if not options.picture:
         words += ["--no-picture"]
     if not options.video:

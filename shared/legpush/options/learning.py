@@ -43,6 +43,8 @@ class SimulatorOptions:
     """With --join: endpoints to listen on for the simulators."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """With --join: endpoints on which the simulators listen."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """With --join: folder of this host that `legpush secure init` made; talk over TLS alone, as an agent."""
     record: Annotated[Path | None, arg("FILE")] = None
     """Record all messages into this new MCAP file; see `legpush replay`."""
 
@@ -50,6 +52,10 @@ class SimulatorOptions:
         require(Simulators, self.simulators, "--simulators")
         if self.join is None and (self.listen or self.connect):
             raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
+        if self.join is None and self.secure is not None:
+            raise ConfigError(
+                "Expected --join RUN with --secure: simulators that this command starts are reached by its user alone"
+            )
         if self.world != DEFAULT_WORLD and (self.join is not None or self.record is not None):
             raise ConfigError(
                 f"Expected --world {DEFAULT_WORLD} with --join and --record: {self.world} is no process on a bus"

@@ -41,6 +41,9 @@ class RecordOptions:
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of planner, simulator and agent. If not given, --run finds them, or they are the sockets of processes
     started by hand."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init` made: talk over TLS alone, as a recorder. The usual endpoints are
+    then the ports 17471 to 17473 of 127.0.0.1."""
     topics: Annotated[tuple[str, ...], arg("PATTERN ...")] = ()
     """Record only these topics, such as "sim/*" "plan/*"."""
     split_mb: Annotated[float | None, arg("MB")] = None
@@ -120,6 +123,9 @@ class ReplayOptions:
     """Name of the run in which the recording is published."""
     listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints for the recorders and viewers of that run; if not given, the socket of an agent started by hand."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init` made: publish over TLS alone, as a launcher; if --listen is not
+    given, at port 17473 of 127.0.0.1."""
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
@@ -127,6 +133,8 @@ class ReplayOptions:
             raise ConfigError("Expected the file of a recording, got none")
         if self.verify and self.as_role is not None:
             raise ConfigError("Expected either --verify or --as, got both")
+        if self.secure is not None and (self.verify or self.as_role is not None):
+            raise ConfigError("Expected --secure without --verify and --as: these start processes of their own")
         if self.policy is not None and self.as_role not in ("planner", "sim"):
             raise ConfigError("Expected --as planner or --as sim with --policy, since nothing else asks the policy")
         require(Speed, self.rate, "--rate")

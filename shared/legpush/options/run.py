@@ -48,6 +48,9 @@ class RunOptions:
     """Replaces the scenario's search for paths, `planning.planner`."""
     record: Annotated[Path | None, arg("FILE")] = None
     """Record all messages of the processes into this new MCAP file; see `legpush replay`."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init` made: the processes talk over TLS at ports of 127.0.0.1, instead
+    of over sockets in a private folder."""
     picture: Switch = True
     """Draw mission.png at the end."""
     video: Switch = True
@@ -69,6 +72,10 @@ class RunOptions:
             require_new_file(self.record, "--record")
         if self.planner_command is not None:
             split_command(self.planner_command)
+            if self.secure is not None:
+                raise ConfigError(
+                    "Expected either --planner-command or --secure, got both: start such a planner by hand"
+                )
         require(WaitS, self.deadline_s, "--deadline", "seconds")
 
     def resolved_scenario(self) -> "Scenario":

@@ -29,6 +29,8 @@ class ViewOptions:
     """The run to show, if there are several; if not given, the one in LEGPUSH_RUN."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of the processes, if no launcher of this machine started them."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init` made: reach the run over TLS alone, as a viewer."""
     host: Annotated[str, arg("ADDRESS")] = "127.0.0.1"
     """Address to listen on; 0.0.0.0 lets other machines open the page, without encryption. A tunnel is safer; it has to
     keep the port, as in ssh -L 8765:127.0.0.1:8765 HOST."""
@@ -39,7 +41,9 @@ class ViewOptions:
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
-        if self.files and (self.run is not None or self.connect):
-            raise ConfigError("Expected either the files of a recording or a live run (--run, --connect), got both")
+        if self.files and (self.run is not None or self.connect or self.secure is not None):
+            raise ConfigError(
+                "Expected either the files of a recording or a live run (--run, --connect, --secure), got both"
+            )
         if not 0 <= self.port <= MAX_PORT:
             raise ConfigError(f"Expected a port from 0 to {MAX_PORT} for --port, got {self.port}")

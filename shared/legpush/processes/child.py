@@ -13,6 +13,7 @@ from typing import Final
 
 import psutil
 
+from legpush.files import private_opener
 from legpush.processes import parent_watch
 
 TAIL_LINES: Final = 12
@@ -53,7 +54,7 @@ class Process:
         """Negative is the signal that ended it; None while it runs."""
         self._on_exit = on_exit
         self._reaping = threading.Lock()
-        with command.log.open("ab") as log:
+        with open(command.log, "ab", opener=private_opener) as log:
             self._log_start = log.tell()
             self._child = subprocess.Popen(
                 [sys.executable, "-I", "-S", parent_watch.__file__, str(os.getpid()), *command.argv],

@@ -13,6 +13,7 @@ from typing import Final, Literal, Self
 
 from legpush.bus.endpoints import Endpoints, in_directory, in_pool
 from legpush.errors import ConfigError, PeerError
+from legpush.files import make_folder
 from legpush.patience import SLICE_S
 from legpush.processes.child import Command, Process, describe_exit
 from legpush.processes.crew import Crew, Interrupt
@@ -75,7 +76,7 @@ class SimPool:
 
     def __enter__(self) -> Self:
         try:
-            self._logs.mkdir(parents=True, exist_ok=True)
+            make_folder(self._logs, private=True)
         except OSError as error:
             raise ConfigError(
                 f"Expected a folder that can be made for logs, got {self._logs} ({error.strerror})"

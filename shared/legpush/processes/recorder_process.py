@@ -19,6 +19,8 @@ def recorder_arguments(
     """The command line of a recorder; `about` becomes metadata of the recording."""
     argv = [sys.executable, "-P", "-m", "legpush.entry", "legpush.launch.record", str(file.absolute()), "--run", run]
     argv += ["--listen", *endpoints.listen, "--connect", *endpoints.connect]
+    if endpoints.credentials is not None:
+        argv += ["--secure", str(endpoints.credentials.folder)]
     for name, value in (about or {}).items():
         argv += ["--about", f"{name}={value}"]
     return tuple(argv)

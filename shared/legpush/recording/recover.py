@@ -34,7 +34,7 @@ def recover(path: Path, out: Path) -> Recording:
     recording.completeness = _statement(scan, recording)
     about = {**recording.about, RECOVERED_FROM: path.name}
     try:
-        with new_file(out) as scratch:
+        with new_file(out, private=True) as scratch:
             _write(recording, RecordingFile(scratch, about, part=recording.part))
     except FileExistsError as error:
         raise RecordingError(f"{out}: expected a new file for a recording, but there is one") from error

@@ -4,9 +4,9 @@ In this order:
 
 1. With endpoints (`--connect`): what listens there, in the run `--run`, `LEGPUSH_RUN` or `local`.
 2. With a name (`--run`, else `LEGPUSH_RUN`): the live run of a launcher that has this name or folder; if there is none,
-   processes that were started by hand, on their fixed ports, in the run of this name.
+   processes that were started by hand, on their usual sockets, in the run of this name.
 3. With neither: the one live run; several are an error that lists them; if there is none, processes that were started
-   by hand, on their fixed ports, in the run `local`.
+   by hand, on their usual sockets, in the run `local`.
 
 So `LEGPUSH_RUN` says the same to every process that is started in a terminal: which run it belongs to. Launchers name
 their runs themselves, by their folders, whatever it says.
@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from legpush.bus.endpoints import DEFAULT_RUN, Endpoints, listing, local
+from legpush.bus.secure.host_folder import Credentials
 from legpush.errors import ConfigError
 from legpush.fields import Name, require
 from legpush.runs.live_runs import LiveRun, find_live_runs
@@ -42,38 +43,48 @@ class ChosenRun:
         return str(self.launched) if self.launched is not None else f"{self.run} at {listing(self.endpoints.connect)}"
 
 
-def choose_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
+def choose_run(
+    run: str | None = None, connect: tuple[str, ...] = (), credentials: Credentials | None = None
+) -> ChosenRun:
     """Return the run to watch: the live one if there is one, else processes that are started by hand.
 
-    `run` and `connect` are what the command line says.
+    `run` and `connect` are what the command line says. With `credentials`, its processes have to listen on TLS ports.
 
     Raises:
         ConfigError: Several live runs are meant, or `run` is no name.
+        EndpointError: An endpoint has another form, or TLS is missing on one side.
     """
-    return find_run(run, connect) or by_hand(run)
+    return find_run(run, connect, credentials) or by_hand(run, (), credentials)
 
 
-def find_run(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun | None:
+def find_run(
+    run: str | None = None, connect: tuple[str, ...] = (), credentials: Credentials | None = None
+) -> ChosenRun | None:
     """Like `choose_run`, but returns None while no such run is live, so that callers can poll."""
     if connect:
-        return by_hand(run, connect)
+        return by_hand(run, connect, credentials)
     name, live = _name(run), find_live_runs()
     meant = live if name is None else _called(name, live)
     if not meant:
         return None
     if len(meant) > 1:
         raise ConfigError(f"Expected --run with the name or folder of one of the live runs: {_list(meant)}")
-    return ChosenRun(run=meant[0].run, endpoints=Endpoints(connect=meant[0].connect), launched=meant[0])
+    return ChosenRun(run=meant[0].run, endpoints=_at(meant[0].connect, credentials), launched=meant[0])
 
 
-def by_hand(run: str | None = None, connect: tuple[str, ...] = ()) -> ChosenRun:
-    """Processes that were started by hand, on the sockets of this user if no endpoints are given."""
+def by_hand(run: str | None = None, connect: tuple[str, ...] = (), credentials: Credentials | None = None) -> ChosenRun:
+    """Processes that were started by hand, on the usual sockets or TLS ports if no endpoints are given."""
     name = _name(run) or DEFAULT_RUN
     try:
         require(Name, name, "--run")
     except ConfigError as error:
         raise ConfigError(f"{error}; live: {_list(find_live_runs()) or 'none'}") from error
-    return ChosenRun(run=name, endpoints=Endpoints(connect=connect or local("recorder").connect))
+    usual = local("recorder", credentials)
+    return ChosenRun(run=name, endpoints=_at(connect, credentials) if connect else usual)
+
+
+def _at(connect: tuple[str, ...], credentials: Credentials | None) -> Endpoints:
+    return Endpoints(connect=connect, credentials=credentials)
 
 
 def _name(run: str | None) -> str | None:

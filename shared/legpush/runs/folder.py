@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError
-from legpush.files import new_file
+from legpush.files import make_folder, new_file
 from legpush.scenarios.file import dump_scenario
 from legpush.scene.scenario import Scenario
 
@@ -45,17 +45,18 @@ def run_name(folder: Path) -> str:
 
 
 @contextmanager
-def run_folder(folder: Path, scenario: Scenario) -> Iterator[None]:
+def run_folder(folder: Path, scenario: Scenario, *, private: bool) -> Iterator[None]:
     """Make the folder, with the resolved scenario and a place for logs in it, and keep other launchers out meanwhile.
 
-    The folder of an earlier run of the same scenario may be used again: that run goes on where it ended.
+    The folder of an earlier run of the same scenario may be used again: that run goes on where it ended. Only the user
+    can enter a new folder that is `private`, and its logs in any case.
 
     Raises:
         ConfigError: The folder has something else or a link in it, cannot be written to, or is used by another
             launcher.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder, private=private)
         lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     except OSError as error:
         raise _unusable(folder, error) from error
@@ -88,7 +89,7 @@ def _fill(folder: Path, scenario: bytes) -> None:
         else:
             with new_file(file) as scratch:
                 scratch.write_bytes(scenario)
-        (folder / LOGS).mkdir(exist_ok=True)
+        make_folder(folder / LOGS, private=True)
     except OSError as error:
         raise _unusable(folder, error) from error
 

@@ -17,7 +17,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from legpush.bounds import Count
-from legpush.bus.endpoints import Endpoints
+from legpush.bus.endpoints import require_locator
 from legpush.errors import EndpointError, printable
 from legpush.fields import Name
 from legpush.files import new_file
@@ -125,7 +125,8 @@ def _read(path: Path, *, locked: bool = True) -> LiveRun | None:
         if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_BYTES or _is_locked(descriptor) is not locked:
             return None
         run = msgspec.json.decode(os.read(descriptor, MAX_BYTES), type=LiveRun)
-        Endpoints(connect=run.connect)
+        for locator in run.connect:
+            require_locator(locator)
     except (OSError, UnicodeDecodeError, msgspec.MsgspecError, EndpointError):
         return None
     finally:

@@ -180,4 +180,4 @@ def write_report(report: Report | dict[str, Any], folder: Path) -> None:
     Raises:
         DiskError: It cannot be written; the previous one is unchanged.
     """
-    write_whole(folder / REPORT_FILE, (json.dumps(to_builtins(report), indent=2) + "\n").encode())
+    write_whole(folder / REPORT_FILE, (json.dumps(to_builtins(report), indent=2) + "\n").encode(), private=True)

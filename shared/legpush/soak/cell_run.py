@@ -11,6 +11,7 @@ from typing import Final
 from msgspec import Struct
 
 from legpush.errors import DISK_FULL, PeerError
+from legpush.files import write_whole
 from legpush.history.journal import read_entries
 from legpush.soak.check import differences, recorded_wrongs, report_of, steps_of
 from legpush.soak.inject import injector
@@ -102,7 +103,7 @@ def run_cell(cell: Cell, folder: Path, expected: Path, seed: int) -> CellResult:
     if result.is_as_expected:
         shutil.rmtree(folder)
     else:
-        (folder / "said.log").write_text(said)
+        write_whole(folder / "said.log", said.encode(), private=True)
     return result
 
 

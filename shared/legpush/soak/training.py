@@ -20,7 +20,7 @@ import psutil
 from msgspec import Struct
 
 from legpush.errors import PeerError, StopRequestedError
-from legpush.files import write_whole
+from legpush.files import private_opener, write_whole
 from legpush.soak.mission import LEGPUSH
 from legpush.soak.resources import Growth, Sample, growths, sample
 
@@ -169,7 +169,7 @@ class TrainingSoak:
         """Run a training to its end, started again for as long as `disturb` kills it."""
         folder = self._place(name, len(self._state.finished_steps))
         while not (folder / "last").exists():
-            with (self._folder / f"{name}.log").open("ab") as log:
+            with open(self._folder / f"{name}.log", "ab", opener=private_opener) as log:
                 learner = subprocess.Popen(self._command(folder, n_steps), stdout=log, stderr=subprocess.STDOUT)
             with ExitStack() as stack:
                 stack.callback(_end, learner)

@@ -159,7 +159,7 @@ class StudyFolder:
             DiskError: They cannot be written.
         """
         text = msgspec.json.format(msgspec.json.encode(failure), indent=1)
-        write_whole(self.failed / f"{failure.cell}.json", text + b"\n")
+        write_whole(self.failed / f"{failure.cell}.json", text + b"\n", private=True)
 
     def forget_failures(self, cells: Iterable[str]) -> None:
         """Remove the last words of cells that are run again."""
@@ -226,7 +226,8 @@ class StudyFolder:
                 torn.unlink()
 
     def _write_record(self, record: StudyRecord) -> None:
-        write_whole(self.path / RECORD_FILE, msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n")
+        text = msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n"
+        write_whole(self.path / RECORD_FILE, text, private=True)
 
     def _require_same(self, sources: Sequence[str], record: StudyRecord) -> None:
         there = self.record()

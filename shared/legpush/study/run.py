@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from legpush.errors import INTERRUPTED
+from legpush.files import make_folder
 from legpush.options.checks import require_writable_folder
 from legpush.options.study import RunStudy
 from legpush.output.reply import document
@@ -41,6 +42,7 @@ def run_study(options: RunStudy, console: Console) -> int:
         retry_failed=options.retry_failed,
         shown=partial(shown, console),
     )
+    make_folder(folder.path, private=options.out is None)
     tally = carry_out(study, folder.path, orders)
     if stop.is_set():
         console.print(Text(f"interrupted: {line(tally, 0.0)}; to go on: {again}"), soft_wrap=True)

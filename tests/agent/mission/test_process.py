@@ -247,7 +247,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
 
     with pytest.raises(ConfigError, match=r"Expected a folder that can be made for --out, got .*file/out"):
-        writable_folder(tmp_path / "file" / "out")
+        writable_folder(tmp_path / "file" / "out", private=True)
 
 
 def test_the_scripted_policy_needs_neither_torch_nor_the_libraries_of_the_other_processes() -> None:

@@ -63,6 +63,10 @@ class MemorySession:
         for declaration in tuple(self._tokens):
             self._hide_token(declaration)
 
+    def linked(self) -> tuple[str, ...]:
+        """No certificates."""
+        return ()
+
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`."""
         self._network.qualities[key] = quality

@@ -1,12 +1,15 @@
 """Where processes listen and connect."""
 
 import os
+import socket
 from pathlib import Path
 
 import pytest
 
+from legpush.authority.carry_out import begin
 from legpush.bus import endpoints
 from legpush.bus.endpoints import Endpoints
+from legpush.bus.secure.host_folder import read_credentials
 from legpush.errors import EndpointError
 
 
@@ -76,9 +79,15 @@ def test_a_socket_path_that_the_system_cannot_hold_is_refused(tmp_path: Path) ->
     "address", ["127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", "[::1]:65536", "h:80x", ":80", "h:-1"]
 )
 def test_a_port_that_is_none_is_refused_before_anything_waits_for_it(address: str) -> None:
-    for endpoint in ({"listen": (f"tcp/{address}",)}, {"connect": (f"tcp/{address}",)}):
-        with pytest.raises(EndpointError, match="Expected a host and a port from 0 to 65535, such as tcp/127"):
-            Endpoints(**endpoint)
+    for protocol in ("tcp", "tls"):
+        locator, said = (
+            (f"{protocol}/{address}",),
+            f"Expected a host and a port from 0 to 65535, such as {protocol}/127",
+        )
+        with pytest.raises(EndpointError, match=said):
+            Endpoints(listen=locator)
+        with pytest.raises(EndpointError, match=said):
+            Endpoints(connect=locator)
 
 
 @pytest.mark.parametrize(
@@ -92,3 +101,42 @@ def test_a_host_with_a_port_is_an_endpoint(address: str) -> None:
 def test_an_endpoint_that_is_none_is_refused_with_an_example(locator: str) -> None:
     with pytest.raises(EndpointError, match=r"such as tcp/127\.0\.0\.1:17472"):
         Endpoints(listen=(locator,))
+
+
+@pytest.fixture
+def host(tmp_path: Path) -> Path:
+    """The folder of a host with certificates."""
+    begin(tmp_path / "lab", ["robot"], 90, 90)
+    return tmp_path / "lab" / "robot"
+
+
+def test_with_credentials_processes_started_alone_find_each_other_at_tls_ports(host: Path) -> None:
+    at = {role: endpoints.local(role, read_credentials(host, role)) for role in endpoints.CONNECTS_TO}
+    assert {role: at[role].listen for role in endpoints.LISTENING} == {
+        "planner": ("tls/127.0.0.1:17471",),
+        "sim": ("tls/127.0.0.1:17472",),
+        "agent": ("tls/127.0.0.1:17473",),
+    }
+    assert set(at["agent"].connect) == {*at["planner"].listen, *at["sim"].listen}
+    for watcher in ("launcher", "recorder"):
+        assert at[watcher].listen == ()
+        assert len(at[watcher].connect) == 3
+
+
+def test_tls_needs_credentials_and_nothing_else_goes_with_them(host: Path) -> None:
+    tls, credentials = "tls/127.0.0.1:17472", read_credentials(host, "sim")
+    assert Endpoints(listen=(tls,), credentials=credentials).credentials == credentials
+    with pytest.raises(EndpointError, match=r"Expected --secure DIR with tls/127\.0\.0\.1:17472, got no certificate"):
+        Endpoints(connect=(tls,))
+    for other in ("tcp/127.0.0.1:17472", "unixsock-stream//tmp/x.sock"):
+        with pytest.raises(EndpointError, match=r"Expected endpoints such as tls/.* with --secure, got '"):
+            Endpoints(listen=(other,), credentials=credentials)
+
+
+def test_free_ports_are_different_and_nobody_listens_there() -> None:
+    ports = endpoints.free_ports(endpoints.LISTENING)
+    assert list(ports) == list(endpoints.LISTENING)
+    assert len(set(ports.values())) == 3
+    for port in ports.values():
+        with socket.create_server(("127.0.0.1", port)):
+            pass

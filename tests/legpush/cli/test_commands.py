@@ -26,6 +26,7 @@ SEVERAL: Final = {
     "friction": {"MU", "LOW HIGH"},
     "mass_kg": {"KG", "LOW HIGH"},
     "init": {"POLICY|DIR"},
+    "hosts": {"HOST", "HOST[=ADDRESS,...]"},
 }
 """Metavars of fields that have another one in another command, and why: a folder or a file, a number or an interval."""
 

@@ -23,6 +23,9 @@ NEEDED: Final[dict[str, list[str]]] = {
     "study run": ["study.toml"],
     "study verify": ["study"],
     "export": ["old.mcap", "--to", "mp4"],
+    "secure init": ["new"],
+    "secure add": ["lab", "robot"],
+    "secure renew": ["lab"],
 }
 """What a command needs besides the number."""
 AFTER: Final[dict[str, list[str]]] = {"plan-check": ["--", "sh"]}

@@ -16,6 +16,7 @@ from mcap.writer import CompressionType, Writer
 from msgspec import Struct
 
 from legpush.errors import RecordingError
+from legpush.files import PRIVATE_FILE
 from legpush.messages import codec, planning, stepping, telemetry
 from legpush.messages.schemas import json_schema
 from legpush.messages.telemetry import Copy, Origin
@@ -218,7 +219,7 @@ class _Stream:
     def __init__(self, path: Path) -> None:
         self._path = path
         try:
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, PRIVATE_FILE)
         except FileExistsError as error:
             raise RecordingError(f"{path}: expected a new file for a recording, but there is one") from error
         except OSError as error:

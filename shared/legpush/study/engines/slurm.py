@@ -23,6 +23,7 @@ from submitit.core.utils import FailedJobError, UncompletedJobError
 from submitit.slurm.slurm import SlurmExecutor
 
 from legpush.errors import ConfigError, LegpushError
+from legpush.files import make_folder
 from legpush.study.engines.engine import Pace, WorkerLostError
 from legpush.study.engines.kept_work import work_and_keep
 from legpush.study.folder import PARTS
@@ -98,6 +99,7 @@ class SlurmEngine:
         self._name = f"legpush-{hashlib.sha256(str(study.absolute()).encode()).hexdigest()[:8]}"
         self._is_local, self._parameters = _read_options(options)
         folder = study.absolute() / FOLDER
+        make_folder(folder, private=True)  # the scripts in it hold environment variables of the user
         if self._is_local:
             # A setup would put a shell between submitit and the worker, which ends the one without the other.
             os.environ.update(environment)

@@ -1,0 +1,26 @@
+"""Names of certificates. Zenoh compares whole names, without patterns, so every name is listed.
+
+A name says role, host and serial, such as `sim.robot.1`. A renewed certificate has the next serial.
+"""
+
+from typing import Final, Literal, get_args
+
+CertificateRole = Literal["planner", "sim", "agent", "launcher", "recorder", "viewer"]
+"""What a certificate is for. A viewer takes part as a recorder does, but its certificate lets it say less."""
+CERTIFICATE_ROLES: Final[tuple[CertificateRole, ...]] = get_args(CertificateRole)
+WORDS: Final[dict[CertificateRole, str]] = {
+    "planner": "a planner",
+    "sim": "a simulator",
+    "agent": "an agent",
+    "launcher": "a launcher",
+    "recorder": "a recorder",
+    "viewer": "a viewer",
+}
+"""What people read."""
+MAX_NAME: Final = 64
+"""Most characters of a common name, by X.509."""
+
+
+def certificate_name(role: CertificateRole, host: str, serial: int) -> str:
+    """Return the name of a certificate."""
+    return f"{role}.{host}.{serial}"
