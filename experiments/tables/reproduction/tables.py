@@ -53,12 +53,16 @@ def texts() -> dict[str, str]:
         ),
         "reproduction_ladder.csv": as_csv([{"change": change, **training_columns(rows)} for change, rows in ladder]),
         "reproduction_simulator.csv": as_csv(_simulator_rows(trained, blind)),
-        "reproduction.json": as_json(
-            made_of(**studies),
+        "reproduction_map.json": as_json(
+            made_of(**{MAP: studies[MAP]}), {"map": by_level(factorial), "causes": causes(factorial)}
+        ),
+        "reproduction_ladder.json": as_json(
+            made_of(**{name: studies[name] for name in (LADDER, MAP)}),
+            {"ladder": [{"change": change, **training_numbers(rows)} for change, rows in ladder]},
+        ),
+        "reproduction_simulator.json": as_json(
+            made_of(**{name: studies[name] for name in (*TRAININGS.values(), *RULES)}),
             {
-                "map": by_level(factorial),
-                "causes": causes(factorial),
-                "ladder": [{"change": change, **training_numbers(rows)} for change, rows in ladder],
                 "simulator": {variant: training_numbers(rows) for variant, rows in trained.items()},
                 "rules": _nested({levels: rule_numbers(rows) for levels, rows in blind.items()}),
             },
