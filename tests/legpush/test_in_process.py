@@ -94,7 +94,11 @@ yaw_deg = 0.0
         ({"planner_program": "none_such"}, PluginError, r"Expected a planner \(ompl\), got 'none_such'"),
         ({"simulator": "none_such"}, PluginError, r"Expected a simulator \(map, map_mean, mujoco\), got 'none_such'"),
         ({"mission": "none_such"}, PluginError, r"Expected a mission \(push\), got 'none_such'"),
-        ({"policy": "none_such"}, PolicyError, r"Expected a policy \(dynamic_programming, fixed, scripted, variable\).*got 'none_such'"),
+        (
+            {"policy": "none_such"},
+            PolicyError,
+            r"Expected a policy \(dynamic_programming, .*variable\).*got 'none_such'",
+        ),
         ({"policy": "json:no_such"}, PolicyError, "Expected module:factory that can be imported, got 'json:no_such'"),
         ({"policy": "json:loads"}, PolicyError, "json:loads: the factory raised TypeError"),
         ({"policy": object()}, PolicyError, r"expected a policy with a method `decide.*got object"),

@@ -57,7 +57,9 @@ def test_the_scripted_and_the_shipped_policies_have_names() -> None:
 
 
 def test_an_unknown_policy_is_refused_with_the_valid_names() -> None:
-    with pytest.raises(PolicyError, match=r"a policy \(dynamic_programming, fixed, scripted, variable\) or the folder of one, got 'nobody'"):
+    with pytest.raises(
+        PolicyError, match=r"a policy \(dynamic_programming, .*variable\) or the folder of one, got 'nobody'"
+    ):
         make_policy("nobody")
 
 
