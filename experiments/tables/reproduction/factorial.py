@@ -1,6 +1,7 @@
 """The factorial of four causes, and the ladder from the published code to the tuned profile."""
 
 from collections.abc import Sequence
+from statistics import mean
 from typing import Any, Final
 
 from experiments.rows import Row
@@ -33,6 +34,8 @@ CHANGES: Final = (
     "a depth that the policy chooses",
 )
 """What each rung of the ladder changes of the one before."""
+FAR_M: Final = 1.0
+"""A policy with a larger mean error pushes the box away: the way is 1 m."""
 N_FIRST: Final = 5
 """Rungs of the ladder before those that the factorial has."""
 BETWEEN: Final[tuple[tuple[Any, ...], ...]] = (
@@ -79,6 +82,29 @@ def causes(factorial: Sequence[Row]) -> dict[str, Any]:
             "without": training_numbers(cells[tuple(without)]),
         }
     return found
+
+
+def parts(factorial: Sequence[Row]) -> dict[str, Any]:
+    """Return, over all trainings with an end at the goal or without, how the worst or the best one does."""
+    shares = [(row, _share(row)) for row in factorial]
+    frame = [(row, share) for row, share in shares if row["observation"] == "paper-learns"]
+    with_end = [share for row, share in frame if row["ending"] != "paper-text"]
+    without_end = [row for row, _ in frame if row["ending"] == "paper-text"]
+    measured = [
+        share for row, share in shares if row["observation"] == "paper-text" and not row["normalize_observation"]
+    ]
+    return {
+        "frame_with_end": {"n": len(with_end), "least_success": min(with_end), "largest_success": max(with_end)},
+        "frame_without_end": {
+            "n": len(without_end),
+            "n_pushed_away": sum(mean(row["final_position_error_m"]) > FAR_M for row in without_end),
+        },
+        "world_as_measured": {"n": len(measured), "largest_success": max(measured)},
+    }
+
+
+def _share(row: Row) -> float:
+    return round(mean(row["final_success"]), 4)
 
 
 def by_level(factorial: Sequence[Row]) -> dict[str, Any]:

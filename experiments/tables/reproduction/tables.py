@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from experiments.rows import Row, Rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of
-from experiments.tables.reproduction.factorial import FACTORS, by_level, causes, combination, rungs
+from experiments.tables.reproduction.factorial import FACTORS, by_level, causes, combination, parts, rungs
 from experiments.tables.reproduction.summaries import (
     grouped,
     rule_columns,
@@ -54,7 +54,8 @@ def texts() -> dict[str, str]:
         "reproduction_ladder.csv": as_csv([{"change": change, **training_columns(rows)} for change, rows in ladder]),
         "reproduction_simulator.csv": as_csv(_simulator_rows(trained, blind)),
         "reproduction_map.json": as_json(
-            made_of(**{MAP: studies[MAP]}), {"map": by_level(factorial), "causes": causes(factorial)}
+            made_of(**{MAP: studies[MAP]}),
+            {"map": by_level(factorial), "parts": parts(factorial), "causes": causes(factorial)},
         ),
         "reproduction_ladder.json": as_json(
             made_of(**{name: studies[name] for name in (LADDER, MAP)}),
