@@ -104,7 +104,7 @@ def parts(factorial: Sequence[Row]) -> dict[str, Any]:
 
 
 def _share(row: Row) -> float:
-    return round(mean(row["final_success"]), 4)
+    return round(float(mean(row["final_success"])), 4)
 
 
 def by_level(factorial: Sequence[Row]) -> dict[str, Any]:
