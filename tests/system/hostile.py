@@ -181,7 +181,10 @@ def other_name(client: Hostile) -> None:
 
 
 def old_sequence(client: Hostile) -> None:
-    """The agent itself, by its header; but the number of the message was used before."""
+    """The agent itself, by its header; but the number of the message was used before.
+
+    If the agent is quicker, the step is done already, and this push is another motion for it.
+    """
     client.act(PUSH, incarnation=client.incarnation("agent"), sequence=0)
 
 
@@ -234,7 +237,7 @@ ATTACKS: Final[dict[Callable[[Hostile], None], dict[str, set[str]]]] = {
     second_agent: {"sim": {"conflict", "no_token"}},
     stale_incarnation: {"sim": {"no_token"}},
     other_name: {"sim": {"no_token"}},
-    old_sequence: {"sim": {"repeated"}},
+    old_sequence: {"sim": {"repeated", "conflict"}},
     wildcard_key: {"sim": {"sender"}},
     duplicate_keys: {"sim": {"malformed"}},
     repeated_sequence: {"agent": {"repeated"}},

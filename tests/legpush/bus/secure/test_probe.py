@@ -65,7 +65,7 @@ def test_a_process_that_takes_the_certificate_has_nothing_against_it(host: Path,
     require_accepted((simulator, simulator), agent)
 
 
-@pytest.mark.parametrize("locator", [f"tls/127.0.0.1:{free_ports(1)[0]}", "tls/[::1]:1", "tls/no.such.host.invalid:7"])
+@pytest.mark.parametrize("locator", ["tls/127.0.0.1:1", "tls/[::1]:1", "tls/no.such.host.invalid:7"])
 def test_a_place_where_nobody_listens_is_not_reached_and_refuses_nothing(host: Path, locator: str) -> None:
     assert shake_hands(locator, read_credentials(host, "agent")) == Verdict(reached=False)
     require_accepted((locator,), read_credentials(host, "agent"))
