@@ -45,6 +45,8 @@ class Orders:
     """Run again the cells that failed by themselves."""
     shown: Callable[[], AbstractContextManager[Show]] = _silent
     """Shows how far the study is."""
+    private: bool = False
+    """Whether only the user can enter the folder of the study, if it is new."""
     folder_of: Callable[[Task], Path] | None = None
     """Folder in which a cell keeps its work; it outlives the study. Workers see the same disk."""
 
@@ -60,7 +62,7 @@ def carry_out(study: Study, path: Path, orders: Orders) -> Tally:
     cells = [task.cell for task in study.tasks()]
     _require_different(study, cells)
     folder = StudyFolder(path)
-    with folder.opened((study.source,), study_record(study, cells, orders.again)):
+    with folder.opened((study.source,), study_record(study, cells, orders.again), private=orders.private):
         try:
             tally = _run_missing(study, cells, folder, orders)
             if not orders.stop.is_set():

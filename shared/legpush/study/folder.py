@@ -13,7 +13,7 @@ import pyarrow
 from msgspec import Struct
 
 from legpush.errors import ConfigError, DiskFullError
-from legpush.files import write_whole
+from legpush.files import make_folder, write_whole
 from legpush.runs.folder import own_folder
 from legpush.study.rows import SUFFIX, RowsError, cells_in, read_rows
 
@@ -180,15 +180,17 @@ class StudyFolder:
             part.unlink(missing_ok=True)
 
     @contextmanager
-    def opened(self, sources: Sequence[str], record: StudyRecord) -> Iterator[None]:
+    def opened(self, sources: Sequence[str], record: StudyRecord, *, private: bool = False) -> Iterator[None]:
         """Begin the study in this folder, or go on with it; other heads are kept out until the context is left.
+
+        Only the user can enter a new folder that is `private`.
 
         Raises:
             ConfigError: The folder has other files or another study, or another program uses it.
             DiskError: It cannot be written.
         """
         try:
-            self.path.mkdir(parents=True, exist_ok=True)
+            make_folder(self.path, private=private)
         except OSError as error:
             raise ConfigError(f"{self.path}: expected a folder that can be written to ({error.strerror})") from error
         with own_folder(self.path):

@@ -8,7 +8,6 @@ from rich.console import Console
 from rich.text import Text
 
 from legpush.errors import INTERRUPTED
-from legpush.files import make_folder
 from legpush.options.checks import require_writable_folder
 from legpush.options.study import RunStudy
 from legpush.output.reply import document
@@ -41,8 +40,8 @@ def run_study(options: RunStudy, console: Console) -> int:
         first_decides=options.on in (LOCAL, INLINE),
         retry_failed=options.retry_failed,
         shown=partial(shown, console),
+        private=options.out is None,
     )
-    make_folder(folder.path, private=options.out is None)
     tally = carry_out(study, folder.path, orders)
     if stop.is_set():
         console.print(Text(f"interrupted: {line(tally, 0.0)}; to go on: {again}"), soft_wrap=True)

@@ -10,7 +10,7 @@ from legpush.scene.names import PlannerName, Steering
 from legpush.scene.plan_settings import NOT_STEERED, PlanSettings, Smoothing, radius_fault, steering_fault
 
 
-@pytest.mark.parametrize(("planner", "steering"), product(get_args(PlannerName), get_args(Steering)))
+@pytest.mark.parametrize(("planner", "steering"), list(product(get_args(PlannerName), get_args(Steering))))
 def test_every_combination_is_steered_or_refused_by_name(planner: PlannerName, steering: Steering) -> None:
     fault = steering_fault(PlanSettings(planner=planner, steering=steering, min_turning_radius_m=0.5))
     if steering in NOT_STEERED.get(planner, ()):
