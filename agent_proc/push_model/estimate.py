@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from agent_proc.push_model.model import MIRROR, PushModel, nearest_model
-from agent_proc.push_model.response import Response, ResponseEstimate, turn_per_travel
+from agent_proc.push_model.response import Response, ResponseEstimate, expected_response
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.common import USUAL_DEPTH_M
@@ -64,8 +64,9 @@ class PushEstimate:
     def __init__(self, box: Box, model: PushModel | None = None) -> None:
         """Begin with `model`, or with the nearest measured one; `box` has its size in the pushed frame."""
         self._model = nearest_model(box) if model is None else model
-        self._turn_prior = turn_per_travel(box) / turn_per_travel(self._model.box)
-        self._response = ResponseEstimate(self._model, self._turn_prior)
+        expected = expected_response(box, self._model)
+        self._turn_prior = expected.turn[0]
+        self._response = ResponseEstimate(expected)
         self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
         """Sums of measured times predicted, and of predicted squared."""
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])

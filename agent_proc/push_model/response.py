@@ -5,7 +5,7 @@ beside the middle, or a slope across the way, makes the legs differ. A round or 
 goes on. The coefficients are taken to be constant but for a slow random walk, and a Kalman filter estimates them.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -76,14 +76,13 @@ class Effects:
 
 
 class ResponseEstimate:
-    """Fits a response to pushes, beginning with the model."""
+    """Fits a response to pushes, beginning with what is expected."""
 
-    def __init__(self, model: PushModel, turn_share: float = 1.0) -> None:
-        """`turn_share` is how far the box is expected to turn by a push, over how far that of the model turns."""
-        self._model = model
-        self._forward = _Coefficients((1.0, 0.0), FORWARD_SD, NOISE_M)
-        self._left = _Coefficients((1.0, 0.0, 0.0), LEFT_SD, NOISE_M)
-        self._turn = _Coefficients((turn_share, 0.0, 0.0), TURN_SD, NOISE_RAD)
+    def __init__(self, expected: Response) -> None:
+        self._model = expected.model
+        self._forward = _Coefficients(expected.forward, FORWARD_SD, NOISE_M)
+        self._left = _Coefficients(expected.left, LEFT_SD, NOISE_M)
+        self._turn = _Coefficients(expected.turn, TURN_SD, NOISE_RAD)
 
     @property
     def response(self) -> Response:
@@ -103,13 +102,16 @@ class ResponseEstimate:
         self._turn.learn(seen.turn, wrap_angle(moved.yaw_rad))
 
 
-def expected_response(box: Box) -> Response:
-    """The response of a box that has not been pushed; `box` has its size in the pushed frame."""
-    model = nearest_model(box)
-    return replace(Response(model=model), turn=(turn_per_travel(box) / turn_per_travel(model.box), 0.0, 0.0))
+def expected_response(box: Box, model: PushModel | None = None) -> Response:
+    """The response of a box that has not been pushed, over `model` or the nearest measured one.
+
+    `box` has its size in the pushed frame.
+    """
+    model = nearest_model(box) if model is None else model
+    return Response(model=model, turn=(_turn_per_travel(box) / _turn_per_travel(model.box), 0.0, 0.0))
 
 
-def turn_per_travel(box: Box) -> float:
+def _turn_per_travel(box: Box) -> float:
     """Turn per travel [1/m] of a box that is pushed at the usual share of its width, up to a constant factor.
 
     It assumes a box that rests on its corners: a push turns it in proportion to the arm of the push over the squared

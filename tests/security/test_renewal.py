@@ -1,4 +1,4 @@
-"""Renewed and revoked certificates on live links: who still talks to whom, and from when on no more."""
+"""After certificates are renewed or revoked, the right processes are still linked, and no others."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager

@@ -25,7 +25,7 @@ def displaced(response: Response, leg: FrontLeg, depth_m: float) -> Pose2:
 
 
 def fitted(true: Response, n_pushes: int) -> Response:
-    estimate, rng = ResponseEstimate(MODEL), np.random.default_rng(1)
+    estimate, rng = ResponseEstimate(Response(model=MODEL)), np.random.default_rng(1)
     for index in range(n_pushes):
         leg, depth_m = FRONT_LEGS[index % 2], float(rng.choice(DEPTHS_M))
         push = Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m)
@@ -40,7 +40,7 @@ def test_before_the_first_push_it_is_the_model(leg: FrontLeg) -> None:
     expected = displaced(expected_response(NOMINAL), leg, 0.05)
 
     assert (expected.x_m, expected.y_m, expected.yaw_rad) == pytest.approx((x_m, y_m, yaw_rad))
-    assert ResponseEstimate(MODEL).response == Response(model=MODEL)
+    assert ResponseEstimate(Response(model=MODEL)).response == Response(model=MODEL)
 
 
 @given(
@@ -72,7 +72,7 @@ def test_legs_that_differ_are_told_apart() -> None:
 
 
 def test_a_push_that_hardly_moves_the_box_says_nothing() -> None:
-    estimate = ResponseEstimate(MODEL)
+    estimate = ResponseEstimate(Response(model=MODEL))
     estimate.learn(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.01), 0.001, Pose2(x_m=0.02, y_m=0.01, yaw_rad=0.3))
     assert estimate.response == Response(model=MODEL)
 

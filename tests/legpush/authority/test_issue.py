@@ -1,4 +1,4 @@
-"""Certificates that an authority signs: for whom, for which addresses, and for how long."""
+"""Certificates have the names, addresses and days that they were asked for, and the authority signs them."""
 
 from datetime import UTC, datetime, timedelta
 from ipaddress import ip_address
