@@ -13,9 +13,18 @@ from legpush.numerics.current import current
 from legpush.numerics.motion_version import MOTION_VERSION
 from legpush.options.numerics import CanaryOptions
 from legpush.output.reply import document
+from legpush.policy_names import DEFAULT_POLICY
 from legpush.service import run_command
 
 PUBLISHED_FILE: Final = "canaries.json"
+LEARNED_POLICY: Final = "variable"
+STRAIGHT_AHEAD: Final = {
+    "goal.pose.x_m": 2.6,
+    "goal.pose.y_m": 2.0,
+    "goal.pose.yaw_deg": 0.0,
+    "mission.max_push_cycles": 1,
+}
+"""There the policy chooses the first push; where the path of the box curves, it does not."""
 
 
 class Canary(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -27,6 +36,8 @@ class Canary(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Of the state of the simulator after a gait cycle along this path."""
     push: str
     """Of the state after one push cycle, which the default policy chose after the planner planned the box's path."""
+    learned: str
+    """The same with a learned policy."""
 
     @property
     def crc(self) -> str:
@@ -44,11 +55,15 @@ def compute() -> Canary:
         plan = walking.plan()
         walking.follow(plan)
         walked = walking.walk()
-    pushed = run("push", seed=0, changes={"mission.max_push_cycles": 1})
+    pushed, learned = (
+        run("push", seed=0, policy=policy, changes=STRAIGHT_AHEAD)
+        for policy in (DEFAULT_POLICY, LEARNED_POLICY)
+    )
     return Canary(
         plan=f"{crc32(msgspec.msgpack.encode(plan)):08x}",
         walk=f"{walked.state_crc:08x}",
         push=pushed.state_crc,
+        learned=learned.state_crc,
     )
 
 

@@ -12,8 +12,8 @@ from legpush.plugins import Group, plugin_values
 
 CODED: Final = ("scripted", "dynamic_programming")
 """Policies of this package that were not learned: code without a file."""
-DEFAULT_POLICY: Final = "variable"
-"""The shipped policy that chooses leg, curve and depth."""
+DEFAULT_POLICY: Final = "dynamic_programming"
+"""Needs the fewest pushes on every kind of box and floor that was tried (docs/benchmark.md)."""
 GROUP: Final[Group] = "legpush.policies"
 """Entry points of plug-ins."""
 SB3_SUFFIX: Final = ".zip"

@@ -11,7 +11,7 @@ from legpush import canary
 from legpush.canary import PUBLISHED_FILE, Canary, published
 from legpush.numerics.current import current
 
-ONE = Canary(plan="00000001", walk="00000002", push="00000003")
+ONE = Canary(plan="00000001", walk="00000002", push="00000003", learned="00000004")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,12 @@ def test_it_is_the_same_again(computed: Canary) -> None:
 
 def test_every_part_changes_its_crc() -> None:
     crcs = {replace(ONE, **{part: "ffffffff"}).crc for part in ONE.__struct_fields__}
-    assert len({*crcs, ONE.crc}) == 4
+    assert len({*crcs, ONE.crc}) == 5
+
+
+def test_each_policy_chooses_its_own_push(computed: Canary) -> None:
+    """So the CRCs of the pushes are those of decisions, too."""
+    assert computed.push != computed.learned
 
 
 def test_only_the_profile_is_published() -> None:
@@ -57,6 +62,7 @@ def test_the_command_tells_the_parts_that_differ(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
+    monkeypatch.setattr("sys.argv", ["canary"])
     monkeypatch.setattr(canary, "compute", lambda: ONE)
     monkeypatch.setattr(canary, "published", lambda name: expected if name == current().name else None)
     assert canary.main() == code
