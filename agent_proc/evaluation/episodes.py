@@ -23,6 +23,7 @@ from legpush.lockstep.world import SteppingWorld
 from legpush.long_work.parallel import in_parallel
 from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Motion, Outcome, Reset
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
 from legpush.scene.scenario import Scenario
 
@@ -47,6 +48,8 @@ class Row:
     position_error_m: float
     angle_error_deg: float
     n_cycles: int
+    simulated_s: float
+    """Simulated time of the episode, with its walks around the box."""
     max_abs_roll_deg: float
     max_abs_pitch_deg: float
     min_support_margin_m: float
@@ -117,6 +120,7 @@ def run_episode(
         position_error_m=error.position_m,
         angle_error_deg=degrees(error.angle_rad),
         n_cycles=n_cycles,
+        simulated_s=round(outcome.world.tick * CONTROL_PERIOD_S, 2),
         max_abs_roll_deg=degrees(posture.roll_rad),
         max_abs_pitch_deg=degrees(posture.pitch_rad),
         min_support_margin_m=posture.margin_m,

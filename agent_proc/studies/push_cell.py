@@ -32,7 +32,6 @@ from legpush.lockstep.local import LocalWorld
 from legpush.messages.stepping import Push
 from legpush.options.learning import DEFAULT_WORLD
 from legpush.policy_names import DEFAULT_POLICY
-from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.scenario import Scenario
 from legpush.study.cells import CellKind, Column
 
@@ -42,10 +41,10 @@ COLUMNS: Final = (
     Column(name="position_error_m", unit="m", about="distance of the box from its goal"),
     Column(name="angle_error_deg", unit="deg", about="angle of the box from its goal"),
     Column(name="n_cycles", unit="", about="number of pushes"),
+    Column(name="simulated_s", unit="s", about="simulated time of the episode"),
     Column(name="max_abs_roll_deg", unit="deg", about="largest roll of the trunk"),
     Column(name="max_abs_pitch_deg", unit="deg", about="largest pitch of the trunk"),
     Column(name="min_support_margin_m", unit="m", about="least distance of the CoM from the border of its support"),
-    Column(name="simulated_s", unit="s", about="simulated time of the episode"),
     Column(name="decision_cpu_s", unit="s", about="mean time of the processor for a decision", may_differ=True),
     STATE_CRC,
 )
@@ -151,7 +150,6 @@ def run(cell: ResolvedPush) -> Mapping[str, Any]:
     outcome = next(record.outcome for record in last if isinstance(record, StepRecord))
     return {
         **{name: value for name, value in row.items() if name not in ("case", "seed")},
-        "simulated_s": round(outcome.world.tick * CONTROL_PERIOD_S, 2),
         "decision_cpu_s": policy.cpu_s / policy.n,
         "state_crc": f"{outcome.state_crc:08x}",
     }

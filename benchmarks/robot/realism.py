@@ -28,6 +28,7 @@ from benchmarks.report import write_report
 from benchmarks.robot.kept import Kept
 from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
+from legpush.policy_names import DEFAULT_POLICY
 from legpush.realism.settings import Profile
 from legpush.scenarios.changes import override
 from legpush.scenarios.file import load_scenario
@@ -35,7 +36,6 @@ from legpush.scene.conventions import CONTROL_PERIOD_S
 from sim_proc import box_filter
 from sim_proc.simulator import Simulator
 
-POLICY: Final = "variable"
 LAST_LOOK: Final = "last_look"
 """The profile `real`, in which no more is known of the box than the last look at it says."""
 VARIANTS: Final = (*get_args(Profile), LAST_LOOK)
@@ -67,7 +67,7 @@ def mission(scenario_name: str, profile: Profile, seed: int) -> dict[str, Any]:
     records: list[StepRecord | PlanRecord] = []
     world = LocalWorld(Simulator(), planner(), on_record=records.append)
     began_s = perf_counter()
-    result = run_mission(world, scenario, seed, make_policy(POLICY))
+    result = run_mission(world, scenario, seed, make_policy(DEFAULT_POLICY))
     wall_s = perf_counter() - began_s
     last = next(record for record in reversed(records) if not isinstance(record, PlanRecord))[1]
     error = box_error(last.world, scenario)
@@ -120,7 +120,7 @@ def main(config: Config) -> None:
         "realism",
         {
             "scenario": config.scenario,
-            "policy": POLICY,
+            "policy": DEFAULT_POLICY,
             "first_seed": config.first_seed,
             "profiles": {variant: summary(found) for variant, found in rows.items()},
             "missions": rows,

@@ -15,7 +15,12 @@ from experiments.tables.parts import (
     summary_columns,
 )
 
-LOOKS: Final = {"variable": ("tab:blue", "o"), "fixed": ("tab:orange", "s"), "scripted": ("tab:gray", "^")}
+LOOKS: Final = {
+    "variable": ("tab:blue", "o"),
+    "dynamic_programming": ("tab:green", "D"),
+    "fixed": ("tab:orange", "s"),
+    "scripted": ("tab:gray", "^"),
+}
 
 
 def _read() -> dict[str, Rows]:
@@ -52,6 +57,7 @@ def texts() -> dict[str, str]:
         "policies": {
             policy: {f"{row['mass_kg']:g} kg": _errors(row) for row in table if row["policy"] == policy}
             for policy in LOOKS
+            if any(row["policy"] == policy for row in table)
         },
     }
     return {"mass_sweep.csv": as_csv(table), "mass_sweep.json": as_json(made_of(**studies), numbers)}
@@ -80,6 +86,8 @@ def pictures() -> dict[str, Figure]:
         axis.plot(mass, [scale * row[other] for row in theirs], "x--", color="tab:red", label="published, n 1 each")
         for policy, (color, marker) in LOOKS.items():
             here = [row for row in rows if row["policy"] == policy]
+            if not here:
+                continue
             axis.errorbar(
                 [row["mass_kg"] for row in here],
                 *errors_of(here, ours, scale),

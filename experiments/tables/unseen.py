@@ -1,4 +1,4 @@
-"""Boxes and floors that no training has seen: the shipped, the randomized and the scripted policy."""
+"""Boxes and floors that no training has seen: dynamic programming, two learned policies and the scripted one."""
 
 from typing import Any, Final
 
@@ -15,7 +15,7 @@ AXES: Final[dict[str, Any]] = {
     "room.uphill_deg": 0.0,
 }
 """Varied fields with the values of the box and floor of the trainings."""
-POLICIES: Final = ("variable", "randomized", "scripted")
+POLICIES: Final = ("dynamic_programming", "variable", "randomized", "scripted")
 
 
 def _read() -> dict[str, Rows]:
@@ -78,17 +78,18 @@ def pictures() -> dict[str, Figure]:
     axes = figure.subplots(1, 2, sharey=True)
     panels = (("position error [cm]", "position_error_m", 100.0), ("angle error [deg]", "angle_error_deg", 1.0))
     for axis, (label, key, scale) in zip(axes, panels, strict=True):
-        for place, policy in enumerate(POLICIES):
+        shown = [policy for policy in POLICIES if any(row["policy"] == policy for row in rows)]
+        for place, policy in enumerate(shown):
             here = [row for row in rows if row["policy"] == policy]
             middle, reach = errors_of(here, key, scale)
-            at = [cases.index(row["case"]) + 0.25 * (place - 1) for row in here]
+            at = [cases.index(row["case"]) + 0.2 * (place - 0.5 * (len(shown) - 1)) for row in here]
             axis.errorbar(middle, at, xerr=reach, fmt="o", capsize=3, label=policy)
         axis.set_xlabel(label)
         axis.grid(alpha=0.25)
         axis.set_xlim(left=0.0)
     axes[0].set_yticks(range(len(cases)), cases)
     axes[0].invert_yaxis()
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(POLICIES))
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(shown))
     kinds = kinds_of(rows, "position_error_m")
     figure.suptitle(f"Unseen boxes and floors: mean of {rows[0]['n']} episodes each with {kinds}")
     return {"unseen.png": figure}

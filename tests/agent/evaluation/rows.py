@@ -15,5 +15,6 @@ def row(case: str = "", seed: int = 0, position_error_m: float = 0.01, ending: s
         n_cycles=20,
         max_abs_roll_deg=0.5,
         max_abs_pitch_deg=0.7,
+        simulated_s=60.0,
         min_support_margin_m=0.02,
     )
