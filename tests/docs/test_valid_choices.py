@@ -5,9 +5,11 @@ import ast
 import pytest
 
 from agent_proc.profiles.profile import profile_names
+from agent_proc.rivals.registry import RIVALS
 from agent_proc.task.file import task_names
 from docs.field_texts import texts_below, tree_of
 from legpush.options.learning import EvaluateOptions, TrainOptions
+from legpush.options.learning_tools import CompareOptions
 from legpush.options.run import RunOptions
 from legpush.plugins import plugin_names
 from legpush.policy_names import CODED, GROUP
@@ -31,6 +33,12 @@ def help_of(options: type, field: str) -> str:
 def test_a_help_names_all_choices(options: type, field: str, names: tuple[str, ...]) -> None:
     text = help_of(options, field)
     assert [name for name in names if name not in text] == []
+
+
+def test_the_help_of_a_comparison_names_all_rivals() -> None:
+    text = ast.get_docstring(tree_of(CompareOptions).body[0])  # type: ignore[arg-type]
+    assert text is not None
+    assert [name for name in RIVALS if name not in text] == []
 
 
 def test_coded_policies_are_plug_ins() -> None:

@@ -36,10 +36,11 @@ def dated(command: str) -> Path:
 class CompareOptions:
     """Compare trainings and policies on equal held-out starts, beside the dumbest rivals: zero, random, best constant.
 
-    A RUN is the folder of trainings with several seeds or of a single training, a policy folder, the name of a policy,
-    or that of a rival: alternate, bang_bang, script, script_over_map, look_ahead or search. Each number has its 95 %
-    interval over trainings and starts; differences are paired. It is a study: the same command with the same --out goes
-    on after an interruption. Exit codes: 0 compared, 2 bad input, 3 a cell failed, 130 interrupted.
+    A RUN is the folder of trainings with several seeds or of a single training, a policy folder, the name of a
+    policy, or that of a rival: alternate, bang_bang, script, script_over_map, dynamic_programming, look_ahead,
+    look_ahead_by_physics or search. Each number has its 95 % interval over trainings and starts; differences are
+    paired. It is a study: the same command with the same --out goes on after an interruption. Exit codes: 0
+    compared, 2 bad input, 3 a cell failed, 130 interrupted.
     """
 
     runs: Positional[Annotated[tuple[str, ...], arg("RUN ...")]]
