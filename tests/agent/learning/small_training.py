@@ -6,6 +6,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.logger import Logger
 
 from agent_proc.learning.learner import Learner, make_learner
 from agent_proc.learning.training import Training
@@ -51,6 +52,7 @@ def make_training(
 def learned(profile: AnyProfile, env: PushVecEnv, n_steps: int, learner: Learner | None = None) -> Learner:
     """A learner after some steps."""
     learner = learner or make_learner(profile, env, 3)
+    learner.model.set_logger(Logger(None, []))  # the one by default makes a folder among the temporary ones
     learner.model.learn(n_steps, reset_num_timesteps=learner.model.num_timesteps == 0)
     return learner
 
