@@ -1,6 +1,5 @@
 """Writes an episode as one HTML file that plays in a browser without a server: the client of viser, with its scene."""
 
-import socket
 from collections.abc import Callable
 from contextlib import redirect_stdout
 from io import StringIO
@@ -14,6 +13,7 @@ import viser
 from legpush.history.run_history import RunHistory
 from legpush.history.timeline import TRUNK, Timeline
 from legpush.scene.conventions import CONTROL_PERIOD_S
+from sim_proc.scene_3d.port import free_port
 from sim_proc.scene_3d.scene import Scene
 
 HOST: Final = "127.0.0.1"
@@ -38,7 +38,7 @@ def write_html(history: RunHistory, timeline: Timeline, path: Path, say: Callabl
     rows = frame_rows(timeline)
     # The scene is recorded from the messages of a server that nobody connects to.
     with redirect_stdout(StringIO()):  # viser prints a banner
-        server = viser.ViserServer(host=HOST, port=_free_port(), verbose=False)
+        server = viser.ViserServer(host=HOST, port=free_port(HOST), verbose=False)
     try:
         scene = Scene(server)
         for layer in LEFT_OUT:
@@ -75,9 +75,3 @@ def _aim(server: viser.ViserServer, timeline: Timeline) -> None:
     x_m, y_m, z_m = (away * offset for offset in BEHIND_M)
     server.initial_camera.position = (float(middle[0]) + x_m, float(middle[1]) + y_m, z_m)
     server.initial_camera.look_at = (float(middle[0]), float(middle[1]), 0.0)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind((HOST, 0))
-        return int(probe.getsockname()[1])

@@ -1,6 +1,5 @@
 """The page: a viser server on this machine, and the loop that shows the row chosen by the player."""
 
-import socket
 import threading
 from collections.abc import Callable
 from contextlib import redirect_stdout
@@ -16,6 +15,7 @@ from legpush.geometry import rpy_from_quaternion
 from legpush.history.run_history import RunHistory
 from legpush.history.timeline import BOX, TRUNK, Timeline
 from legpush.options.view import EVERYWHERE
+from sim_proc.scene_3d.port import free_port
 from sim_proc.scene_3d.scene import LAYERS, Scene
 from sim_proc.view.beside import GAP_M, Beside
 from sim_proc.view.guard import start_server
@@ -42,7 +42,7 @@ class Page:
         Raises:
             ConfigError: The address cannot be listened on, or the page cannot be guarded.
         """
-        port = _free_port(host, port)
+        port = free_port(host, port)
         self._source = source
         self._server, token = start_server(host, port)
         shown = "127.0.0.1" if host == EVERYWHERE else host
@@ -229,21 +229,3 @@ class Page:
         moved = qpos[TRUNK][:2] if self._follows_robot else np.zeros(2)
         away_x, away_y = (place - moved).tolist()
         return away_x + cos(yaw) * x - sin(yaw) * y, away_y + sin(yaw) * x + cos(yaw) * y, z
-
-
-def _free_port(host: str, port: int) -> int:
-    """The port, or any free one if it is 0.
-
-    Raises:
-        ConfigError: The address cannot be listened on.
-    """
-    try:
-        with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((host, port))
-            return int(probe.getsockname()[1])
-    except OSError as error:
-        raise ConfigError(
-            f"Expected an address to listen on for --host and --port, got {host}:{port} ({error.strerror}); "
-            "--port 0 takes any free port"
-        ) from error
