@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from msgspec import Struct
+from msgspec import UNSET, Struct
 from msgspec.structs import asdict
 
 import legpush.gym
@@ -10,16 +10,18 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import OFFSETS, Domain
 from agent_proc.task.elements import Element, action_elements, observation_elements
 from agent_proc.task.file import load_task
+from agent_proc.task.rooms import RoomFields
 from agent_proc.task.terms import ENDING, REWARD, TERM, Table
 
 INFO = {
     "reward_terms": "the terms of the reward by their names, after each step; their sum is the reward",
     "is_success": "whether the episode ended with `success`, after each step",
     "ending": "why the episode ended, after its last step",
+    "reason": "why the mission ended, after the last step of an episode that is a mission",
     "fell": "whether the robot fell",
     "position_error_m": "distance of the box from its goal, in m",
     "angle_error_deg": "angle between the headings of box and goal, in degrees, without sign",
-    "scenario_seed": "the seed of the offsets of start and box, after a reset",
+    "scenario_seed": "the seed of the offsets of start and box, and of a random room, after a reset",
 }
 
 
@@ -49,6 +51,8 @@ def _tasks() -> str:
 
 def _task(name: str, task: TaskConfig) -> list[str]:
     """The section about one environment."""
+    if task.random_room is not UNSET:
+        return _mission(name, task, task.random_room)
     offsets = task.scenario.randomization
     start, box = task.domain.start_xy_m, task.domain.box_xy_m
     start_m = offsets.start_xy_m if start is None else start
@@ -56,6 +60,45 @@ def _task(name: str, task: TaskConfig) -> list[str]:
     start_deg = offsets.start_yaw_deg if task.domain.start_yaw_deg is None else task.domain.start_yaw_deg
     box_deg = offsets.box_yaw_deg if task.domain.box_yaw_deg is None else task.domain.box_yaw_deg
     goal = task.scenario.goal
+    return [
+        *_head(name, task),
+        "| an episode ends by | settings | meaning |",
+        "| --- | --- | --- |",
+        *(
+            f"| `{name}` | {_settings(table)} | {_meaning(ENDING, name, table)} |"
+            for name, table in task.ending.items()
+        ),
+        f"| a fall, a box out of reach, or a push that is refused | - | {ALWAYS} |",
+        "",
+        f"Success: the box is within {100 * goal.position_tolerance_m:g} cm and {goal.angle_tolerance_deg:g}° of its "
+        f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, "
+        f"the box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.{_drawn(task.domain)}",
+        "",
+    ]
+
+
+def _mission(name: str, task: TaskConfig, room: RoomFields) -> list[str]:
+    """The section about an environment whose episodes are missions."""
+    x_m, y_m = room.size_m
+    return [
+        *_head(name, task),
+        "| nothing is left to push by | settings | meaning |",
+        "| --- | --- | --- |",
+        *(
+            f"| `{name}` | {_settings(table)} | {_meaning(ENDING, name, table)} The mission goes on to its next push. |"
+            for name, table in task.ending.items()
+        ),
+        "",
+        f"Success: the box is within {100 * room.position_tolerance_m:g} cm and {room.angle_tolerance_deg:g}° of the "
+        f"goal of the mission. Starts: anywhere in a random room of {x_m:g} x {y_m:g} m with {room.obstacles} "
+        f"obstacles, the box off its place by at most {100 * room.box_xy_m:g} cm and {room.box_yaw_deg:g}°."
+        f"{_drawn(task.domain)}",
+        "",
+    ]
+
+
+def _head(name: str, task: TaskConfig) -> list[str]:
+    """What a task sees, does and earns."""
     return [
         f"### {name}",
         "",
@@ -69,18 +112,6 @@ def _task(name: str, task: TaskConfig) -> list[str]:
             f"| `{name}` | {table['weight']:g} | {_meaning(REWARD, name, table)} |"
             for name, table in task.reward.items()
         ),
-        "",
-        "| an episode ends by | settings | meaning |",
-        "| --- | --- | --- |",
-        *(
-            f"| `{name}` | {_settings(table)} | {_meaning(ENDING, name, table)} |"
-            for name, table in task.ending.items()
-        ),
-        f"| a fall, a box out of reach, or a push that is refused | - | {ALWAYS} |",
-        "",
-        f"Success: the box is within {100 * goal.position_tolerance_m:g} cm and {goal.angle_tolerance_deg:g}° of its "
-        f"goal. Starts: the robot is off its place behind the box by at most {100 * start_m:g} cm and {start_deg:g}°, "
-        f"the box off its own by at most {100 * box_m:g} cm and {box_deg:g}°.{_drawn(task.domain)}",
         "",
     ]
 

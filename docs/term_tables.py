@@ -58,6 +58,8 @@ def _named(name: str, table: Table) -> str:
 
 
 def _starts(task: TaskConfig) -> str:
+    if task.random_room is not msgspec.UNSET:
+        return "none: missions in random rooms"
     return "one" if task.domain.box_xy_m == 0.0 else "those of the scenario"
 
 
@@ -104,7 +106,9 @@ def _default(field: msgspec.structs.FieldInfo) -> str:
     if field.required:
         return "required"
     value: Any = field.default
-    return "-" if value is None or value == "" else f"`{json.dumps(msgspec.to_builtins(value))}`"
+    if value is None or value is msgspec.UNSET or value == "":
+        return "-"
+    return f"`{json.dumps(msgspec.to_builtins(value))}`"
 
 
 def _texts(kind: type) -> dict[str, str]:

@@ -20,6 +20,7 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.episode import earned, episode_ending
 from agent_proc.task.observed import observe
+from agent_proc.task.rooms import refuse_missions
 from agent_proc.task.term import EpisodeEnding, PushStep
 from agent_proc.walking.around_box import can_push, walk_to_face
 from legpush.errors import ConfigError, DivergedError, MotionError
@@ -61,8 +62,10 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Make an environment that pushes in `world`, which no other environment may step.
 
         Raises:
-            ConfigError: Another environment steps the same simulator in this process, or the render mode is unknown.
+            ConfigError: Another environment steps the same simulator in this process, the render mode is unknown, or
+                an episode of the task is a whole mission.
         """
+        refuse_missions(task.random_room)
         self.task = task
         self.render_mode = render_mode
         self._rendering = None if render_mode is None else Rendering(render_mode, frame_size, self.metadata)

@@ -53,26 +53,41 @@ def make_push_env(
     if world is None:
         tell_if_native()
         world = LocalWorld(cast(Stepper, load_plugin("legpush.simulators", simulator)()))
+    made = task_with(task, scenario, settings)
+    require_time_limit(made, time_limit)
+    return PushEnv(made, world, render_mode, (width, height))
+
+
+def task_with(task: TaskConfig | str, scenario: str | None, settings: dict[str, Any]) -> TaskConfig:
+    """The task, with a scenario and settings that replace its own.
+
+    Raises:
+        ConfigError: A setting is unknown or cannot be used, or there are some for a whole task.
+        ScenarioError: The scenario cannot be used.
+    """
     if isinstance(task, TaskConfig):
         if settings or scenario is not None:
             given = [*settings, *(["scenario"] if scenario is not None else [])]
             raise ConfigError(f"Expected either a whole task or settings of one, got both: {', '.join(given)}")
-    else:
-        task = _task(task, scenario, settings)
-    if time_limit is not None and task.max_steps > time_limit:
-        n = task.max_steps
-        raise ConfigError(
-            f"Expected at most {time_limit} for max_steps, got {n}: Gymnasium truncates episodes after that; for "
-            f"longer ones give max_episode_steps={n} and time_limit={n} as well"
-        )
-    return PushEnv(task, world, render_mode, (width, height))
-
-
-def _task(name: str, scenario: str | None, settings: dict[str, Any]) -> TaskConfig:
+        return task
     valid = (*TASK_FIELDS, *DOMAIN_FIELDS)
     if unknown := sorted(settings.keys() - {*valid}):
         raise ConfigError(f"Expected settings among {', '.join(valid)}, got {', '.join(unknown)}")
     plain = {field: value for field, value in settings.items() if field in TASK_FIELDS}
     domain = {field: value for field, value in settings.items() if field in DOMAIN_FIELDS}
     loaded = None if scenario is None else load_scenario(scenario)
-    return load_task(name, loaded, **plain, domain=domain)
+    return load_task(task, loaded, **plain, domain=domain)
+
+
+def require_time_limit(task: TaskConfig, time_limit: int | None) -> None:
+    """Require episodes that end before Gymnasium truncates them.
+
+    Raises:
+        ConfigError: They may be longer.
+    """
+    if time_limit is not None and task.max_steps > time_limit:
+        n = task.max_steps
+        raise ConfigError(
+            f"Expected at most {time_limit} for max_steps, got {n}: Gymnasium truncates episodes after that; for "
+            f"longer ones give max_episode_steps={n} and time_limit={n} as well"
+        )

@@ -30,6 +30,7 @@ from agent_proc.studies.comparison.tables import as_csv, as_json, as_text, entry
 from agent_proc.studies.push_cell import task_of
 from agent_proc.studies.rows_of_study import rows_of_study
 from agent_proc.task.file import DEFAULT_TASK, load_task, scenario_of_task
+from agent_proc.task.rooms import refuse_missions
 from legpush.errors import ConfigError
 from legpush.files import make_folder, write_whole
 from legpush.options.checks import require_writable_folder
@@ -37,7 +38,7 @@ from legpush.options.learning_tools import CompareOptions, dated
 from legpush.options.scenarios import changed_scenario
 from legpush.output.reply import document
 from legpush.scenarios.changes import parse_changes
-from legpush.scene.scenario import Goal
+from legpush.scene.scenario import Goal, Scenario
 from legpush.service import run_command, stop_on_signals
 from legpush.study.carry_out import Orders
 from legpush.study.engines.local import LocalEngine
@@ -73,7 +74,7 @@ def compare(options: CompareOptions, console: Console) -> int:
     require_held_out(seeds, chosen_on(cards_of(contestants)), "--seed")
     scenario = changed_scenario(options.scenario, options.changes)
     make_sweep(scenario, options.sweep, grid=True)
-    goal = scenario.goal if options.domain is None else load_task(options.domain, scenario).scenario.goal
+    goal = _goal(options, scenario)
     folder = options.out or dated("compare")
     require_writable_folder(folder, "--out")
     source = named or task_source(contestants) or DEFAULT_TASK
@@ -97,6 +98,19 @@ def compare(options: CompareOptions, console: Console) -> int:
     outcome = make_outcome(rows, contestants, options.against, constant, fields, goal)
     _write(outcome, options, goal, folder, console)
     return 0
+
+
+def _goal(options: CompareOptions, scenario: Scenario) -> Goal:
+    """The goal of the scenario, with the tolerances of the domain.
+
+    Raises:
+        ConfigError: There is no such domain, or its episodes are whole missions.
+    """
+    if options.domain is None:
+        return scenario.goal
+    task = load_task(options.domain, scenario)
+    refuse_missions(task.random_room)
+    return task.scenario.goal
 
 
 def _settings(options: CompareOptions, task: str) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from agent_proc.programs.render_films import render_films
 from agent_proc.simulators import MAP_SUFFIX, require_world, simulators
 from agent_proc.studies.seed_trainings import has_seeds
 from agent_proc.task.file import load_task
+from agent_proc.task.rooms import refuse_missions
 from legpush.errors import INTERRUPTED, ConfigError, DivergedError, LegpushError, is_disk_full
 from legpush.fields import parse_seeds
 from legpush.files import make_folder, write_whole
@@ -95,7 +96,9 @@ def _train_seeds(options: TrainOptions, console: Console) -> int:
     if options.seeds is None:
         return resume_seeds(options, console)
     seeds = parse_seeds(options.seeds, "--seeds")
-    require_untuned_seeds(load_profile(options.profile), seeds, "--seeds")
+    profile = load_profile(options.profile)
+    require_untuned_seeds(profile, seeds, "--seeds")
+    refuse_missions(load_task(options.task or profile.task).random_room)
     folder = options.out or Path("runs") / f"{_name(options)}-seeds{options.seeds}"
     return begin_seeds(options, seeds, folder, console)
 
@@ -186,6 +189,7 @@ def _plan(options: TrainOptions) -> tuple[Path, TrainingPlan]:
         **_given(entry=options.entry, action_form=options.actions),
         domain=_given(mass_kg=options.mass_kg, friction=options.friction, distance_m=options.distance_m),
     )
+    refuse_missions(task.random_room)
     plan = TrainingPlan(
         profile=profile,
         task=task,

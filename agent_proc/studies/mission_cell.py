@@ -1,20 +1,21 @@
 """The kind of cell `mission`: a whole mission in one process, in a scenario or in a random room."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import fields
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, cast
 
 import msgspec
-from msgspec import Struct
+from msgspec import UNSET, Struct, UnsetType
 
 from agent_proc.mission.mission import run_mission
+from agent_proc.policies.policy import Policy
 from agent_proc.push_model.map import load_push_map
 from agent_proc.pushing.solvable import solvable_by
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import Begun, make_report
+from agent_proc.rivals.registry import Rival, make_rival
 from agent_proc.studies.cell_parts import (
     STATE_CRC,
     new_simulator,
@@ -26,6 +27,9 @@ from agent_proc.studies.cell_parts import (
 )
 from agent_proc.studies.mission_numbers import NUMBERS, TRACKS, numbers, tracks
 from agent_proc.studies.phase_numbers import PHASE_COLUMNS, phase_numbers
+from agent_proc.task.config import TaskConfig
+from agent_proc.task.file import load_task
+from agent_proc.task.rooms import RoomFields, room_of
 from legpush.errors import ConfigError, MotionError
 from legpush.fields import Seed
 from legpush.history.steps import PlanRecord, StepRecord
@@ -65,16 +69,10 @@ DRAWN: Final = (
     Column(name="drawn_scenario", unit="", about="the room that was drawn, as JSON; empty without a random room"),
 )
 
-if TYPE_CHECKING:
-    RoomFields = RandomRoom
-else:
-    RoomFields = msgspec.defstruct(
-        "RoomFields",
-        [(field.name, field.type, field.default) for field in fields(RandomRoom)],
-        frozen=True,
-        forbid_unknown_fields=True,
-    )
-    """The fields of a `RandomRoom` as a record that refuses unknown ones, which a dataclass does not."""
+BLIND: Final[tuple[Rival, ...]] = ("zero", "random", "alternate")
+"""Rivals that a mission can ask: they decide by what they see alone."""
+LEVEL: Final = "push-l4"
+"""Task whose actions and stop rule they have."""
 
 
 class MissionCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -87,7 +85,7 @@ class MissionCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     random_room: RoomFields | None = None
     """Draw the room from the seed, as `legpush scenarios random` does."""
     policy: str = DEFAULT_POLICY
-    """The policy that chooses the pushes."""
+    """The policy that chooses the pushes, or a rival of one: `zero`, `random` or `alternate`."""
     push_map: str | None = None
     """The push map of this box, measured by `legpush calibrate`."""
     planner: PlannerName | None = None
@@ -111,8 +109,11 @@ class ResolvedMission(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """To be made to a room that is drawn."""
     policy: str
     policy_sha256: str
+    """Empty for a rival."""
     push_map: str | None
     push_map_sha256: str | None
+    task: TaskConfig | UnsetType = UNSET
+    """Of a rival."""
 
 
 def resolve(cell: MissionCell, allowed: Collection[str]) -> ResolvedMission:
@@ -130,14 +131,16 @@ def resolve(cell: MissionCell, allowed: Collection[str]) -> ResolvedMission:
     if cell.random_room is None:
         scenario = scenario_of(cell.scenario or "default", changes)
     else:
-        room = RandomRoom(**{field.name: getattr(cell.random_room, field.name) for field in fields(RandomRoom)})
+        room = room_of(cell.random_room)
+    is_rival = cell.policy in BLIND
     return ResolvedMission(
         seed=cell.seed,
         scenario=scenario,
         random_room=room,
         changes={} if scenario is not None else changes,
         policy=cell.policy,
-        policy_sha256=sha256_of_policy(cell.policy, allowed),
+        policy_sha256="" if is_rival else sha256_of_policy(cell.policy, allowed),
+        task=load_task(LEVEL) if is_rival else UNSET,
         push_map=cell.push_map,
         push_map_sha256=None if cell.push_map is None else _sha256(Path(cell.push_map)),
     )
@@ -154,7 +157,7 @@ def run(cell: ResolvedMission) -> Mapping[str, Any]:
     records: list[StepRecord | PlanRecord] = []
     world = LocalWorld(new_simulator(), planner(), on_record=records.append)
     began_s = perf_counter()
-    result = run_mission(world, scenario, cell.seed, policy_with(cell.policy, cell.policy_sha256), push_map)
+    result = run_mission(world, scenario, cell.seed, _policy(cell), push_map)
     if result.error is not None and not isinstance(result.error, MotionError):
         raise result.error  # a motion that was refused is the robot's failure, and has a row
     record = read_record(records)
@@ -167,6 +170,12 @@ def run(cell: ResolvedMission) -> Mapping[str, Any]:
         "n_unsolvable": n_unsolvable,
         "drawn_scenario": "" if n_unsolvable is None else msgspec.json.encode(scenario).decode(),
     }
+
+
+def _policy(cell: ResolvedMission) -> Policy:
+    if cell.task is UNSET:
+        return policy_with(cell.policy, cell.policy_sha256)
+    return make_rival(cast(Rival, cell.policy), cell.task)
 
 
 def drawn(cell: ResolvedMission) -> tuple[Scenario, int]:

@@ -25,6 +25,7 @@ from agent_proc.studies.training_run import of_last, pack, train_in
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import Interval
 from agent_proc.task.file import load_task
+from agent_proc.task.rooms import refuse_missions
 from legpush.fields import Seed, require_seeds
 from legpush.lockstep.local import LocalWorld
 from legpush.options.learning import DEFAULT_WORLD
@@ -157,6 +158,7 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     scenario = load_task(name).scenario if cell.scenario is None else load_scenario(cell.scenario)
     scenario = override(scenario, cell.changes, "the scenario with the changes of the study")
     task = _task(cell, name, scenario)
+    refuse_missions(task.random_room)
     ending = None if cell.final_ending is None else load_task(cell.final_ending, scenario).ending
     return ResolvedTraining(
         seed=cell.seed,

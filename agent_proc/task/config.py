@@ -3,10 +3,12 @@
 from functools import cached_property
 from typing import Annotated, Any, Final, Literal
 
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
+from msgspec.structs import asdict
 
 from agent_proc.task.action_config import ActionConfig
 from agent_proc.task.domain import Domain
+from agent_proc.task.rooms import DRAWN, RoomFields, room_of
 from agent_proc.task.term import AbortTerm, ArrivalTerm, ObservationTerm, RewardTerm
 from agent_proc.task.terms import make_terms
 from legpush.bounds import MAX_PUSH_CYCLES, MAX_TEXT
@@ -45,6 +47,10 @@ class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=
     """What episodes of a training draw in its place."""
     evaluation: Literal["scenario", "domain"] = "scenario"
     """Whether evaluations of a training are made in the scenario itself, or each start draws from the domain, too."""
+    random_room: RoomFields | UnsetType = UNSET
+    """Parameters of a room that is drawn for each episode, as `legpush scenarios random` draws it. An episode is then a
+    whole mission in the room, and `max_steps` counts the pushes that the policy decides about. Of the domain, such a
+    task may have `mass_kg` and `friction` alone."""
 
     def __post_init__(self) -> None:
         """Check the task.
@@ -62,7 +68,24 @@ class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=
         flat = [name for name, term in self.observation_terms.items() if self.mirrored and not term.HAS_MIRROR_IMAGE]
         if flat:
             raise ConfigError(f"Expected terms with a mirror image in a mirrored task, got {', '.join(flat)}")
+        if self.random_room is not UNSET:
+            self._check_missions(self.random_room)
         _ = self.reward_terms, self.arrival_terms, self.abort_terms
+
+    def _check_missions(self, given: RoomFields) -> None:
+        """Check a task whose episodes are missions.
+
+        Raises:
+            ConfigError: It has what the mission decides, or what the room has.
+        """
+        room_of(given)
+        if self.changes_face:
+            raise ConfigError("Expected no `changes_face` with `random_room`: the path of the box decides the face")
+        if others := [name for name, value in asdict(self.domain).items() if value is not None and name not in DRAWN]:
+            raise ConfigError(
+                f"Expected {' and '.join(DRAWN)} alone in the domain with `random_room`, which has the rest, got "
+                f"{', '.join(others)}"
+            )
 
     @cached_property
     def observation_terms(self) -> dict[str, ObservationTerm]:

@@ -8,6 +8,7 @@ from msgspec.structs import asdict, replace
 
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.domain import OFFSETS, Domain
+from agent_proc.task.rooms import refuse_missions
 from legpush.errors import ConfigError
 from legpush.geometry import wrap_angle
 from legpush.scene.scenario import Box, PoseDeg, Scenario
@@ -21,8 +22,9 @@ def scenario_of_start(task: TaskConfig, seed: int) -> Scenario:
     """Return what the seed of a start draws from the domain of a task; an episode has the steps of the task at most.
 
     Raises:
-        ConfigError: The drawn box cannot be made.
+        ConfigError: The drawn box cannot be made, or an episode of the task is a whole mission.
     """
+    refuse_missions(task.random_room)
     drawn = drawn_scenario(task.domain, task.scenario, np.random.default_rng(seed))
     if drawn.mission.max_push_cycles is not None:
         return drawn

@@ -20,10 +20,10 @@ BEYOND_M: Final = 1.0
 """How far the bounds reach beyond the room, and above the box."""
 
 Weight = Annotated[float, Meta(ge=-MAX_READING, le=MAX_READING)]
-EpisodeEnding = Literal["success", "fell", "missed", "astray", "refused", "max_steps"]
+EpisodeEnding = Literal["success", "fell", "missed", "astray", "refused", "failed", "max_steps"]
 """`success`: the task has nothing left to do, and the box is within the tolerances of its goal. `missed`: the same, but
 the box is outside of them. `astray`: the box has slid away from the robot, or a term gave the episode up. `refused`:
-the legs cannot follow the push, as on a steep slope."""
+the legs cannot follow the push, as on a steep slope. `failed`: a mission ended for another reason."""
 
 
 class ObservationTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

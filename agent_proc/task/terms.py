@@ -11,7 +11,16 @@ from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift
 from agent_proc.task.observation.goal_frame import BoxPlace, BoxPlaceNear, BoxYaw, Heading, HeadingNear
 from agent_proc.task.observation.world_frame import Body, BoxCorner, FootForces, GoalCorner, Tip
 from agent_proc.task.reward.corners import AngleError, CornerDistance, CornersWithin
-from agent_proc.task.reward.progress import Cycle, Fall, PositionProgress, Precision, SteeringProgress, Success, Time
+from agent_proc.task.reward.progress import (
+    Cycle,
+    Fall,
+    GoalProgress,
+    PositionProgress,
+    Precision,
+    SteeringProgress,
+    Success,
+    Time,
+)
 from agent_proc.task.term import AbortTerm, ArrivalTerm, ObservationTerm, RewardTerm
 from legpush.errors import ConfigError, MessageError
 from legpush.messages.codec import convert
@@ -53,6 +62,7 @@ REWARD: Final[dict[str, type[RewardTerm]]] = {
     "corners_within": CornersWithin,
     "position_progress": PositionProgress,
     "steering_progress": SteeringProgress,
+    "goal_progress": GoalProgress,
     "cycle": Cycle,
     "time": Time,
     "success": Success,

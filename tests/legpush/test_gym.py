@@ -17,10 +17,12 @@ from stable_baselines3.common.env_util import make_vec_env
 
 import legpush.gym
 from agent_proc.learning.env import PushEnv
+from agent_proc.mission_env.env import MissionEnv
 from agent_proc.task.file import load_task, task_names
 from legpush.errors import ConfigError
 
 ID = "legpush.gym:legpush/Push-v1"
+LEVEL_4 = "legpush.gym:legpush/PushL4-v2"
 SETTINGS: dict[str, Any] = {"scenario": "push", "entry": "fixed", "max_steps": 7, "mass_kg": [0.1, 1.0]}
 SEED = 3
 N_STEPS = 2
@@ -91,7 +93,7 @@ def test_each_built_in_task_has_an_id() -> None:
     for name, row in legpush.gym.ENVIRONMENTS.items():
         assert row.max_episode_steps == load_task(row.task).max_steps
         env = gymnasium.make(f"legpush.gym:{name}", max_steps=9).unwrapped
-        assert isinstance(env, PushEnv)
+        assert isinstance(env, MissionEnv if row.make == legpush.gym.MAKE_MISSIONS else PushEnv)
         assert env.task == load_task(row.task, max_steps=9)
 
 
@@ -151,3 +153,17 @@ def test_stable_baselines_makes_vectors_of_it() -> None:
     assert (start[0] != start[1]).any()
     for reward, info in zip(rewards, infos, strict=True):
         assert reward == pytest.approx(sum(info["reward_terms"].values()))
+
+
+@pytest.mark.parametrize("mode", ["sync", "async"])
+def test_missions_run_side_by_side(mode: str) -> None:
+    envs = gymnasium.make_vec(LEVEL_4, num_envs=2, vectorization_mode=mode, scenario="push")
+    try:
+        first = envs.reset(seed=SEED)[0]
+        envs.step(envs.action_space.sample())
+        again = envs.reset(seed=SEED)[0]
+    finally:
+        envs.close()
+
+    np.testing.assert_array_equal(first, again)
+    assert (first[0] != first[1]).any()

@@ -37,6 +37,19 @@ def test_a_picture_shows_the_present_state() -> None:
     env.close()
 
 
+def test_a_picture_shows_where_a_mission_waits_for_a_push() -> None:
+    env = gymnasium.make(
+        "legpush.gym:legpush/PushL4-v2", scenario="push", render_mode="rgb_array", width=160, height=120
+    )
+    env.reset(seed=1)
+    first = np.asarray(env.render())
+    env.step(env.action_space.sample())
+    second = np.asarray(env.render())
+    env.close()
+    assert first.shape == (120, 160, 3)
+    assert (first != second).any()
+
+
 def test_a_video_has_a_frame_for_the_reset_and_each_step(tmp_path: Path) -> None:
     pytest.importorskip("moviepy")
     made = gymnasium.make(ID, render_mode="rgb_array", width=160, height=120, max_episode_steps=2)

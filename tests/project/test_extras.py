@@ -28,6 +28,7 @@ PARTS = [
     ("agent_proc", ("agent",)),
     ("agent_proc/gym_envs.py", ("train",)),
     ("agent_proc/learning", ("train",)),
+    ("agent_proc/mission_env", ("train",)),
     ("agent_proc/policies/sb3", ("train",)),
     ("agent_proc/learning/loggers/wandb_log.py", ("wandb",)),
     ("agent_proc/studies", ("train",)),

@@ -40,7 +40,10 @@ ROGUES = {
         "agent_proc.policies",
         "import stable_baselines3",
     ),
-    "Only learning, policies.sb3 and legpush.gym import Gymnasium": ("agent_proc.task", "import gymnasium"),
+    "Only learning, mission_env, policies.sb3 and legpush.gym import Gymnasium": (
+        "agent_proc.task",
+        "import gymnasium",
+    ),
     "Only the file of weights imports safetensors": ("agent_proc.policies", "from safetensors.numpy import load"),
     "Only agent_proc.policies.onnx_file imports ONNX": ("agent_proc.policies", "import onnx"),
     "Only agent_proc.figures imports matplotlib": ("agent_proc.reporting", "from matplotlib import pyplot"),

@@ -9,6 +9,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from agent_proc.frames.poses import box_error
 from agent_proc.frames.push_view import PushView
 from agent_proc.task.term import PushStep, RewardTerm
 from legpush.bounds import MAX_FACTOR
@@ -47,6 +48,15 @@ class SteeringProgress(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fie
     def value(self, step: PushStep) -> float:
         """Error before, less error after."""
         return steering_in_tolerances(step.before) - steering_in_tolerances(_since(step))
+
+
+class GoalProgress(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Metres by which the box comes nearer to the goal of its scenario, in a straight line."""
+
+    def value(self, step: PushStep) -> float:
+        """Distance before, less distance after."""
+        before, after = (box_error(view.world, view.scenario).position_m for view in (step.before, _since(step)))
+        return before - after
 
 
 class Cycle(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -7,6 +7,11 @@ from typing import Any, Final, NamedTuple
 
 import gymnasium
 
+MAKE: Final = "agent_proc.learning.make_env:make_push_env"
+"""Makes environments whose episodes are a box and its goal."""
+MAKE_MISSIONS: Final = "agent_proc.mission_env.make_env:make_mission_env"
+"""Makes environments whose episodes are whole missions."""
+
 
 class Registered(NamedTuple):
     """A row of the table of environments."""
@@ -16,7 +21,8 @@ class Registered(NamedTuple):
     max_episode_steps: int
     """Push cycles after which Gymnasium truncates an episode, as the task does."""
     settings: dict[str, Any] = {}  # noqa: RUF012 - never changed
-    """Further arguments of `agent_proc.learning.make_env`."""
+    """Further arguments of what makes it."""
+    make: str = MAKE
 
 
 PUSH_ID: Final = "legpush/Push-v1"
@@ -27,18 +33,18 @@ ENVIRONMENTS: Final = {
     "legpush/PushL1-v2": Registered("push-l1", 100),
     "legpush/PushL2-v2": Registered("push-l2", 100),
     "legpush/PushL3-v2": Registered("push-l3", 100),
+    "legpush/PushL4-v2": Registered("push-l4", 400, make=MAKE_MISSIONS),
     "legpush/PushPaperText-v1": Registered("paper-text", 200),
     "legpush/PushPaperObservation-v1": Registered("paper-observation", 200),
     "legpush/PushRelease-v1": Registered("release", 200),
     "legpush/PushPaperLearns-v1": Registered("paper-learns", 200),
 }
 """All environments by their ids."""
-MAKE: Final = "agent_proc.learning.make_env:make_push_env"
 
 for _id, _row in ENVIRONMENTS.items():
     gymnasium.register(
         _id,
-        entry_point=MAKE,
+        entry_point=_row.make,
         nondeterministic=False,
         max_episode_steps=_row.max_episode_steps,
         kwargs={"task": _row.task, "time_limit": _row.max_episode_steps, **_row.settings},

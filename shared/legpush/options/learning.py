@@ -84,7 +84,7 @@ class TrainOptions(SimulatorOptions):
     file."""
     task: Annotated[str | None, arg("NAME|FILE")] = None
     """Replaces the profile's task: tuned, push-l1, push-l2, push-l3, paper-text, paper-observation, paper-learns,
-    release, or the path of a task file."""
+    release, or the path of a task file. push-l4 is learned in its Gymnasium environment instead."""
     entry: Annotated[Literal["fixed", "variable"] | None, arg()] = None
     """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
     actions: Annotated[Literal["continuous", "discrete"] | None, arg()] = None

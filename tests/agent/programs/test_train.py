@@ -223,3 +223,10 @@ def test_deep_nesting_in_the_plan_of_a_training_is_refused(tmp_path: Path) -> No
     (tmp_path / "config.json").write_bytes(b'{"profile":' + b"[" * 10**5)
     with pytest.raises(ConfigError, match="Expected the folder of a training for --resume"):
         read_plan(tmp_path)
+
+
+def test_a_task_of_missions_is_refused_before_anything_begins(options: TrainOptions) -> None:
+    with pytest.raises(ConfigError, match="whole missions: learn it in the environment legpush/PushL4-v2"):
+        said(replace(options, task="push-l4", entry=None, mass_kg=None))
+    assert options.out is not None
+    assert not options.out.exists()

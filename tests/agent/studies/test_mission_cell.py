@@ -6,6 +6,7 @@ import pytest
 
 from agent_proc.pushing.solvable import solvable_by
 from agent_proc.studies.mission_cell import MISSION, MissionCell, drawn, first_plan, resolve
+from agent_proc.task.file import load_task
 from legpush import in_process
 from legpush.errors import ConfigError, PolicyError
 from legpush.scenarios.random_room import RandomRoom
@@ -76,3 +77,16 @@ def test_a_room_has_the_fields_of_a_random_room_with_its_defaults_and_no_others(
     assert resolve(MissionCell(random_room=room), ()).random_room == RandomRoom(obstacles=3)
     with pytest.raises(msgspec.ValidationError, match="unknown field `obstacle`"):
         msgspec.convert({"random_room": {"obstacle": 3}}, MissionCell)
+
+
+def test_a_rival_that_sees_nothing_may_choose_the_pushes() -> None:
+    cell = MissionCell(scenario="push", seed=1, policy="alternate", changes={"mission.max_push_cycles": 2})
+    resolved = resolve(cell, ())
+    columns = columns_of(MISSION, resolved)
+    assert (columns["reason"], columns["n_push_cycles"]) == ("max_push_cycles", 2)
+    assert msgspec.convert(msgspec.to_builtins(resolved), MISSION.resolved) == resolved
+    assert (resolved.policy_sha256, resolved.task) == ("", load_task("push-l4"))
+
+
+def test_a_cell_of_a_policy_is_the_one_that_it_was_before_there_were_rivals() -> None:
+    assert "task" not in msgspec.to_builtins(resolve(MissionCell(scenario="push"), ()))

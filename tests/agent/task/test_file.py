@@ -30,6 +30,7 @@ def test_the_built_in_tasks_are_there() -> None:
         "push-l1",
         "push-l2",
         "push-l3",
+        "push-l4",
         "release",
         "tuned",
     )

@@ -1,0 +1,1 @@
+"""Missions as a Gymnasium environment: an action is a push that the mission asks its policy for."""
