@@ -2,7 +2,7 @@
 
 import sys
 
-from legpush.entry.program import run_main
+from legpush.entry import run_main
 
 if __name__ == "__main__":
     sys.exit(run_main("agent_proc.mission.process", profile=True))

@@ -4,11 +4,10 @@
 step. Everything here is imported when it is first used.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from importlib.metadata import version as _version
+    from typing import Any
 
     from legpush.errors import (
         BrokenEpisodeError,
@@ -87,7 +86,9 @@ _ADDRESSES = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
+    from importlib import import_module
+
     if name == "__version__":
         from importlib.metadata import version
 

@@ -7,7 +7,7 @@ from typing import Final
 
 import pytest
 
-from tests.system.commands import LEGPUSH, STUDY, STUDY_FILE
+from tests.system.commands import LEGPUSH, RUN, STUDY, STUDY_FILE
 from tests.system.conftest import RecordedMission
 
 OUT: Final = "OUT"
@@ -35,6 +35,11 @@ COMMANDS: Final = {
     "study table --plot": ("study", "table", STUDY, "--plot", f"{OUT}.png"),
     "bench soak": ("bench", "soak", "--cells", "kill-sim-walking", "--out", OUT),
     "secure init": ("secure", "init", OUT),
+    "examples copy": ("examples", "copy", OUT),
+    "compare": ("compare", "variable", "--out", OUT),
+    "curves": ("curves", "variable", "--out", f"{OUT}.png"),
+    "tune": ("tune", "--trials", "1", "--out", OUT),
+    "picture": ("picture", RUN, "--out", f"{OUT}.svg"),
     "study run": ("study", "run", "study.toml", "--out", OUT),
 }
 
@@ -47,7 +52,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(
     (tmp_path / "study.toml").write_text(STUDY_FILE)
     # Even root cannot make files in /proc or below a file.
     folder = "/proc" if len(name) % 2 else "file"
-    places = {RECORDING: str(push_mission.file), STUDY: str(short_study)}
+    places = {RECORDING: str(push_mission.file), RUN: str(push_mission.out), STUDY: str(short_study)}
     words = [places.get(word, word) for word in COMMANDS[name]]
     command = [LEGPUSH, *(word.replace(OUT, f"{folder}/new") for word in words)]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)

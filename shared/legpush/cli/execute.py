@@ -94,6 +94,7 @@ def _list_examples(_: ListExamples) -> int:
 def _copy_examples(command: CopyExamples) -> int:
     from legpush.cli.example_files import copy_examples
 
+    require_writable_folder(command.folder, "DIR")
     files = copy_examples(command.folder)
     sys.stdout.write("".join(f"wrote {path}\n" for path in files))
     document({"files": files})

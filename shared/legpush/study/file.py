@@ -121,7 +121,9 @@ def load_study(
     """
     try:
         source = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise ConfigError(f"{path}: expected a readable study file ({error.strerror})") from error
+    except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: expected a readable study file ({error})") from error
     return read_study(source, str(path), own_cell=own_cell, allowed_policies=allowed_policies, many=many)
 

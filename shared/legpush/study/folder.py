@@ -88,7 +88,9 @@ class StudyFolder:
         file = self.path / RECORD_FILE
         try:
             return msgspec.json.decode(file.read_bytes(), type=StudyRecord)
-        except (OSError, msgspec.MsgspecError) as error:
+        except OSError as error:
+            raise ConfigError(f"{self.path}: expected the folder of a study ({file}: {error.strerror})") from error
+        except msgspec.MsgspecError as error:
             raise ConfigError(f"{self.path}: expected the folder of a study ({error})") from error
 
     def sources(self) -> tuple[str, ...]:

@@ -1,17 +1,46 @@
 """What a signal does to a program while it loads, works, and ends."""
 
 from pathlib import Path
+from signal import SIGINT
 
 import pytest
 
 from tests.legpush.entry.programs import Ended, run
 
 SIGNALS = ("signal.SIGINT", "signal.SIGTERM")
+PROGRAMS = ("agent_proc", "planner_proc", "planner_proc.conformance", "sim_proc", "sim_proc.view", "legpush.entry")
+INTERRUPTED_WHILE_LOADING = """
+import os, runpy, signal, sys
+
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == "legpush.entry.program":
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+"""
 
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_program_that_loads_ends_at_once(number: str, tmp_path: Path) -> None:
     assert run(tmp_path, f"interrupt({number})\nprint('loaded')\nmain = int") == Ended(130, "", "")
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_a_program_that_does_not_handle_signals_yet_ends_without_a_word(program: str, tmp_path: Path) -> None:
+    begin = f"sys.argv.append('work')\nrunpy.run_module({program!r}, run_name='__main__')"
+    assert run(tmp_path, "", INTERRUPTED_WHILE_LOADING + begin) == Ended(-SIGINT, "", "")
+
+
+def test_the_command_line_that_does_not_handle_signals_yet_ends_without_a_word(tmp_path: Path) -> None:
+    begin = "from legpush.cli import main\nmain()"
+    assert run(tmp_path, "", INTERRUPTED_WHILE_LOADING + begin) == Ended(-SIGINT, "", "")
+
+
+def test_an_interrupt_that_is_ignored_stays_so_until_a_program_handles_it(tmp_path: Path) -> None:
+    ignored = "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+    begin = "from legpush.entry import run_main\nsys.exit(run_main('work'))"
+    assert run(tmp_path, "def main():\n    return 4", INTERRUPTED_WHILE_LOADING + ignored + begin) == Ended(4, "", "")
 
 
 @pytest.mark.parametrize("number", SIGNALS)
