@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from agent_proc.push_model.model import MIRROR, PushModel, nearest_model
-from agent_proc.push_model.response import Response, ResponseEstimate, expected_response
+from agent_proc.push_model.response import Response, ResponseEstimate, expected_turn_scale
 from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.common import USUAL_DEPTH_M
@@ -64,9 +64,8 @@ class PushEstimate:
     def __init__(self, box: Box, model: PushModel | None = None) -> None:
         """Begin with `model`, or with the nearest measured one; `box` has its size in the pushed frame."""
         self._model = nearest_model(box) if model is None else model
-        expected = expected_response(box, self._model)
-        self._turn_prior = expected.turn[0]
-        self._response = ResponseEstimate(expected)
+        self._turn_prior = expected_turn_scale(box, self._model)
+        self._response = ResponseEstimate(box, self._model)
         self._travel = np.array([PRIOR_M**2, PRIOR_M**2])
         """Sums of measured times predicted, and of predicted squared."""
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
@@ -161,7 +160,7 @@ class PushEstimate:
         self._learn_lost_depth(push.depth_m, moved.x_m)
         if (push.w1, push.w2) != self.curve:
             return
-        self._response.learn(push, yielded_m, moved)
+        self._response.learn(push, moved)
         row = np.zeros((1, 3))
         mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
         ((x_m, _, yaw_rad),) = self._model.push(row, mirror, depth_m, turn_scale=self._turn_prior).tolist()

@@ -1,6 +1,5 @@
 """Pushes as the value table says, for the response that this very box has shown up to now."""
 
-from dataclasses import replace
 from functools import lru_cache
 from math import radians
 from typing import Final
@@ -21,11 +20,6 @@ N_CHOICES: Final = 24
 """Depths among which a push chooses."""
 LEAST_GAIN: Final = 0.01
 """Smallest gain for which it pushes, in tolerances: the cost of a push cycle."""
-SCALE_STEP: Final = 0.02
-LEFT_STEP: Final = 0.04
-BIAS_STEP: Final = 0.01
-DEPTH_STEP_M: Final = 0.005
-"""A table is used for all responses whose coefficients, and lost depth, round to the same multiples of these."""
 N_TABLES: Final = 16
 """Tables that are kept."""
 
@@ -48,17 +42,17 @@ class DynamicProgramming:
 
     def best(self, view: PushView) -> tuple[Push, float, float]:
         """The push of the least cost, that cost, and the present error, both in tolerances."""
-        lost_m, response = view.lost_depth_m, view.response
-        lost_step_m = DEPTH_STEP_M * round(lost_m / DEPTH_STEP_M)
+        response = view.response
+        lost_m = view.lost_depth_m if view.felt.response is None else response.lost_depth_m
         problem = self._problem(view, response, lost_m)
-        table = _table(self._problem(view, _rounded(response), lost_step_m))
+        table = _table(problem)
         mirror, depth_m = problem.pushes(N_CHOICES)
         box = view.box_g
         costs = table.costs((box.x_m, box.y_m, box.yaw_rad), response, mirror, depth_m)
         index = int(costs.argmin())
         push = Push(
-            w1=response.model.w1,
-            w2=response.model.w2,
+            w1=response.w1,
+            w2=response.w2,
             leg="FL" if mirror[index] > 0.0 else "FR",
             depth_m=min(float(depth_m[index]) + lost_m, self._most_m),
             face=view.face,
@@ -80,18 +74,3 @@ class DynamicProgramming:
 @lru_cache(maxsize=N_TABLES)
 def _table(problem: Problem) -> ValueTable:
     return ValueTable(problem)
-
-
-def _rounded(response: Response) -> Response:
-    """The response with coefficients as multiples of the steps."""
-    (a, b), (c, d, e), (f, g, h) = response.forward, response.left, response.turn
-    return replace(
-        response,
-        forward=(_to(SCALE_STEP, a), _to(SCALE_STEP, b)),
-        left=(_to(LEFT_STEP, c), _to(BIAS_STEP, d), _to(LEFT_STEP, e)),
-        turn=(_to(SCALE_STEP, f), _to(SCALE_STEP, g), _to(LEFT_STEP, h)),
-    )
-
-
-def _to(step: float, value: float) -> float:
-    return step * round(value / step)

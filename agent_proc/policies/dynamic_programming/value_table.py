@@ -5,6 +5,7 @@ ahead. The value of a pose is that of stopping there, or of its best push: what 
 is interpolated (Bellman's principle; Bertsekas, *Dynamic Programming and Optimal Control*, ch. 1).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Final
@@ -40,6 +41,14 @@ N_DEPTHS: Final = 10
 LEAST_STEP_SHARE: Final = 0.5
 """A push counts if it moves the box by this share of the way between two slices: a shorter one stays where the values
 are interpolated, and would seem to cost nothing again and again."""
+
+FAR_OFF_SD: Final = 3.0
+FAR_OFF_WEIGHT: Final = 1 / (2 * FAR_OFF_SD**2)
+"""A push turns the box as it should, or by this many standard deviations more or less, each with this probability: that
+has the mean and variance of what it does. What is rare but hard to mend counts so."""
+
+CAREFREE_RAD: Final = 0.01
+"""This much of the standard deviation of a turn is left out: what the next pushes mend as they go needs no caution."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +99,10 @@ class ValueTable:
         x_m, y_m, yaw_rad = pose
         c, s = np.cos(yaw_rad), np.sin(yaw_rad)
         ahead = c * forward - s * left
-        costs = _push_cost(turn) + self._at(x_m + ahead, y_m + s * forward + c * left, yaw_rad + turn)
+        sd = _feared_sd(response, mirror, depth_m)
+        costs = _push_cost(turn, sd)
+        for turned, weight in _turns(turn, sd):
+            costs = costs + weight * self._at(x_m + ahead, y_m + s * forward + c * left, yaw_rad + turned)
         index = int(_Place.on(self._x, np.array([x_m])).index[0])
         moves = ahead >= LEAST_STEP_SHARE * (self._x[index] - self._x[index + 1])
         return np.where(moves, costs, np.inf) if moves.any() else costs
@@ -108,12 +120,14 @@ class ValueTable:
         problem, x = self._problem, self._x
         mirror, depth_m = problem.pushes(N_DEPTHS)
         forward, left, turn = (each[:, None] for each in problem.response.displacement(mirror, depth_m))
+        sd = _feared_sd(problem.response, mirror, depth_m)[:, None]
+        off = [_between(self._yaw, self._yaw + by) for by in (-FAR_OFF_SD * sd, FAR_OFF_SD * sd)]
         c, s = np.cos(self._yaw), np.sin(self._yaw)
         ahead = c * forward - s * left
         y_m = self._y[None, :, None] + (s * forward + c * left)[:, None, :]
         yaw_rad = np.broadcast_to((self._yaw + turn)[:, None, :], y_m.shape)
         plane = _Plane(self._y, self._yaw, y_m, yaw_rad)
-        cost = _push_cost(turn)[:, :, None] + plane.beyond(problem)
+        cost = _push_cost(turn, sd)[:, :, None] + plane.beyond(problem)
         row, column = np.arange(len(mirror))[:, None], np.arange(N_TURN)[None]
         y_grid, yaw_grid = np.meshgrid(self._y, self._yaw, indexing="ij")
         values = np.empty((len(x), N_SIDE, N_TURN))
@@ -127,7 +141,7 @@ class ValueTable:
                 found = np.moveaxis(near + place.share[:, :, None] * (far - near), 2, 1) + cost
                 moves = ahead >= LEAST_STEP_SHARE * (x[n - 1] - x_m)
                 values[n] = np.minimum(values[n], np.where(moves[:, None, :], found, np.inf).min(axis=0))
-            after[n] = plane.of(values[n])
+            after[n] = plane.of(_expected(values[n], off), row[:, :, None])
         return values
 
 
@@ -169,14 +183,37 @@ class _Plane:
         return found
 
 
+def _expected(values: Floats, off: Sequence[tuple[Indices, Floats]]) -> Floats:
+    """Values (y, yaw) as the mean over turns that are far off by each push, (pushes, y, yaw)."""
+    total: Floats = (1.0 - len(off) * FAR_OFF_WEIGHT) * values[None]
+    for k, w in off:
+        low, high = values[:, k].swapaxes(0, 1), values[:, k + 1].swapaxes(0, 1)
+        total = total + FAR_OFF_WEIGHT * (low + w[:, None, :] * (high - low))
+    return total
+
+
 def _between(grid: Floats, value: Floats) -> tuple[Indices, Floats]:
     index = np.clip(np.searchsorted(grid, value) - 1, 0, len(grid) - 2)
     return index, np.clip((value - grid[index]) / (grid[index + 1] - grid[index]), 0.0, 1.0)
 
 
-def _push_cost(turn_rad: Floats) -> Floats:
-    beyond: Floats = np.maximum(np.abs(turn_rad) / MOST_TURN_RAD - 1.0, 0.0)
-    return CYCLE_COST + TURN_COST * beyond
+def _feared_sd(response: Response, mirror: Floats, depth_m: Floats) -> Floats:
+    """Standard deviations of turns that are planned with, (n,)."""
+    feared: Floats = np.maximum(response.turn_sd_rad(mirror, depth_m) - CAREFREE_RAD, 0.0)
+    return feared
+
+
+def _turns(turn_rad: Floats, sd_rad: Floats) -> list[tuple[Floats, float]]:
+    """Turns that a push may do, and their probabilities."""
+    by_rad, middle = FAR_OFF_SD * sd_rad, 1.0 - 2 * FAR_OFF_WEIGHT
+    return [(turn_rad, middle), (turn_rad - by_rad, FAR_OFF_WEIGHT), (turn_rad + by_rad, FAR_OFF_WEIGHT)]
+
+
+def _push_cost(turn_rad: Floats, sd_rad: Floats) -> Floats:
+    cost: Floats = np.full_like(turn_rad, CYCLE_COST)
+    for turned, weight in _turns(turn_rad, sd_rad):
+        cost = cost + weight * TURN_COST * np.maximum(np.abs(turned) / MOST_TURN_RAD - 1.0, 0.0)
+    return cost
 
 
 def _slices() -> Floats:

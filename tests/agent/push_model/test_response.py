@@ -1,4 +1,4 @@
-"""The response of a box: coefficients that follow what pushes do, each leg for itself."""
+"""The response of a box: curves that follow what pushes do, each leg for itself, and the depth that is lost."""
 
 from math import radians
 
@@ -14,22 +14,21 @@ from agent_proc.push_model.response import Response, ResponseEstimate, expected_
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import FRONT_LEGS, FrontLeg
+from tests.agent.push_model.responses import displaced, response_with
 
 MODEL = PushModel()
 DEPTHS_M = (0.02, 0.05, 0.08, 0.1)
 
 
-def displaced(response: Response, leg: FrontLeg, depth_m: float) -> Pose2:
-    forward, left, turn = response.displacement(np.array([MIRROR[leg]]), np.array([depth_m]))
-    return Pose2(x_m=float(forward[0]), y_m=float(left[0]), yaw_rad=float(turn[0]))
+def push(leg: FrontLeg, depth_m: float) -> Push:
+    return Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m)
 
 
 def fitted(true: Response, n_pushes: int) -> Response:
-    estimate, rng = ResponseEstimate(Response(model=MODEL)), np.random.default_rng(1)
+    estimate, rng = ResponseEstimate(NOMINAL, MODEL), np.random.default_rng(1)
     for index in range(n_pushes):
         leg, depth_m = FRONT_LEGS[index % 2], float(rng.choice(DEPTHS_M))
-        push = Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m)
-        estimate.learn(push, depth_m, displaced(true, leg, depth_m))
+        estimate.learn(push(leg, depth_m), displaced(true, leg, depth_m))
     return estimate.response
 
 
@@ -40,7 +39,7 @@ def test_before_the_first_push_it_is_the_model(leg: FrontLeg) -> None:
     expected = displaced(expected_response(NOMINAL), leg, 0.05)
 
     assert (expected.x_m, expected.y_m, expected.yaw_rad) == pytest.approx((x_m, y_m, yaw_rad))
-    assert ResponseEstimate(Response(model=MODEL)).response == Response(model=MODEL)
+    assert ResponseEstimate(NOMINAL, MODEL).response == expected_response(NOMINAL)
 
 
 @given(
@@ -51,7 +50,7 @@ def test_before_the_first_push_it_is_the_model(leg: FrontLeg) -> None:
 def test_after_some_pushes_it_predicts_a_box_that_neither_turns_nor_yields_as_the_model_does(
     forward: tuple[float, float], left: tuple[float, float, float], turn: tuple[float, float, float]
 ) -> None:
-    true = Response(model=MODEL, forward=forward, left=left, turn=turn)
+    true = response_with(forward, left, turn)
 
     found = fitted(true, 20)
 
@@ -64,24 +63,40 @@ def test_after_some_pushes_it_predicts_a_box_that_neither_turns_nor_yields_as_th
 
 
 def test_legs_that_differ_are_told_apart() -> None:
-    aside = Response(model=MODEL, turn=(1.0, 1.0, 0.0))
-    found = fitted(aside, 12)
+    found = fitted(response_with(turn=(1.0, 1.0, 0.0)), 12)
     turns = [displaced(found, leg, 0.08).yaw_rad for leg in FRONT_LEGS]
 
     assert sum(turns) == pytest.approx(2 * 0.0596, rel=0.2)
 
 
-def test_a_push_that_hardly_moves_the_box_says_nothing() -> None:
-    estimate = ResponseEstimate(Response(model=MODEL))
-    estimate.learn(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.01), 0.001, Pose2(x_m=0.02, y_m=0.01, yaw_rad=0.3))
-    assert estimate.response == Response(model=MODEL)
+@given(lost_m=st.floats(0.01, 0.05))
+def test_a_box_that_yields_late_shows_how_much_depth_it_loses(lost_m: float) -> None:
+    found = fitted(response_with(lost_m=lost_m), 12)
+
+    assert found.lost_depth_m == pytest.approx(lost_m, abs=0.006)
+    for depth_m in (0.04, 0.07):
+        expected = displaced(response_with(lost_m=lost_m), "FL", depth_m)
+        assert displaced(found, "FL", depth_m).x_m == pytest.approx(expected.x_m, abs=0.005)
+
+
+def test_a_box_that_yields_less_and_less_loses_no_depth() -> None:
+    assert fitted(response_with(forward=(1.0, -0.3)), 12).lost_depth_m <= 0.0025
+
+
+def test_a_box_that_may_be_round_is_expected_to_yield_less_and_to_turn_more_and_nobody_knows_how_much() -> None:
+    square, oblong = (expected_response(replace(NOMINAL, size_m=(0.4, width_m, 0.4))) for width_m in (0.4, 0.41))
+    mirror, depth_m = np.ones(2), np.array([0.03, 0.1])
+
+    assert displaced(square, "FR", 0.08).x_m < displaced(oblong, "FR", 0.08).x_m
+    assert displaced(square, "FR", 0.08).yaw_rad > displaced(oblong, "FR", 0.08).yaw_rad
+    assert (square.turn_sd_rad(mirror, depth_m) > oblong.turn_sd_rad(mirror, depth_m)).all()
 
 
 def test_a_box_is_felt_by_pushes_with_the_curve_of_the_model() -> None:
     start, after = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), Pose2(x_m=0.03, y_m=0.02, yaw_rad=0.1)
     other, same = PushEstimate(NOMINAL), PushEstimate(NOMINAL)
     other.learn(start, Push(w1=0.2, w2=0.2, leg="FR", depth_m=0.05), after)
-    same.learn(start, Push(w1=0.5, w2=0.5, leg="FR", depth_m=0.05), after)
+    same.learn(start, push("FR", 0.05), after)
 
     assert other.felt.response == expected_response(NOMINAL)
     assert same.felt.response != expected_response(NOMINAL)
@@ -90,5 +105,6 @@ def test_a_box_is_felt_by_pushes_with_the_curve_of_the_model() -> None:
 
 def test_a_longer_box_is_expected_to_turn_less() -> None:
     longer = replace(NOMINAL, size_m=(0.45, 0.5, 0.4))
-    assert expected_response(longer).turn[0] < 1.0
+    expected, usual = (displaced(expected_response(box), "FR", 0.05) for box in (longer, NOMINAL))
+    assert expected.yaw_rad < usual.yaw_rad
     assert PushEstimate(longer).felt.response == expected_response(longer)

@@ -2,7 +2,6 @@
 
 from math import degrees, hypot, radians
 
-import numpy as np
 import pytest
 from msgspec.structs import replace
 
@@ -10,22 +9,23 @@ from agent_proc.frames.push_view import push_view
 from agent_proc.policies.dynamic_programming.policy import DynamicProgramming
 from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.estimate import FeltBox, PushEstimate
-from agent_proc.push_model.model import MIRROR, PushModel
 from agent_proc.push_model.response import Response
 from legpush.geometry import Pose2
 from legpush.scene.scenario import Scenario
 from tests.agent.fake_world import make_scenario, make_state
+from tests.agent.push_model.responses import displaced, response_with
 
 POLICY = DynamicProgramming()
 FAR_AWAY = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
 SCENARIO = make_scenario()
 GOAL = SCENARIO.goal.pose.pose()
 WORLDS = {
-    "as the model": Response(),
-    "heavy": Response(forward=(0.8, -0.1)),
-    "uneven load": Response(turn=(1.0, 1.0, 0.0), left=(1.0, 0.15, 0.0)),
-    "across a slope": Response(turn=(0.9, -0.6, 0.0), left=(1.0, -0.2, 0.0)),
-    "turns easily": Response(turn=(1.6, 0.0, 0.0)),
+    "as the model": response_with(),
+    "heavy": response_with(forward=(0.8, -0.1)),
+    "uneven load": response_with(turn=(1.0, 1.0, 0.0), left=(1.0, 0.15, 0.0)),
+    "across a slope": response_with(turn=(0.9, -0.6, 0.0), left=(1.0, -0.2, 0.0)),
+    "yields late": response_with(lost_m=0.02),
+    "turns easily": response_with(turn=(1.6, 0.0, 0.0)),
 }
 
 
@@ -37,8 +37,7 @@ def pushed_to_the_end(true: Response, box: Pose2, scenario: Scenario = SCENARIO)
         if push is None:
             left = GOAL.inverse() @ box
             return hypot(left.x_m, left.y_m), abs(degrees(left.yaw_rad)), n_pushes
-        forward, left_m, turn = true.displacement(np.array([MIRROR[push.leg]]), np.array([push.depth_m]))
-        after = box @ Pose2(x_m=float(forward[0]), y_m=float(left_m[0]), yaw_rad=float(turn[0]))
+        after = box @ displaced(true, push.leg, push.depth_m)
         estimate.learn(box, push, after)
         box = after
     pytest.fail("the policy did not come to an end in 60 pushes")
@@ -60,7 +59,7 @@ def test_a_box_that_turns_to_the_other_side_is_pushed_with_the_other_leg() -> No
     view = push_view(make_state(FAR_AWAY, GOAL @ Pose2(x_m=-0.4, y_m=0.0, yaw_rad=0.0)), SCENARIO)
     pushes = []
     for bias in (-1.0, 1.0):
-        felt = FeltBox(response=Response(model=PushModel(), turn=(1.0, bias, 0.0)))
+        felt = FeltBox(response=response_with(turn=(1.0, bias, 0.0)))
         push = POLICY.decide(push_view(view.world, SCENARIO, felt))
         assert push is not None
         pushes.append(push)
@@ -74,7 +73,7 @@ def test_a_box_that_turns_to_the_other_side_is_pushed_with_the_other_leg() -> No
 def test_equal_views_give_equal_pushes_whatever_was_decided_before() -> None:
     view = push_view(make_state(FAR_AWAY, GOAL @ Pose2(x_m=-0.7, y_m=0.06, yaw_rad=0.1)), SCENARIO)
     other = push_view(
-        view.world, SCENARIO, FeltBox(lost_depth_m=0.02, response=Response(turn=(1.4, 0.3, 0.0), forward=(0.7, 0.0)))
+        view.world, SCENARIO, FeltBox(response=response_with(turn=(1.4, 0.3, 0.0), forward=(0.7, 0.0), lost_m=0.02))
     )
     first = DynamicProgramming().decide(view)
     POLICY.decide(other)
@@ -85,7 +84,8 @@ def test_equal_views_give_equal_pushes_whatever_was_decided_before() -> None:
 def test_a_box_that_loses_depth_is_pushed_deeper_but_never_too_deep() -> None:
     view = push_view(make_state(FAR_AWAY, GOAL @ Pose2(x_m=-0.05, y_m=0.0, yaw_rad=0.0)), SCENARIO)
     plain, heavy, heaviest = (
-        POLICY.decide(push_view(view.world, SCENARIO, FeltBox(lost_depth_m=lost_m))) for lost_m in (0.0, 0.02, 0.098)
+        POLICY.decide(push_view(view.world, SCENARIO, FeltBox(response=response_with(lost_m=lost_m))))
+        for lost_m in (0.0, 0.02, 0.07)
     )
     assert plain is not None
     assert heavy is not None
@@ -105,3 +105,16 @@ def test_it_stops_at_the_goal_and_past_it() -> None:
 def test_it_is_found_by_its_name_and_recordings_may_name_it() -> None:
     assert isinstance(make_policy("dynamic_programming"), DynamicProgramming)
     assert isinstance(policy_from_data("dynamic_programming", ""), DynamicProgramming)
+
+
+def test_a_box_that_may_slip_is_first_pushed_less_deep() -> None:
+    """Square boxes may be round: a deep push can turn them by more than can be mended."""
+    first = {}
+    for width_m in (0.4, 0.41):
+        scenario = replace(SCENARIO, box=replace(SCENARIO.box, size_m=(0.4, width_m, 0.4)))
+        start = make_state(FAR_AWAY, GOAL @ Pose2(x_m=-1.0, y_m=0.2, yaw_rad=radians(-15.0)))
+        push = POLICY.decide(push_view(start, scenario))
+        assert push is not None
+        first[width_m] = push.depth_m
+
+    assert first[0.4] < first[0.41]

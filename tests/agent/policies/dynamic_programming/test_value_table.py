@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from agent_proc.policies.dynamic_programming.value_table import CYCLE_COST, Problem, ValueTable
-from agent_proc.push_model.model import PushModel
-from agent_proc.push_model.response import Response
 from legpush.arrays import Floats
+from tests.agent.push_model.responses import response_with
 
-PROBLEM = Problem(response=Response(model=PushModel()), least_m=0.005, most_m=0.1, near_m=0.03, near_rad=radians(3.0))
+PROBLEM = Problem(response=response_with(), least_m=0.005, most_m=0.1, near_m=0.03, near_rad=radians(3.0))
 TABLE = ValueTable(PROBLEM)
 MIRROR, DEPTH_M = PROBLEM.pushes(24)
 
@@ -61,7 +60,7 @@ def test_a_box_that_turns_to_one_side_is_led_otherwise() -> None:
     """A centre of mass on the other side of the middle makes the mirror image of all costs."""
     found = {}
     for bias in (-1.0, 1.0):
-        aside = dataclasses.replace(PROBLEM, response=Response(model=PushModel(), turn=(1.0, bias, 0.0)))
+        aside = dataclasses.replace(PROBLEM, response=response_with(turn=(1.0, bias, 0.0)))
         found[bias] = ValueTable(aside).costs((-0.4, 0.0, 0.0), aside.response, MIRROR, DEPTH_M)
     n = len(MIRROR) // 2
 
@@ -75,3 +74,14 @@ def test_pushes_too_short_for_the_table_are_left_out_where_others_are_possible()
     assert np.isfinite(found).any()
     tiny = TABLE.costs((-0.8, 0.1, 0.0), PROBLEM.response, np.ones(2), np.array([0.005, 0.006]))
     assert np.isfinite(tiny).all()
+
+
+def test_pushes_whose_turn_is_not_known_cost_more() -> None:
+    fl, fr = PROBLEM.response.curves
+    unsure = dataclasses.replace(fl, turn_sd_rad=tuple(2.0 * depth_m for depth_m in PROBLEM.response.depth_m))
+    response = dataclasses.replace(PROBLEM.response, curves=(unsure, fr))
+    found = TABLE.costs((-0.3, 0.0, 0.0), response, MIRROR, DEPTH_M)
+    known, n = costs(-0.3, 0.0, 0.0), len(MIRROR) // 2
+
+    assert found[n - 1] > known[n - 1]
+    np.testing.assert_array_equal(found[n:], known[n:])

@@ -1,0 +1,64 @@
+"""Curves of the effect of pushes over their depth, which follow what pushes do."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agent_proc.push_model.curves import Curves, Part, Spread
+from legpush.arrays import Floats
+
+DEPTH_M = np.array([0.0, 0.02, 0.05, 0.1])
+EXPECTED = np.array([0.0, 0.02, 0.04, 0.07])
+COMMON = Part(sd=0.02, power=1.0, reach_m=0.1)
+OPPOSITE = Part(sd=0.005, power=1.0, reach_m=0.1)
+SPREAD = Spread(common=COMMON, opposite=OPPOSITE, noise=0.001, deep_noise=0.002, noise_power=2.0)
+
+
+def new() -> Curves:
+    return Curves(DEPTH_M, EXPECTED, SPREAD)
+
+
+def test_before_the_first_push_both_legs_do_what_is_expected_and_shallow_pushes_are_known_best() -> None:
+    curves = new()
+    np.testing.assert_allclose(curves.values, [EXPECTED, EXPECTED])
+    assert (np.diff(curves.sd) > 0.0).all()
+    np.testing.assert_allclose(curves.sd[:, 0], SPREAD.noise)
+
+
+@given(
+    first=st.lists(st.floats(-0.02, 0.06), min_size=3, max_size=3),
+    second=st.lists(st.floats(-0.02, 0.06), min_size=3, max_size=3),
+)
+def test_pushes_at_all_depths_show_any_curves(first: list[float], second: list[float]) -> None:
+    curves = new()
+    for _ in range(40):
+        for leg, measured in enumerate((first, second)):
+            for depth_m, value in zip(DEPTH_M[1:].tolist(), measured, strict=True):
+                curves.learn(leg, depth_m, value)
+
+    np.testing.assert_allclose(curves.values[:, 1:], [first, second], atol=0.004)
+
+
+def test_a_push_says_more_of_near_depths_and_of_its_own_leg() -> None:
+    curves = new()
+    curves.learn(0, 0.05, 0.02)
+    less: Floats = 1.0 - curves.values[:, 1:] / EXPECTED[1:]
+
+    assert curves.values[0, 2] == pytest.approx(0.02, abs=0.002)
+    assert (less > 0.0).all()
+    assert (less[0] > less[1]).all()
+    assert curves.sd[0, 2] < curves.sd[0, 3] < new().sd[0, 3]
+    assert curves.sd[0, 2] < curves.sd[1, 2]
+
+
+@given(depth_m=st.floats(0.001, 0.15), off=st.floats(0.005, 0.05))
+def test_what_is_expected_is_most_likely(depth_m: float, off: float) -> None:
+    expected = float(np.interp(depth_m, DEPTH_M, EXPECTED))
+    assert new().learn(0, depth_m, expected) > new().learn(0, depth_m, expected + off)
+
+
+def test_a_push_of_no_depth_says_nothing() -> None:
+    curves = new()
+    curves.learn(1, 0.0, 0.03)
+    np.testing.assert_allclose(curves.values, [EXPECTED, EXPECTED])
