@@ -56,8 +56,7 @@ def compute() -> Canary:
         walking.follow(plan)
         walked = walking.walk()
     pushed, learned = (
-        run("push", seed=0, policy=policy, changes=STRAIGHT_AHEAD)
-        for policy in (DEFAULT_POLICY, LEARNED_POLICY)
+        run("push", seed=0, policy=policy, changes=STRAIGHT_AHEAD) for policy in (DEFAULT_POLICY, LEARNED_POLICY)
     )
     return Canary(
         plan=f"{crc32(msgspec.msgpack.encode(plan)):08x}",
