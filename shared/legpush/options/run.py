@@ -99,7 +99,7 @@ class RouterOptions:
     """
 
     listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
-    """Endpoints to listen on. If not given, a socket that only this user can reach, /tmp/legpush.<user id>/router.sock;
+    """Endpoints to listen on. If not given, the socket router.sock in the folder of this user, /tmp/legpush.UID;
     with --secure, tls/127.0.0.1:17470."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of other routers, which may start later."""
