@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final, cast
 
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import Endpoints, listing
+from legpush.bus.endpoints import Endpoints, by_router, listing
 from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import PeerError, StopRequestedError
 from legpush.lockstep.bus_world import BusWorld
@@ -59,7 +59,7 @@ def joined_simulators(
         PeerError: Fewer than `n` simulators were found within the deadline.
         StopRequestedError: `stop` was set.
     """
-    with Bus(run, "agent", "main", endpoints) as bus:
+    with Bus(run, "agent", "main", endpoints, stop=stop) as bus:
         names = find_simulators(bus, n, stop, (patience or Patience()).deadline_s)
         yield _worlds(bus, names[:n], stop, patience)
 
@@ -129,5 +129,9 @@ def simulators(
     if options.join is None:
         return own_simulators(options.n_simulators, logs, stop, record=options.record, kind=kind, folder=folder)
     credentials = credentials_of(options.secure, "agent")
-    endpoints = Endpoints(listen=options.listen, connect=options.connect, credentials=credentials)
+    endpoints = (
+        by_router(options.router, credentials)
+        if options.router
+        else Endpoints(listen=options.listen, connect=options.connect, credentials=credentials)
+    )
     return joined_simulators(options.n_simulators, options.join, endpoints, stop)

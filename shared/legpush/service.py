@@ -20,7 +20,7 @@ from legpush.arguments import Flag, OutputOptions, arg
 from legpush.arguments import parse as parse_arguments
 from legpush.bus import endpoints
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints
+from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints, require_alone
 from legpush.bus.faults import Faults
 from legpush.bus.secure.host_folder import credentials_of
 from legpush.bus.session import log_refused_links
@@ -36,7 +36,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class ServiceConfig:
-    """Options of every process. Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT (endpoints by commas)."""
+    """Options of every process.
+
+    Environment: LEGPUSH_RUN, LEGPUSH_LISTEN, LEGPUSH_CONNECT, LEGPUSH_ROUTER (endpoints by commas).
+    """
 
     run: Annotated[str, arg("NAME")] = DEFAULT_RUN
     """Name of the run; processes talk to each other only within one run."""
@@ -46,6 +49,9 @@ class ServiceConfig:
     """Endpoints to listen on, such as tcp/127.0.0.1:17472 or unixsock-stream//tmp/run/sim.sock."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of the peers to connect to; the peers may start later."""
+    router: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints of routers (`legpush router`), in the place of --listen and --connect: everything goes through the
+    first one that answers, and through another one when it is gone."""
     secure: Annotated[Path | None, arg("DIR")] = None
     """Folder of this host that `legpush secure init` made: talk over TLS alone. The usual endpoints are then ports of
     127.0.0.1: 17471 of the planner, 17472 of the simulator, 17473 of the agent."""
@@ -66,13 +72,17 @@ class ServiceConfig:
         """Return the endpoints to listen on and to connect to; with `--secure`, TLS ports in the place of sockets.
 
         Raises:
-            EndpointError: One of the texts is not an endpoint.
+            EndpointError: One of the texts is not an endpoint, or there is a router and other endpoints.
             CredentialsError: The certificate of the process cannot be used.
         """
-        credentials = credentials_of(self.secure, role)
+        credentials, sockets = credentials_of(self.secure, role), endpoints.local(role)
+        if self.router:
+            for own, usual in ((self.listen, sockets.listen), (self.connect, sockets.connect)):
+                require_alone(self.router, () if own == usual else own)
+            return endpoints.by_router(self.router, credentials)
         if credentials is None:
             return Endpoints(listen=self.listen, connect=self.connect)
-        sockets, ports = endpoints.local(role), endpoints.local(role, credentials)
+        ports = endpoints.local(role, credentials)
         return Endpoints(
             listen=ports.listen if self.listen == sockets.listen else self.listen,
             connect=ports.connect if self.connect == sockets.connect else self.connect,
@@ -113,6 +123,7 @@ def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Map
         run=env.get("LEGPUSH_RUN", DEFAULT_RUN),
         listen=_locators(env["LEGPUSH_LISTEN"]) if "LEGPUSH_LISTEN" in env else sockets.listen,
         connect=_locators(env["LEGPUSH_CONNECT"]) if "LEGPUSH_CONNECT" in env else sockets.connect,
+        router=_locators(env.get("LEGPUSH_ROUTER", "")),
     )
     options: C = parse_arguments(kind, f"python -m {role}_proc", argv, default=default)
     return options
@@ -135,7 +146,7 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
         at = config.endpoints(role)
         if at.credentials is not None:
             log_refused_links()
-        with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded) as bus:
+        with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded, stop=stop) as bus:
             code = work(config, bus, stop) or 0
             log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
         return code

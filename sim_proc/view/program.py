@@ -18,8 +18,9 @@ def main() -> int:
     return run_command("view", ViewOptions, lambda options: serve(options, stop_on_signals()))
 
 
-def _live(options: ViewOptions) -> LiveSource:
-    return LiveSource(options.run, options.connect, credentials_of(options.secure, "viewer"))
+def _live(options: ViewOptions, stop: threading.Event) -> LiveSource:
+    credentials = credentials_of(options.secure, "viewer")
+    return LiveSource(options.run, options.connect, credentials, routers=options.router, stop=stop)
 
 
 def serve(options: ViewOptions, stop: threading.Event) -> int:
@@ -29,7 +30,7 @@ def serve(options: ViewOptions, stop: threading.Event) -> int:
         LegpushError: The recording, the run or the address cannot be used.
     """
     source: RecordedSource | LiveSource
-    source = RecordedSource(options.files) if options.files else _live(options)
+    source = RecordedSource(options.files) if options.files else _live(options, stop)
     beside = None if options.beside is None else RecordedSource([options.beside])
     with Page(source, options.host, options.port, beside) as page, source:
         also = "" if beside is None else f", beside it {one_line(beside.title)}"

@@ -1,5 +1,6 @@
 """Sources of the history that the page shows: a recording, or a live run."""
 
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,7 +16,7 @@ from legpush.messages.telemetry import Origin
 from legpush.recording.facts import scenario_of
 from legpush.recording.mcap_file.contents import Recorded, Recording
 from legpush.recording.mcap_file.reader import read_recording
-from legpush.runs.choose_run import ChosenRun, choose_run, find_run
+from legpush.runs.choose_run import ChosenRun, choose_run, find_run, through_routers
 from legpush.runs.live_runs import find_live_runs
 from legpush.scene.scenario import Scenario
 from sim_proc.view.listener import Listener
@@ -78,16 +79,27 @@ class LiveSource:
     is_live = True
     is_reading = False
 
-    def __init__(self, run: str | None, connect: tuple[str, ...], credentials: Credentials | None = None) -> None:
-        """Choose a run by its name, or by endpoints to connect to, with `credentials` over TLS.
+    def __init__(
+        self,
+        run: str | None,
+        connect: tuple[str, ...],
+        credentials: Credentials | None = None,
+        *,
+        routers: tuple[str, ...] = (),
+        stop: threading.Event | None = None,
+    ) -> None:
+        """Choose a run by its name, or by endpoints to connect to, with `credentials` over TLS; or behind `routers`.
+
+        `stop` ends waiting for a router.
 
         Raises:
             ConfigError: Several runs are possible, or `run` is not a valid name.
         """
         self._run = run
-        self._connect = connect
+        self._connect = connect or routers
+        self._stop = stop
         self._credentials = credentials
-        self._watched = choose_run(run, connect, credentials)
+        self._watched = through_routers(run, routers, credentials) if routers else choose_run(run, connect, credentials)
         self._open = ExitStack()
         self._looked_at = monotonic()
 
@@ -123,7 +135,7 @@ class LiveSource:
 
     def _attach(self) -> None:
         """Listen to the chosen run."""
-        bus = Bus(self._watched.run, "recorder", f"view-{token_hex(3)}", self._watched.endpoints)
+        bus = Bus(self._watched.run, "recorder", f"view-{token_hex(3)}", self._watched.endpoints, stop=self._stop)
         self._listener = self._open.enter_context(Listener(self._open.enter_context(bus)))
 
     def _next_run(self) -> ChosenRun | None:

@@ -28,9 +28,9 @@ NOT_YET: Final = (1.0, 2.0)
 """Days from now between which a certificate is valid."""
 
 
-def made(folder: Path, *hosts: str) -> Path:
+def made(folder: Path, *hosts: str, routers: Sequence[str] = ()) -> Path:
     """Make an authority, and return the folder of its first host."""
-    begin(folder, hosts or (HOST,), 90, 90)
+    begin(folder, hosts or (HOST,), 90, 90, routers)
     return folder / (hosts[0].partition("=")[0] if hosts else HOST)
 
 
@@ -96,7 +96,7 @@ def raw_session(
     listen: Sequence[str] = (),
     connect: Sequence[str] = (),
     access: dict[str, Any] | None = None,
-    mode: Literal["peer", "router"] = "peer",
+    mode: Literal["peer", "client", "router"] = "peer",
 ) -> Iterator[zenoh.Session]:
     """Open a session with the certificate of a role, without a check of its own; None has no certificate."""
     tls: dict[str, Any] = {"verify_name_on_connect": False}

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from legpush.bus import channels, keys
 from legpush.bus.endpoints import Endpoints
 from legpush.bus.secure.access_rules import EVERYBODY, RIGHTS, access_control
-from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES, CertificateRole
+from legpush.bus.secure.certificate_names import PROCESS_ROLES, CertificateRole
 from legpush.bus.secure.host_folder import ACCESS_FILE, read_access, read_credentials
 from legpush.bus.session import ZenohSession
 from legpush.messages.common import Role
@@ -60,7 +60,7 @@ def rules(host: Path, open_flow: str | None) -> dict[str, Any]:
             "key_exprs": [EVERYTHING],
         }
         access["rules"].append(allowed)
-        access["policies"].append({"subjects": list(CERTIFICATE_ROLES), "rules": ["all"]})
+        access["policies"].append({"subjects": list(PROCESS_ROLES), "rules": ["all"]})
     return access
 
 
@@ -70,15 +70,23 @@ class Heard:
     def __init__(self, session: zenoh.Session) -> None:
         self.messages: set[str] = set()
         self.tokens: set[str] = set()
+        self._from: dict[str, set[str]] = {}
         remote = zenoh.Locality.REMOTE
-        note = self.messages.add
         self._kept: list[object] = [
-            session.declare_subscriber(key, lambda sample: note(str(sample.key_expr)), allowed_origin=remote)
-            for key in (*MESSAGES, EVERYTHING)
+            session.declare_subscriber(key, self._note, allowed_origin=remote) for key in (*MESSAGES, EVERYTHING)
         ]
         self._kept += [
             session.liveliness().declare_subscriber(key, self._see, history=True) for key in (EVERYBODY, EVERYTHING)
         ]
+
+    def of(self, sender: str) -> set[str]:
+        """Return the keys under which something came that a sender has signed with its name."""
+        return self._from.get(sender, set())
+
+    def _note(self, sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr)
+        self.messages.add(key)
+        self._from.setdefault(sample.payload.to_string(), set()).add(key)
 
     def _see(self, sample: zenoh.Sample) -> None:
         self.tokens.add(str(sample.key_expr))
@@ -110,7 +118,7 @@ def test_each_certificate_says_and_hears_what_its_role_may_and_nothing_else(host
     at = free_endpoint()
     with ExitStack() as stack:
         defended = stack.enter_context(raw_session(host, "sim", listen=[at], access=rules(host, open_flow)))
-        others = {role: stack.enter_context(raw_session(host, role, connect=[at])) for role in CERTIFICATE_ROLES}
+        others = {role: stack.enter_context(raw_session(host, role, connect=[at])) for role in PROCESS_ROLES}
         assert eventually(lambda: len(defended.info.links()) == len(others))
         came, went = Heard(defended), {role: Heard(session) for role, session in others.items()}
         kept = show(defended, "defended")
@@ -172,7 +180,7 @@ def note(heard: set[tuple[int, str]], number: int, key: str, payload: bytes) -> 
 
 
 def test_what_processes_say_to_each_other_passes_the_rules_of_both_sides(host: Path) -> None:
-    at = {role: free_endpoint() for role in CERTIFICATE_ROLES}
+    at = {role: free_endpoint() for role in PROCESS_ROLES}
     with ExitStack() as stack:
         sessions: dict[CertificateRole, ZenohSession] = {}
         for role, own in at.items():
@@ -232,7 +240,7 @@ def test_the_admin_space_answers_nobody(host: Path) -> None:
 NAMES: Final = st.lists(st.from_regex(r"[a-z]{1,9}\.[0-9]", fullmatch=True))
 
 
-@given(st.dictionaries(st.sampled_from(CERTIFICATE_ROLES), NAMES))
+@given(st.dictionaries(st.sampled_from(PROCESS_ROLES), NAMES))
 def test_no_subject_is_without_names_which_would_be_everybody(names: dict[CertificateRole, list[str]]) -> None:
     access = access_control(names)
     assert access["default_permission"] == "deny"

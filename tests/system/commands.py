@@ -66,12 +66,13 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "secure add": ("secure", "add", LAB, "desk"),
     "secure renew": ("secure", "renew", LAB),
     "secure revoke": ("secure", "revoke", LAB, "robot"),
+    "router": ("router", "--listen", "unixsock-stream/router.sock"),
     "secure show": ("secure", "show", LAB),
     "doctor": ("doctor",),
     "completion": ("completion", "bash"),
     "help": ("--help",),
 }
-ENDLESS: Final = {"record": (0, 1), "view": (0,)}
+ENDLESS: Final = {"record": (0, 1), "view": (0,), "router": (0,)}
 """Commands that go on until they are interrupted, and their exit codes then."""
 PYTORCH: Final = "torchinductor_"
 """How PyTorch calls its own directory of compiled code, which it keeps in the temporary directory."""

@@ -1,7 +1,7 @@
 """What `legpush secure` does: begins an authority, adds, renews and revokes certificates, and lists them."""
 
 import secrets
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -11,7 +11,12 @@ import msgspec
 from legpush.authority.issue import Issuer, Pair, make_authority
 from legpush.authority.register import Host, Issued, Register, parse_host, read_register, write_register
 from legpush.bus.secure.certificate import read_certificate
-from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES, CertificateRole, certificate_name
+from legpush.bus.secure.certificate_names import (
+    OF_ROUTERS,
+    PROCESS_ROLES,
+    CertificateRole,
+    certificate_name,
+)
 from legpush.bus.secure.host_folder import ACCESS_FILE, AUTHORITY, AUTHORITY_FILE, certificate_file, key_file
 from legpush.errors import ConfigError
 from legpush.files import make_folder, replace_folder, write_whole
@@ -31,20 +36,23 @@ class Listed(msgspec.Struct, frozen=True, kw_only=True):
     """`valid`, `expired` or `revoked`."""
 
 
-def begin(folder: Path, hosts: Sequence[str], days: int, authority_days: int) -> Register:
+def begin(folder: Path, hosts: Sequence[str], days: int, authority_days: int, routers: Sequence[str] = ()) -> Register:
     """Make an authority in a new or empty folder, and beside it a folder for each host, which `--secure` takes.
+
+    Only the hosts in `routers` get a certificate of a router.
 
     Raises:
         ConfigError: The folder has something in it, or a host cannot be used.
         DiskError: A file cannot be written; nothing is left.
     """
     named = _parse_hosts(hosts)
+    roles = _roles(named, routers)
     if folder.is_file() or (folder.exists() and any(folder.iterdir())):
         raise ConfigError(
             f"Expected a new or empty folder, got {folder}; `legpush secure add` adds a host to an authority"
         )
     pair = make_authority(f"legpush authority {secrets.token_hex(4)}", authority_days)
-    register = Register(hosts={name: _first(addresses) for name, addresses in named.items()})
+    register = Register(hosts={name: _first(addresses, roles[name]) for name, addresses in named.items()})
 
     def fill(part: Path) -> None:
         part.chmod(0o700)
@@ -53,7 +61,7 @@ def begin(folder: Path, hosts: Sequence[str], days: int, authority_days: int) ->
         write_whole(part / AUTHORITY / AUTHORITY_KEY_FILE, pair.key, private=True)
         write_register(part, register)
         for name in named:
-            _write_host(part, name, register, Issuer(pair), pair.certificate, days, CERTIFICATE_ROLES)
+            _write_host(part, name, register, Issuer(pair), pair.certificate, days, roles[name])
 
     if folder.exists():
         folder.rmdir()
@@ -61,7 +69,7 @@ def begin(folder: Path, hosts: Sequence[str], days: int, authority_days: int) ->
     return register
 
 
-def add(folder: Path, hosts: Sequence[str], days: int) -> Register:
+def add(folder: Path, hosts: Sequence[str], days: int, routers: Sequence[str] = ()) -> Register:
     """Add hosts to an authority.
 
     Raises:
@@ -74,8 +82,9 @@ def add(folder: Path, hosts: Sequence[str], days: int) -> Register:
         raise ConfigError(
             f"Expected new hosts, got {', '.join(there)}; `legpush secure renew` renews their certificates"
         )
-    added = {name: _first(addresses) for name, addresses in named.items()}
-    return _put(folder, Register(hosts={**register.hosts, **added}), dict.fromkeys(named, CERTIFICATE_ROLES), days)
+    roles = _roles(named, routers)
+    added = {name: _first(addresses, roles[name]) for name, addresses in named.items()}
+    return _put(folder, Register(hosts={**register.hosts, **added}), roles, days)
 
 
 def renew(folder: Path, hosts: Sequence[str], roles: Sequence[CertificateRole], days: int) -> Register:
@@ -94,7 +103,10 @@ def renew(folder: Path, hosts: Sequence[str], roles: Sequence[CertificateRole], 
     def next_one(issued: Issued) -> Issued:
         return Issued(serial=issued.serial + 1, first=issued.first)
 
-    return _put(folder, _changed(register, chosen, next_one), chosen, days)
+    renewed = _changed(register, chosen, next_one)
+    if OF_ROUTERS in roles:
+        renewed, chosen = _with_routers(renewed, chosen)
+    return _put(folder, renewed, chosen, days)
 
 
 def revoke(folder: Path, hosts: Sequence[str], roles: Sequence[CertificateRole]) -> Register:
@@ -163,8 +175,15 @@ def _write_pair(place: Path, role: CertificateRole, pair: Pair) -> None:
     write_whole(certificate_file(place, role), pair.certificate, private=True)
 
 
-def _first(addresses: tuple[str, ...]) -> Host:
-    return Host(addresses=addresses, issued={role: Issued(serial=1, first=1) for role in CERTIFICATE_ROLES})
+def _first(addresses: tuple[str, ...], roles: Sequence[CertificateRole]) -> Host:
+    return Host(addresses=addresses, issued={role: Issued(serial=1, first=1) for role in roles})
+
+
+def _roles(hosts: Collection[str], routers: Sequence[str]) -> dict[str, tuple[CertificateRole, ...]]:
+    """Return the roles for which each host gets a certificate."""
+    if unknown := sorted(set(routers) - set(hosts)):
+        raise ConfigError(f"Expected hosts of {', '.join(sorted(hosts))} for --routers, got {', '.join(unknown)}")
+    return {host: (*PROCESS_ROLES, *((OF_ROUTERS,) if host in routers else ())) for host in hosts}
 
 
 def _parse_hosts(hosts: Sequence[str]) -> dict[str, tuple[str, ...]]:
@@ -181,6 +200,21 @@ def _chosen(
     """Return the roles to change, by host."""
     chosen = hosts or tuple(register.hosts)
     return {host: tuple(role for role in register.host(host).issued if not roles or role in roles) for host in chosen}
+
+
+def _with_routers(
+    register: Register, chosen: Mapping[str, Sequence[CertificateRole]]
+) -> tuple[Register, dict[str, tuple[CertificateRole, ...]]]:
+    """Add a certificate of a router to those of the chosen hosts that have none."""
+    hosts, roles = dict(register.hosts), {host: tuple(each) for host, each in chosen.items()}
+    for host in chosen:
+        entry = hosts[host]
+        if OF_ROUTERS not in entry.issued:
+            hosts[host] = Host(
+                addresses=entry.addresses, issued={**entry.issued, OF_ROUTERS: Issued(serial=1, first=1)}
+            )
+            roles[host] = (*chosen[host], OF_ROUTERS)
+    return Register(hosts=hosts), roles
 
 
 def _changed(

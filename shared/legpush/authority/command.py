@@ -29,7 +29,7 @@ def run_secure(command: object) -> int:
 @run_secure.register
 def _begin(command: BeginAuthority) -> int:
     require_writable_folder(command.folder, "DIR")
-    register = begin(command.folder, command.hosts, command.days, command.authority_days)
+    register = begin(command.folder, command.hosts, command.days, command.authority_days, command.routers)
     return _tell(
         command.folder,
         register,
@@ -40,7 +40,7 @@ def _begin(command: BeginAuthority) -> int:
 
 @run_secure.register
 def _add(command: AddHosts) -> int:
-    register = add(command.folder, command.hosts, command.days)
+    register = add(command.folder, command.hosts, command.days, command.routers)
     added = [host.partition("=")[0] for host in command.hosts]
     return _tell(command.folder, register, *_folders(command.folder, added), _lists(command.folder))
 

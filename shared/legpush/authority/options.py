@@ -16,6 +16,7 @@ THIS_HOST: Final = "localhost"
 Folder = Positional[Annotated[Path, arg("DIR")]]
 Days = Annotated[int, arg("N")]
 Hosts = Positional[Annotated[tuple[str, ...], arg("HOST[=ADDRESS,...]")]]
+Routers = Annotated[tuple[str, ...], arg("HOST ...")]
 Names = Positional[Annotated[tuple[str, ...], arg("HOST")]]
 
 
@@ -32,6 +33,8 @@ class BeginAuthority:
     hosts: Hosts = (THIS_HOST,)
     """The hosts, each with the DNS names and IP addresses at which others connect to it, such as robot=10.0.0.7. The
     name is an address, too, and so is loopback."""
+    routers: Routers = ()
+    """Those of the hosts on which `legpush router` runs. Only they get a certificate of a router, which all trust."""
     days: Days = USUAL_DAYS
     """How long the certificates are valid."""
     authority_days: Days = AUTHORITY_DAYS
@@ -54,6 +57,8 @@ class AddHosts:
     """The folder that `legpush secure init` made."""
     hosts: Hosts = ()
     """The hosts, as for `legpush secure init`."""
+    routers: Routers = ()
+    """Those of the hosts on which `legpush router` runs. Only they get a certificate of a router, which all trust."""
     days: Days = USUAL_DAYS
     """How long the certificates are valid."""
     output: OutputOptions = USUAL_OUTPUT
@@ -65,6 +70,8 @@ class AddHosts:
 @dataclass(frozen=True, kw_only=True)
 class RenewCertificates:
     """Make certificates with other keys and the next serials, also in the place of revoked ones.
+
+    `--roles router` also makes one for a host that had none.
 
     Copy the folders of these hosts there again; hosts that have not got theirs yet still work. Exit codes: 0 renewed,
     2 bad input.

@@ -2,6 +2,7 @@
 
 import logging
 import secrets
+import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
@@ -47,9 +48,13 @@ class Bus:
         faults: Faults | None = None,
         *,
         recorded: bool = False,
-        open_session: Callable[[Endpoints, str], Session] = ZenohSession,
+        stop: threading.Event | None = None,
+        open_session: Callable[[Endpoints, str], Session] | None = None,
     ) -> None:
-        """With `recorded`, a later recorder gets everything from now on; `open_session` opens the network."""
+        """With `recorded`, a later recorder gets everything from now on; `open_session` opens the network.
+
+        `stop` ends waiting for a router, by a `StopRequestedError`.
+        """
         self.run = run
         self.role = role
         self.name = name
@@ -61,7 +66,7 @@ class Bus:
         self._on_peer: list[OnPeer] = []
         self._closing = ExitStack()
         self._recorded = recorded
-        self._open_session = open_session
+        self._open_session = open_session or partial(ZenohSession, stop=stop)
         origin = Origin(role=role, name=name, incarnation=self.incarnation)
         self.taps = RecorderTaps(origin, self._send_copies)
 

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 from legpush.bus.secure.host_folder import Credentials
 from legpush.errors import EndpointError
@@ -34,6 +34,10 @@ TLS_PORTS: Final[dict[Role, int]] = {"planner": 17471, "sim": 17472, "agent": 17
 """Where a process with credentials listens on 127.0.0.1 if nothing else is asked for."""
 _ADDRESS: Final = re.compile(r"[^?#]+:(?P<port>[0-9]{1,5})([?#]|\Z)")
 """A host and a port; Zenoh takes parameters behind them."""
+ROUTER_PORT: Final = 17470
+"""The same, for a router."""
+Mode = Literal["peer", "client", "router"]
+"""A peer is linked directly with others, a client with one router, and a router with routers and clients."""
 MAX_PORT: Final = 65535
 MAX_SOCKET_PATH_BYTES: Final = 107
 """`sun_path` holds 108 bytes with its final zero."""
@@ -47,6 +51,7 @@ class Endpoints:
     connect: tuple[str, ...] = ()
     credentials: Credentials | None = None
     """With which certificate this process talks over TLS, and with which others."""
+    mode: Mode = "peer"
 
     def __post_init__(self) -> None:
         for locator in (*self.listen, *self.connect):
@@ -75,6 +80,29 @@ def local(role: Role, credentials: Credentials | None = None) -> Endpoints:
     if credentials is None:
         return _sockets(own_directory(), role)
     return on_loopback(role, TLS_PORTS, credentials)
+
+
+def of_router(credentials: Credentials | None = None) -> str:
+    """The unix socket of a router that is started alone; with credentials, a TLS port of 127.0.0.1 instead."""
+    return _socket(own_directory(), "router") if credentials is None else f"tls/127.0.0.1:{ROUTER_PORT}"
+
+
+def by_router(routers: Sequence[str], credentials: Credentials | None = None) -> Endpoints:
+    """Endpoints of a client of routers: of the first one that answers, and of another one when that is gone."""
+    return Endpoints(connect=tuple(routers), credentials=credentials, mode="client")
+
+
+def require_alone(routers: Sequence[str], others: Sequence[str]) -> None:
+    """Check that a client of routers neither listens nor connects elsewhere.
+
+    Raises:
+        EndpointError: It does.
+    """
+    if routers and others:
+        raise EndpointError(
+            f"Expected either --router or --listen and --connect, got --router {' '.join(routers)} and "
+            f"{listing(others)}: a client of a router is linked with nothing else"
+        )
 
 
 def on_loopback(role: Role, ports: Mapping[Role, int], credentials: Credentials) -> Endpoints:

@@ -4,9 +4,10 @@ Every link is explicit: no scouting, no gossip, no shared memory (it leaks when 
 there yet, or comes back, is connected to within half a second, so the order of starting does not matter.
 """
 
-import json
+import logging
 import os
 import re
+import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
@@ -16,38 +17,56 @@ import zenoh
 
 from legpush.bus.channels import Quality
 from legpush.bus.endpoints import Endpoints, listing, prepare
-from legpush.bus.liveliness import LEASE_S
-from legpush.bus.secure.access_rules import access_control
-from legpush.bus.secure.host_folder import Credentials
+from legpush.bus.links.configuration import configuration_text
+from legpush.bus.links.waiting import NobodyThereError, open_when_there
 from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Undeclare, ignore
 from legpush.errors import EndpointError
 
 NO_COLOUR: Final = "NO_COLOR"
 """Environment variable that keeps escape sequences out of Zenoh's log."""
-RETRY: Final = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 1.5}
 
 _SOURCE: Final = re.compile(r"\.? at /\S+\.rs:\d+\.?")
 """The place of an error in the source of Zenoh."""
 _IN_USE: Final = re.compile(r"\bEADDRINUSE\b|Address already in use|acquire lock: E(AGAIN|WOULDBLOCK)\b")
 _MISSING: Final = re.compile(r"\bENOENT\b|No such file or directory")
+_UNREACHED: Final = re.compile(r"Unable to connect to any of")
+
+log = logging.getLogger(__name__)
 
 
 class ZenohSession:
     """A `legpush.bus.transport.Session` over Zenoh."""
 
-    def __init__(self, endpoints: Endpoints, who: str) -> None:
-        """Open it; `who` is named in errors.
+    def __init__(self, endpoints: Endpoints, who: str, stop: threading.Event | None = None) -> None:
+        """Open it; `who` is named in errors. A client of routers waits for one of them, until `stop` is set.
 
         Raises:
             EndpointError: One of the endpoints cannot be listened on.
+            StopRequestedError: `stop` was set before a router was there.
         """
         prepare(endpoints)
         try:
-            self._session: Any = zenoh.open(_config(endpoints))
+            if endpoints.mode == "client":
+                stop = stop or threading.Event()
+                self._session: Any = open_when_there(partial(_open_client, endpoints), endpoints.connect, stop)
+                self._tell_links()
+            else:
+                self._session = zenoh.open(_config(endpoints))
         except zenoh.ZError as error:
             raise EndpointError(
                 f"Expected to listen on {listing(endpoints.listen)} as {who}, but that is not possible: {_why(error)}"
             ) from error
+
+    def _tell_links(self) -> None:
+        """Log when the link to the router comes and goes. Zenoh makes it again by itself."""
+
+        def tell(event: zenoh.LinkEvent) -> None:
+            if event.kind == zenoh.SampleKind.PUT:
+                log.info("linked with the router at %s", event.link.dst)
+            else:
+                log.warning("the link to the router at %s is gone; it comes again with a router", event.link.dst)
+
+        self._kept = self._session.info.declare_link_events_listener(_callback(tell), history=True)
 
     def close(self) -> None:
         """Close all links."""
@@ -134,46 +153,7 @@ def _undeclare(declared: Any) -> None:
 
 
 def _config(endpoints: Endpoints) -> zenoh.Config:
-    config = zenoh.Config()
-    settings: dict[str, Any] = {
-        "mode": "peer",
-        "listen/endpoints": list(endpoints.listen),
-        "listen/timeout_ms": 0,
-        "listen/exit_on_failure": True,
-        "connect/endpoints": list(endpoints.connect),
-        "connect/timeout_ms": -1,
-        "connect/exit_on_failure": False,
-        "connect/retry": RETRY,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "open/return_conditions/connect_scouted": False,
-        "transport/shared_memory/enabled": False,
-        "transport/link/tx/lease": round(1e3 * LEASE_S),
-        "adminspace/enabled": False,
-    }
-    if endpoints.credentials is not None:
-        settings |= _secured(endpoints.credentials)
-    for path, value in settings.items():
-        config.insert_json5(path, json.dumps(value))
-    return config
-
-
-def _secured(credentials: Credentials) -> dict[str, Any]:
-    """Return settings for TLS with certificates on both sides, and for what each certificate may say and hear."""
-    certificate, key = str(credentials.certificate), str(credentials.key)
-    return {
-        "transport/link/tls": {
-            "root_ca_certificate": str(credentials.authority),
-            "enable_mtls": True,
-            "listen_certificate": certificate,
-            "listen_private_key": key,
-            "connect_certificate": certificate,
-            "connect_private_key": key,
-            "verify_name_on_connect": True,
-            "close_link_on_expiration": True,
-        },
-        "access_control": access_control(credentials.names),
-    }
+    return zenoh.Config.from_json5(configuration_text(endpoints))
 
 
 def log_refused_links() -> None:
@@ -189,7 +169,21 @@ def log_refused_links() -> None:
             os.environ[NO_COLOUR] = before
 
 
-def _callback(function: Callable[[zenoh.Sample], None]) -> Any:
+def _open_client(endpoints: Endpoints) -> Any:
+    """Open the session of a client of routers, which links with the first one that answers.
+
+    Raises:
+        NobodyThereError: None of them answers.
+    """
+    try:
+        return zenoh.open(_config(endpoints))
+    except zenoh.ZError as error:
+        if _UNREACHED.search(str(error)):
+            raise NobodyThereError("none can be reached") from error
+        raise
+
+
+def _callback(function: Callable[[Any], None]) -> Any:
     """A callback that runs on a Python thread of its own.
 
     On the network's thread it would block the link whenever other code holds the interpreter, as OMPL does while it

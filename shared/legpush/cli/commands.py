@@ -19,7 +19,7 @@ from legpush.options.maps import MapOptions, PictureOptions
 from legpush.options.numerics import CanaryOptions, KernelOptions, PythonOptions
 from legpush.options.policies import ExportPolicy, ShowPolicy
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
-from legpush.options.run import RunOptions
+from legpush.options.run import RouterOptions, RunOptions
 from legpush.options.scenarios import (
     CopyExamples,
     CopyScenario,
@@ -85,6 +85,7 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
             "show": ShowCertificates,
         },
     ),
+    "router": RouterOptions,
     "plan-check": PlanCheckOptions,
     "doctor": DoctorOptions,
     "canary": CanaryOptions,

@@ -16,7 +16,7 @@ from legpush.options.checks import require_writable_folder
 from legpush.options.export import RenderOptions
 from legpush.options.numerics import KernelOptions
 from legpush.options.recordings import BranchOptions, InfoOptions, RecordOptions, RecoverOptions, ReplayOptions
-from legpush.options.run import RunOptions
+from legpush.options.run import RouterOptions, RunOptions
 from legpush.options.scenarios import (
     CopyExamples,
     CopyScenario,
@@ -241,6 +241,13 @@ def _secure(
     from legpush.authority.command import run_secure
 
     return run_secure(command)
+
+
+@execute.register
+def _router(command: RouterOptions) -> int:
+    from legpush.launch.router import run_router
+
+    return run_router(command)
 
 
 @execute.register

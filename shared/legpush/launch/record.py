@@ -15,7 +15,7 @@ from legpush.options.recordings import RecordOptions
 from legpush.output.reply import document
 from legpush.recording.mcap_file.writer import RecordingFile, Split
 from legpush.recording.recorder import Wanted, record
-from legpush.runs.choose_run import choose_run
+from legpush.runs.choose_run import choose_run, through_routers
 from legpush.service import run_command, start_log, stop_on_signals
 from legpush.versions import recorder_versions
 
@@ -28,7 +28,10 @@ def run_recorder(options: RecordOptions) -> int:
     # With --listen, the processes are started by hand.
     credentials = credentials_of(options.secure, "recorder")
     usual = local("recorder", credentials).connect if options.listen else ()
-    chosen = choose_run(options.run, options.connect or usual, credentials)
+    if options.router:
+        chosen = through_routers(options.run, options.router, credentials)
+    else:
+        chosen = choose_run(options.run, options.connect or usual, credentials)
     at = replace(chosen.endpoints, listen=options.listen)
     stop = stop_on_signals()
     start_log(f"recorder/{options.name}", "warning" if options.output.quiet else "info")
@@ -43,11 +46,11 @@ def run_recorder(options: RecordOptions) -> int:
     mb = 1_000_000
     split = Split(None if options.split_mb is None else round(mb * options.split_mb), options.split_s)
     log.info("recording run %s", chosen)
-    if chosen.launched is None and not options.connect:
+    if chosen.launched is None and not (options.connect or options.router):
         log.info("no launcher runs it: waiting for processes that are started by hand")
     file = RecordingFile(options.file, about, split)
     try:
-        with Bus(chosen.run, "recorder", options.name, at) as bus:
+        with Bus(chosen.run, "recorder", options.name, at, stop=stop) as bus:
             wanted = Wanted(topics=options.topics, duration_s=options.duration_s)
             completeness = record(bus, file, wanted, stop)
     except BaseException:

@@ -7,6 +7,7 @@ from typing import Annotated, Final, Literal
 
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import MAX_DEPTH_M, Amount, BoxMass, Friction, Length, Simulators
+from legpush.bus.endpoints import require_alone
 from legpush.errors import ConfigError
 from legpush.fields import Seed, parse_seeds, require, require_seeds
 from legpush.messages.common import USUAL_DEPTH_M
@@ -43,6 +44,8 @@ class SimulatorOptions:
     """With --join: endpoints to listen on for the simulators."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """With --join: endpoints on which the simulators listen."""
+    router: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """With --join: endpoints of routers (`legpush router`) through which the simulators are reached."""
     secure: Annotated[Path | None, arg("DIR")] = None
     """With --join: folder of this host that `legpush secure init` made; talk over TLS alone, as an agent."""
     record: Annotated[Path | None, arg("FILE")] = None
@@ -50,8 +53,11 @@ class SimulatorOptions:
 
     def __post_init__(self) -> None:
         require(Simulators, self.simulators, "--simulators")
-        if self.join is None and (self.listen or self.connect):
-            raise ConfigError("Expected --join RUN with --listen and --connect: they say where its simulators are")
+        if self.join is None and (self.listen or self.connect or self.router):
+            raise ConfigError(
+                "Expected --join RUN with --listen, --connect and --router: they say where its simulators are"
+            )
+        require_alone(self.router, (*self.listen, *self.connect))
         if self.join is None and self.secure is not None:
             raise ConfigError(
                 "Expected --join RUN with --secure: simulators that this command starts are reached by its user alone"

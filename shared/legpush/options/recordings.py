@@ -6,6 +6,7 @@ from typing import Annotated, Any, Final, Literal
 
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
 from legpush.bounds import BoxMass, FileMegabytes, Friction, Speed, TimeS, WaitS
+from legpush.bus.endpoints import require_alone
 from legpush.errors import ConfigError
 from legpush.fields import Name, episode_and_step, require
 from legpush.options.scenarios import Changes
@@ -41,6 +42,9 @@ class RecordOptions:
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of planner, simulator and agent. If not given, --run finds them, or they are the sockets of processes
     started by hand."""
+    router: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints of routers (`legpush router`) through which the run is reached, in the place of --listen and
+    --connect."""
     secure: Annotated[Path | None, arg("DIR")] = None
     """Folder of this host that `legpush secure init` made: talk over TLS alone, as a recorder. The usual endpoints are
     then the ports 17471 to 17473 of 127.0.0.1."""
@@ -61,6 +65,7 @@ class RecordOptions:
         require(FileMegabytes, self.split_mb, "--split-mb")
         require(WaitS, self.split_s, "--split-s")
         require(WaitS, self.duration_s, "--duration")
+        require_alone(self.router, (*self.listen, *self.connect))
         for item in self.about:
             if "=" not in item:
                 raise ConfigError(f"Expected NAME=VALUE for --about, got {item!r}")

@@ -1,9 +1,9 @@
-"""Options of `legpush run`."""
+"""Options of `legpush run` and `legpush router`."""
 
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Switch, arg
 from legpush.bounds import WaitS
@@ -89,6 +89,28 @@ class RunOptions:
     def given_changes(self) -> tuple[str, ...]:
         """Return the changes of the scenario, as `--set` takes them."""
         return self.changes if self.planner is None else (*self.changes, f"planning.planner={self.planner}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RouterOptions:
+    """Pass messages on between processes that are started with --router, until Ctrl-C: Zenoh's router.
+
+    Several routers may be linked. Each process then needs to reach one of them. Exit codes: 0 ended, 2 bad input.
+    """
+
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints to listen on. If not given, the socket router.sock in the folder of this user, /tmp/legpush.UID;
+    with --secure, tls/127.0.0.1:17470."""
+    connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints of other routers, which may start later."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init --routers HOST` made: talk over TLS alone, and let each
+    certificate say and hear what its role may."""
+    print_config: Flag = False
+    """Print the same configuration as a file for `zenohd --config`, and end."""
+    log_level: Annotated[Literal["debug", "info", "warning", "error"], arg()] = "info"
+    """The least severe lines of the log on standard error."""
+    output: OutputOptions = USUAL_OUTPUT
 
 
 def split_command(command: str) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Final
 
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, arg
+from legpush.bus.endpoints import require_alone
 from legpush.errors import ConfigError
 
 EVERYWHERE: Final = "0.0.0.0"  # noqa: S104 (a user has to ask for it)
@@ -29,6 +30,8 @@ class ViewOptions:
     """The run to show, if there are several; if not given, the one in LEGPUSH_RUN."""
     connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
     """Endpoints of the processes, if no launcher of this machine started them."""
+    router: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints of routers (`legpush router`) through which the run is reached, in the place of --connect."""
     secure: Annotated[Path | None, arg("DIR")] = None
     """Folder of this host that `legpush secure init` made: reach the run over TLS alone, as a viewer."""
     host: Annotated[str, arg("ADDRESS")] = "127.0.0.1"
@@ -41,9 +44,11 @@ class ViewOptions:
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
-        if self.files and (self.run is not None or self.connect or self.secure is not None):
+        if self.files and (self.run is not None or self.connect or self.router or self.secure is not None):
             raise ConfigError(
-                "Expected either the files of a recording or a live run (--run, --connect, --secure), got both"
+                "Expected either the files of a recording or a live run (--run, --connect, --router, --secure), got "
+                "both"
             )
+        require_alone(self.router, self.connect)
         if not 0 <= self.port <= MAX_PORT:
             raise ConfigError(f"Expected a port from 0 to {MAX_PORT} for --port, got {self.port}")

@@ -2,7 +2,7 @@
 
 In this order:
 
-1. With endpoints (`--connect`): what listens there, in the run `--run`, `LEGPUSH_RUN` or `local`.
+1. With endpoints (`--connect`, `--router`): what listens there, in the run `--run`, `LEGPUSH_RUN` or `local`.
 2. With a name (`--run`, else `LEGPUSH_RUN`): the live run of a launcher that has this name or folder; if there is none,
    processes that were started by hand, on their usual sockets, in the run of this name.
 3. With neither: the one live run; several are an error that lists them; if there is none, processes that were started
@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from legpush.bus.endpoints import DEFAULT_RUN, Endpoints, listing, local
+from legpush.bus.endpoints import DEFAULT_RUN, Endpoints, by_router, listing, local
 from legpush.bus.secure.host_folder import Credentials
 from legpush.errors import ConfigError
 from legpush.fields import Name, require
@@ -74,13 +74,28 @@ def find_run(
 
 def by_hand(run: str | None = None, connect: tuple[str, ...] = (), credentials: Credentials | None = None) -> ChosenRun:
     """Processes that were started by hand, on the usual sockets or TLS ports if no endpoints are given."""
+    name = _required_name(run)
+    usual = local("recorder", credentials)
+    return ChosenRun(run=name, endpoints=_at(connect, credentials) if connect else usual)
+
+
+def through_routers(run: str | None, routers: tuple[str, ...], credentials: Credentials | None = None) -> ChosenRun:
+    """Processes that were started by hand and are reached through routers.
+
+    Raises:
+        ConfigError: `run` is no name.
+        EndpointError: An endpoint has another form, or TLS is missing on one side.
+    """
+    return ChosenRun(run=_required_name(run), endpoints=by_router(routers, credentials))
+
+
+def _required_name(run: str | None) -> str:
     name = _name(run) or DEFAULT_RUN
     try:
         require(Name, name, "--run")
     except ConfigError as error:
         raise ConfigError(f"{error}; live: {_list(find_live_runs()) or 'none'}") from error
-    usual = local("recorder", credentials)
-    return ChosenRun(run=name, endpoints=_at(connect, credentials) if connect else usual)
+    return name
 
 
 def _at(connect: tuple[str, ...], credentials: Credentials | None) -> Endpoints:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from legpush.authority.carry_out import add, begin, listed, renew, revoke
-from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES
+from legpush.bus.secure.certificate_names import PROCESS_ROLES
 from legpush.bus.secure.host_folder import read_access, read_credentials
 from legpush.errors import ConfigError, CredentialsError, LegpushError
 
@@ -52,12 +52,12 @@ def test_each_host_gets_all_roles_and_no_key_of_the_authority(lab: Path) -> None
     expected = {
         "authority.pem",
         "access.json",
-        *(f"{role}.{end}" for role in CERTIFICATE_ROLES for end in ("pem", "key")),
+        *(f"{role}.{end}" for role in PROCESS_ROLES for end in ("pem", "key")),
     }
     for host in ("robot", "laptop"):
         assert {path.name for path in (lab / host).iterdir()} == expected
-        assert {read_credentials(lab / host, role).name for role in CERTIFICATE_ROLES} == {
-            f"{role}.{host}.1" for role in CERTIFICATE_ROLES
+        assert {read_credentials(lab / host, role).name for role in PROCESS_ROLES} == {
+            f"{role}.{host}.1" for role in PROCESS_ROLES
         }
     assert {path.name for path in (lab / "authority").iterdir()} == {"authority.pem", "authority.key", "register.json"}
 
@@ -157,3 +157,25 @@ def test_a_host_that_is_not_there_changes_nothing(lab: Path) -> None:
     with pytest.raises(ConfigError, match=said):
         revoke(lab, ["robot", "nobody"], [])
     assert json.loads((lab / "authority" / "register.json").read_text()) == before
+
+
+def test_only_the_hosts_that_are_named_get_a_certificate_of_a_router(tmp_path: Path) -> None:
+    lab = tmp_path / "lab"
+    begin(lab, ["hub", "robot"], 1, 1, ["hub"])
+    add(lab, ["other", "desk"], 1, ["other"])
+    having = {path.parent.name for path in lab.glob("*/router.pem")}
+    assert having == {"hub", "other"}
+    assert read_credentials(lab / "hub", "router").name == "router.hub.1"
+    renew(lab, ["robot", "hub"], ["router"], 1)
+    assert [read_credentials(lab / host, "router").name for host in ("robot", "hub")] == [
+        "router.robot.1",
+        "router.hub.2",
+    ]
+    assert read_credentials(lab / "robot", "sim").name == "sim.robot.1"
+    assert not (lab / "desk" / "router.pem").exists()
+
+
+def test_a_router_has_to_be_one_of_the_hosts(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="Expected hosts of desk, robot for --routers, got hub"):
+        begin(tmp_path / "lab", ["robot", "desk"], 1, 1, ["hub"])
+    assert not (tmp_path / "lab").exists()

@@ -57,7 +57,7 @@ def test_the_documents_have_names_and_states(tmp_path: Path, capsys: pytest.Capt
         (("init", "lab", "--days", "0"), "error: Expected 1 to 36500 days for --days, got 0"),
         (("init", "lab", "a.b"), "error: Expected a host as NAME or NAME=ADDRESS,ADDRESS"),
         (("add", "nowhere"), "error: nowhere: expected the folder that `legpush secure init` made"),
-        (("renew", "lab", "--roles", "router"), "router"),
+        (("renew", "lab", "--roles", "chief"), "chief"),
         (("show", "nowhere"), "error: nowhere: expected the folder that `legpush secure init` made"),
         (("revoke", "nowhere", "a"), "error: nowhere: expected the folder that `legpush secure init` made"),
         (("revoke", "nowhere"), "error: Expected the hosts whose certificates are revoked, got none"),

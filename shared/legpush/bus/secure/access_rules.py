@@ -2,6 +2,9 @@
 
 Every process and router has all rules and applies them to the certificate at the other end of each link. So what a
 process may say depends on its certificate alone, and its own configuration cannot widen it.
+
+Behind a router, the certificate at the other end is the router's. So each router enforces the rules on its own clients,
+and is trusted to have done so: from a router comes what any role may say, of which a process takes what its role hears.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from legpush.bus import keys
-from legpush.bus.secure.certificate_names import CertificateRole
+from legpush.bus.secure.certificate_names import OF_ROUTERS, CertificateRole
 from legpush.messages.common import Role
 
 ANY: Final = "*"
@@ -87,23 +90,31 @@ EVERYBODY: Final = keys.liveliness(ANY, ANY, ANY, ANY)
 """All tokens: every process sees who is there."""
 
 
-def access_control(names: Mapping[CertificateRole, Sequence[str]]) -> dict[str, Any]:
-    """Return Zenoh's configuration `access_control` for certificates with these names, by role.
+def access_control(names: Mapping[CertificateRole, Sequence[str]], own: CertificateRole = OF_ROUTERS) -> dict[str, Any]:
+    """Return Zenoh's configuration `access_control` of a process of the role `own`.
 
-    A role without a name gets no subject: Zenoh takes one without names for everybody, and refuses an empty list.
+    `names` are those of the certificates that may take part, by role. A role without a name gets no subject: Zenoh
+    takes one without names for everybody, and refuses an empty list.
     """
-    present = [role for role in RIGHTS if names.get(role)]
-    rules = [rule for role in present for rule in _rules(role, RIGHTS[role])]
+    rights = {**RIGHTS, OF_ROUTERS: _of_router(own)}
+    present = [role for role in rights if names.get(role)]
+    rules = {role: _rules(role, rights[role]) for role in present}
     return {
         "enabled": True,
         "default_permission": "deny",
-        "rules": rules,
+        "rules": [rule for role in present for rule in rules[role]],
         "subjects": [{"id": role, "cert_common_names": list(names[role])} for role in present],
-        "policies": [
-            {"subjects": [role], "rules": [rule["id"] for rule in rules if rule["id"].startswith(f"{role} ")]}
-            for role in present
-        ],
+        "policies": [{"subjects": [role], "rules": [rule["id"] for rule in rules[role]]} for role in present],
     }
+
+
+def _of_router(own: CertificateRole) -> Rights:
+    """Return what a router may say to a process of this role and hear from it; to another router, everything."""
+    if own != OF_ROUTERS:
+        return Rights(says=RIGHTS[own].hears, hears=(*RIGHTS[own].says, *OF_ALL), shows=EVERYBODY)
+    says = {key for rights in RIGHTS.values() for key in rights.says}
+    hears = {key for rights in RIGHTS.values() for key in rights.hears}
+    return Rights(says=tuple(sorted(says | hears)), hears=tuple(sorted(says | hears)), shows=EVERYBODY)
 
 
 def _rules(role: CertificateRole, rights: Rights) -> list[dict[str, Any]]:

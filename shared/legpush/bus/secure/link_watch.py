@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from time import monotonic
 from typing import Final
 
-from legpush.bus.secure.certificate_names import CertificateRole
+from legpush.bus.secure.certificate_names import OF_ROUTERS, CertificateRole
 from legpush.bus.secure.host_folder import Credentials
 from legpush.bus.secure.probe import shake_hands
 
@@ -19,6 +19,7 @@ SILENT_S: Final = 3.0
 """A linked process that shows no token for this long is told about: its rules may know nothing of this certificate."""
 SHOWN: Final[tuple[CertificateRole, ...]] = ("planner", "sim", "agent")
 """Roles that show a token as soon as they can work."""
+OTHERWISE: Final = "it is still starting, belongs to another run"
 
 log = logging.getLogger(__name__)
 
@@ -90,15 +91,17 @@ class LinkWatch:
             if name not in self._since:
                 self._since[name] = now
                 self._tell_link(name, role)
-            is_silent = role in SHOWN and role not in self._seen and now - self._since[name] >= SILENT_S
+            shows = bool(self._seen) if role == OF_ROUTERS else role in self._seen
+            is_silent = role in (*SHOWN, OF_ROUTERS) and not shows and now - self._since[name] >= SILENT_S
             if is_silent and name not in self._told:
                 self._told.add(name)
                 log.warning(
-                    "linked with %s for %.0f s as %s, but it shows nothing in this run: it is still starting, belongs "
-                    "to another run, or the names on its host do not have %s (revoked, or an older access.json)",
+                    "linked with %s for %.0f s as %s, but it shows nothing in this run: %s, or the names on its host "
+                    "do not have %s (revoked, or an older access.json)",
                     name,
                     now - self._since[name],
                     self._credentials.name,
+                    "no other process is there yet" if role == OF_ROUTERS else OTHERWISE,
                     self._credentials.name,
                 )
         for gone in self._since.keys() - set(linked):

@@ -6,7 +6,7 @@ import pytest
 
 from legpush.bus import channels, keys
 from legpush.bus.secure.access_rules import EVERYBODY, RIGHTS, access_control
-from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES, CertificateRole
+from legpush.bus.secure.certificate_names import PROCESS_ROLES, CertificateRole
 
 RUN: Final = "*"
 RECORDING: Final[set[CertificateRole]] = {"recorder", "viewer"}
@@ -56,7 +56,7 @@ def test_a_viewer_says_nothing_but_what_it_has_taken() -> None:
 
 def test_each_role_shows_its_own_tokens_and_a_viewer_only_those_of_views() -> None:
     shown = {role: rights.shows.partition("/live/")[2] for role, rights in RIGHTS.items()}
-    plain = {role: f"{role}/*/*" for role in CERTIFICATE_ROLES}
+    plain = {role: f"{role}/*/*" for role in PROCESS_ROLES}
     assert shown == {**plain, "viewer": "recorder/view-$*/*"}
 
 
@@ -75,3 +75,12 @@ def test_the_rules_name_each_certificate_once_and_deny_what_they_do_not_name() -
 
 def test_everybody_sees_all_tokens_of_this_version_and_no_other_key() -> None:
     assert keys.liveliness("*", "*", "*", "*") == EVERYBODY
+
+
+def test_from_a_router_a_process_takes_what_its_role_hears_and_to_another_router_goes_everything() -> None:
+    for own in PROCESS_ROLES:
+        rules = {rule["id"]: rule for rule in access_control({"router": ("router.hub.1",)}, own)["rules"]}
+        assert set(rules["router says"]["key_exprs"]) == set(RIGHTS[own].hears)
+        assert set(rules["router hears"]["key_exprs"]) >= set(RIGHTS[own].says)
+    rules = {rule["id"]: rule for rule in access_control({"router": ("router.hub.1",)})["rules"]}
+    assert set(rules["router says"]["key_exprs"]) >= {key for rights in RIGHTS.values() for key in rights.says}

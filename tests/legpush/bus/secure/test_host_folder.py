@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from legpush.authority.carry_out import begin
-from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES
+from legpush.bus.secure.certificate_names import PROCESS_ROLES
 from legpush.bus.secure.host_folder import credentials_of, read_credentials
 from legpush.errors import CredentialsError, code_of
 
@@ -21,7 +21,7 @@ def host(tmp_path: Path) -> Path:
 
 
 def test_each_role_gets_its_certificate_and_the_names_of_all(host: Path) -> None:
-    for role in CERTIFICATE_ROLES:
+    for role in PROCESS_ROLES:
         credentials = read_credentials(host, role)
         assert credentials.name == f"{role}.robot.1"
         assert credentials.names[role] == tuple(
@@ -78,7 +78,7 @@ def names_of_another_format(host: Path) -> Path:
 
 
 def names_of_an_unknown_role(host: Path) -> Path:
-    (host / "access.json").write_text('{"names": {"router": ["router.robot.1"]}}')
+    (host / "access.json").write_text('{"names": {"chief": ["chief.robot.1"]}}')
     return host
 
 
@@ -115,7 +115,7 @@ WRONG: dict[Callable[[Path], Path], str] = {
     no_key: r"sim\.key: expected a private key, got no file",
     names_that_are_none: r"access\.json: expected the names of certificates by role \(Expected `object`, got `array`\)",
     names_of_another_format: r"access\.json: .* \(Expected `int` <= 1 - at `\$\.format`\)",
-    names_of_an_unknown_role: r"access\.json: .*\(Invalid enum value 'router'",
+    names_of_an_unknown_role: r"access\.json: .*\(Invalid enum value 'chief'",
     name_with_a_wildcard: r"access\.json: .* at `\$\.names\[\.\.\.\]\[0\]`",
     no_names_of_this_role: r"sim\.pem: expected .* a simulator \(no name in access\.json\), got sim\.robot\.1",
     another_roles_certificate: r"sim\.pem: .* \(sim\.laptop\.1, .*\), got agent\.robot\.1, that of an agent",

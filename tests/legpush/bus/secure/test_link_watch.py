@@ -14,7 +14,12 @@ OWN = Credentials(
     role="agent",
     name="agent.laptop.1",
     ends=datetime(2027, 1, 1, tzinfo=UTC),
-    names={"sim": ("sim.robot.1",), "agent": ("agent.laptop.1",), "recorder": ("recorder.laptop.1",)},
+    names={
+        "sim": ("sim.robot.1",),
+        "agent": ("agent.laptop.1",),
+        "recorder": ("recorder.laptop.1",),
+        "router": ("router.hub.1",),
+    },
 )
 
 
@@ -85,3 +90,15 @@ def test_a_process_whose_certificate_expires_while_it_runs_says_so_once(
     assert record.getMessage().startswith(
         "the certificate agent.laptop.1 has expired, and its links are closed: `legpush"
     )
+
+
+def test_a_router_behind_which_nobody_shows_is_told(world: World) -> None:
+    world.linked = ["router.hub.1"]
+    assert world.look(0.0) == ["linked with router.hub.1 as agent.laptop.1"]
+    (said,) = world.look(SILENT_S)
+    assert "shows nothing in this run: no other process is there yet, or the names on its host do not have" in said
+    world.linked = []
+    world.look(20.0)
+    world.linked, world.shown = ["router.hub.1"], {"sim"}
+    assert len(world.look(30.0)) == 1
+    assert world.look(30.0 + SILENT_S) == []

@@ -1,0 +1,1 @@
+"""How links come about: the settings of Zenoh, and waiting for a router."""
