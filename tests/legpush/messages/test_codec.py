@@ -1,6 +1,7 @@
 """Encoding and decoding: what is valid survives bit for bit, what is not has one kind of error and names the field."""
 
 import msgpack
+import msgspec
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -31,6 +32,42 @@ def test_observations_and_refusals_are_told_apart() -> None:
     for name in ("observation", "refusal"):
         message = MESSAGES[name]
         assert codec.decode(codec.encode(message), Answer) == message  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", sorted(MESSAGES))
+def test_what_is_encoded_here_is_decoded_the_quick_way(name: str) -> None:
+    message = MESSAGES[name]
+    payload = codec.encode(message)
+    assert payload == msgpack.packb(msgspec.to_builtins(message, builtin_types=(bytes,)))
+    assert codec.decode_own(payload, type(message)) == message
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(data=st.data())
+def test_the_quick_way_takes_nothing_that_the_strict_one_refuses(kind: type[Message], data: st.DataObject) -> None:
+    payload = bytearray(codec.encode(data.draw(records(kind))))
+    for _ in range(data.draw(st.integers(1, 3))):
+        payload[data.draw(st.integers(0, len(payload) - 1))] = data.draw(st.integers(0, 255))
+    quick = codec.decode_own(bytes(payload), kind)
+    if quick is not None:
+        assert codec.convert(codec.unpack(bytes(payload)), kind) == quick
+
+
+def test_another_encoding_of_a_valid_message_is_left_to_the_strict_way() -> None:
+    message = MESSAGES["status"]
+    for plain in (dict(reversed(STATUS.items())), {**STATUS, "fraction": 1}):
+        payload = msgpack.packb(plain)
+        assert codec.decode_own(payload, Status) is None
+        assert codec.decode(payload, Status) == (replace(message, fraction=1.0) if plain["fraction"] == 1 else message)
+
+
+def test_bytes_that_look_like_a_number_that_is_not_finite_are_sent() -> None:
+    message = Status(header=header("sim"), phase="x", detail="\x7f\u02ff", fraction=0.5)
+    copy = replace(MESSAGES["copies"].copies[0], payload=b"\xcb\x7f\xf8" + bytes(6))  # type: ignore[union-attr]
+    copies = replace(MESSAGES["copies"], copies=(copy,))
+    for each in (message, copies):
+        assert codec.decode_own(codec.encode(each), type(each)) == each
 
 
 def test_physics_numbers_keep_every_bit() -> None:
