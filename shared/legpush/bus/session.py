@@ -60,15 +60,7 @@ class ZenohSession:
 
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`; those of the lockstep are never dropped on a living link."""
-        lockstep = quality == "lockstep"
-        publisher = self._session.declare_publisher(
-            key,
-            congestion_control=zenoh.CongestionControl.BLOCK if lockstep else zenoh.CongestionControl.DROP,
-            priority=zenoh.Priority.DATA if lockstep else zenoh.Priority.DATA_LOW,
-            reliability=zenoh.Reliability.RELIABLE,
-            express=lockstep,
-            allowed_destination=zenoh.Locality.REMOTE,
-        )
+        publisher = self.declare_publisher(key, quality)
 
         def send(payload: bytes) -> None:
             publisher.put(payload, attachment=checksum(key, payload))
@@ -92,7 +84,15 @@ class ZenohSession:
             else:
                 on_damaged(at)
 
-        subscriber = self._session.declare_subscriber(key, _callback(take_sample), allowed_origin=zenoh.Locality.REMOTE)
+        return self.declare_subscriber(key, take_sample)
+
+    def declare_publisher(self, key: str, quality: Quality) -> Any:
+        """Return Zenoh's own publisher, which sends bytes without a checksum."""
+        return self._session.declare_publisher(key, **publisher_settings(quality))
+
+    def declare_subscriber(self, key: str, on_sample: Callable[[zenoh.Sample], None]) -> Undeclare:
+        """Call `on_sample` with everything that other processes publish under `key`, as Zenoh hands it over."""
+        subscriber = self._session.declare_subscriber(key, _callback(on_sample), allowed_origin=zenoh.Locality.REMOTE)
         return partial(_undeclare, subscriber)
 
     def show_token(self, key: str) -> Undeclare:
@@ -133,8 +133,20 @@ def _undeclare(declared: Any) -> None:
     declared.undeclare()
 
 
-def _config(endpoints: Endpoints) -> zenoh.Config:
-    config = zenoh.Config()
+def publisher_settings(quality: Quality) -> dict[str, Any]:
+    """Return how Zenoh sends messages of this quality."""
+    lockstep = quality == "lockstep"
+    return {
+        "congestion_control": zenoh.CongestionControl.BLOCK if lockstep else zenoh.CongestionControl.DROP,
+        "priority": zenoh.Priority.DATA if lockstep else zenoh.Priority.DATA_LOW,
+        "reliability": zenoh.Reliability.RELIABLE,
+        "express": lockstep,
+        "allowed_destination": zenoh.Locality.REMOTE,
+    }
+
+
+def session_settings(endpoints: Endpoints) -> dict[str, Any]:
+    """Return what Zenoh's configuration is set to, by path."""
     settings: dict[str, Any] = {
         "mode": "peer",
         "listen/endpoints": list(endpoints.listen),
@@ -153,7 +165,12 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
     }
     if endpoints.credentials is not None:
         settings |= _secured(endpoints.credentials)
-    for path, value in settings.items():
+    return settings
+
+
+def _config(endpoints: Endpoints) -> zenoh.Config:
+    config = zenoh.Config()
+    for path, value in session_settings(endpoints).items():
         config.insert_json5(path, json.dumps(value))
     return config
 
