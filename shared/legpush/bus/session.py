@@ -61,9 +61,10 @@ class ZenohSession:
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`; those of the lockstep are never dropped on a living link."""
         publisher = self.declare_publisher(key, quality)
+        crc_of_key = crc32(key.encode())
 
         def send(payload: bytes) -> None:
-            publisher.put(payload, attachment=checksum(key, payload))
+            publisher.put(payload, attachment=crc32(payload, crc_of_key).to_bytes(4, "big"))
 
         return Sender(send, publisher.undeclare)
 

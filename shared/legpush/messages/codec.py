@@ -3,7 +3,7 @@
 import re
 from functools import cache
 from math import isfinite
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeVar, cast
 from zlib import crc32
 
 import msgpack
@@ -56,7 +56,7 @@ def decode_own(payload: bytes, kind: type[T]) -> T | None:
     This is the quick way for what legpush itself has encoded. None says nothing about other encodings of a valid
     message, such as one with its fields in another order: `unpack` and `convert` decide about these.
     """
-    decoder = _own_decoder(kind)
+    decoder = _own_decoder(cast(Any, kind))
     if decoder is None or len(payload) > min(MAX_PARTS, MAX_MESSAGE_BYTES):
         return None
     try:
