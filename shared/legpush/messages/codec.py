@@ -155,7 +155,15 @@ def _require_finite(plain: Any, path: str) -> None:
     elif type(plain) is dict:
         for key, value in plain.items():
             _require_finite(value, f"{path}.{key}")
-    elif type(plain) in (list, tuple):
+    elif type(plain) in (list, tuple) and not _has_finite_sum(plain):
         for index, value in enumerate(plain):
             if type(value) is not float or not isfinite(value):
                 _require_finite(value, f"{path}[{index}]")
+
+
+def _has_finite_sum(items: Any) -> bool:
+    """Whether these are numbers, all of them finite: then so is their sum, unless they are very large."""
+    try:
+        return isfinite(sum(items))
+    except (TypeError, OverflowError):
+        return False

@@ -127,6 +127,23 @@ def test_a_number_that_is_not_finite_is_refused_with_its_path_on_both_ways(value
     assert got.value.cause == "not_finite"
 
 
+@pytest.mark.parametrize("numbers", [(float("inf"), float("-inf")), (1.0, float("nan"), 2.0)])
+def test_a_number_that_is_not_finite_is_found_among_others(numbers: tuple[float, ...]) -> None:
+    outcome = MESSAGES["observation"].outcome  # type: ignore[union-attr]
+    trace = replace(outcome.trace, qpos=((0.5,) * 4, (0.5, *numbers)))
+    index = 2 if numbers[0] == 1.0 else 1
+    with pytest.raises(MessageError, match=rf"finite .* at `\$.trace.qpos\[1\]\[{index}\]`"):
+        codec.encode(replace(outcome, trace=trace))
+
+
+def test_large_numbers_whose_sum_is_not_finite_are_sent() -> None:
+    message = MESSAGES["observation"]
+    large = replace(message.outcome.trace, support_margin_m=(1.7e308,) * 3)  # type: ignore[union-attr]
+    look_alike = replace(MESSAGES["copies"].copies[0], payload=b"\xcb\x7f\xf8" + bytes(6))  # type: ignore[union-attr]
+    assert codec.encode(large) == msgpack.packb(msgspec.to_builtins(large))
+    assert codec.encode(look_alike) == msgpack.packb(msgspec.to_builtins(look_alike, builtin_types=(bytes,)))
+
+
 @pytest.mark.parametrize("number", [2**64, -(2**63) - 1, 10**400])
 def test_an_integer_that_messagepack_cannot_hold_is_a_message_error(number: int) -> None:
     with pytest.raises(MessageError, match=r"Expected a Header that MessagePack can hold .*OverflowError"):
