@@ -98,7 +98,7 @@ def opened(name: str, n_bytes: int) -> Iterator[tuple[Ask, int]]:
     with TemporaryDirectory(prefix="legpush-bench-") as scratch:
         folder = Path(scratch)
         if name == "legpush tls":
-            begin(folder / "authority", ("host=127.0.0.1",), 1, 1)
+            begin(folder / "authority", ("host=127.0.0.1",), 90, 90)
             (folder / "host").symlink_to(folder / "authority" / "host")
         argv = [sys.executable, "-m", "benchmarks.bus.transports", name, scratch, str(n_bytes)]
         with subprocess.Popen(argv) as answering:

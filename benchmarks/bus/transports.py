@@ -9,7 +9,7 @@ import queue
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Client, Listener
 from pathlib import Path
 from typing import Any, Final
@@ -208,7 +208,11 @@ def answer_pipe(name: str, folder: Path, n_bytes: int) -> None:
     """Answer with bytes."""
     del name
     payload = payloads.answer(n_bytes)
-    with Listener(str(folder / "pipe"), "AF_UNIX") as listener, listener.accept() as connection:
+    with (
+        Listener(str(folder / "pipe"), "AF_UNIX") as listener,
+        listener.accept() as connection,
+        suppress(EOFError),
+    ):
         while True:
             connection.recv_bytes()
             connection.send_bytes(payload)

@@ -1,7 +1,8 @@
 """A session on the network. The only module that imports zenoh.
 
 Every link is explicit: no scouting, no gossip, no shared memory (it leaks when a process is killed). A peer that is not
-there yet, or comes back, is connected to within half a second, so the order of starting does not matter.
+there yet, or comes back, is connected to within half a second, so the order of starting does not matter. Zenoh's
+low-latency transport is off: it loses every message above 64 KiB without a word, such as an observation with a trace.
 """
 
 import json

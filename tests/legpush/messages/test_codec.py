@@ -11,7 +11,7 @@ from legpush.bus.channels import Message
 from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
-from legpush.messages.stepping import Action, Answer, Observation, Refusal
+from legpush.messages.stepping import Action, Answer, Observation, Outcome, Refusal, Trace
 from legpush.messages.telemetry import Status
 from tests.legpush.examples import MESSAGES, header
 from tests.legpush.strategies import records
@@ -127,18 +127,24 @@ def test_a_number_that_is_not_finite_is_refused_with_its_path_on_both_ways(value
     assert got.value.cause == "not_finite"
 
 
+def _outcome_and_trace() -> tuple[Outcome, Trace]:
+    observation = MESSAGES["observation"]
+    assert isinstance(observation, Observation)
+    assert observation.outcome.trace is not None
+    return observation.outcome, observation.outcome.trace
+
+
 @pytest.mark.parametrize("numbers", [(float("inf"), float("-inf")), (1.0, float("nan"), 2.0)])
 def test_a_number_that_is_not_finite_is_found_among_others(numbers: tuple[float, ...]) -> None:
-    outcome = MESSAGES["observation"].outcome  # type: ignore[union-attr]
-    trace = replace(outcome.trace, qpos=((0.5,) * 4, (0.5, *numbers)))
+    outcome, example = _outcome_and_trace()
+    trace = replace(example, qpos=((0.5,) * 4, (0.5, *numbers)))
     index = 2 if numbers[0] == 1.0 else 1
     with pytest.raises(MessageError, match=rf"finite .* at `\$.trace.qpos\[1\]\[{index}\]`"):
         codec.encode(replace(outcome, trace=trace))
 
 
 def test_large_numbers_whose_sum_is_not_finite_are_sent() -> None:
-    message = MESSAGES["observation"]
-    large = replace(message.outcome.trace, support_margin_m=(1.7e308,) * 3)  # type: ignore[union-attr]
+    large = replace(_outcome_and_trace()[1], support_margin_m=(1.7e308,) * 3)
     look_alike = replace(MESSAGES["copies"].copies[0], payload=b"\xcb\x7f\xf8" + bytes(6))  # type: ignore[union-attr]
     assert codec.encode(large) == msgpack.packb(msgspec.to_builtins(large))
     assert codec.encode(look_alike) == msgpack.packb(msgspec.to_builtins(look_alike, builtin_types=(bytes,)))
