@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import monotonic
 from typing import Final
 
@@ -58,7 +58,7 @@ class Liveliness:
     def live(self, role: Role | None = None, name: str | None = None) -> list[Sighting]:
         """Those that are alive, of this role and name if given; copies, in the order in which they were first seen."""
         with self._lock:
-            return [replace(s) for s in self._matching(role, name) if s.alive]
+            return [Sighting(**vars(s)) for s in self._matching(role, name) if s.alive]
 
     def is_live(self, role: Role, name: str, incarnation: str) -> bool:
         """Return whether this incarnation shows a liveliness token with this role and name."""

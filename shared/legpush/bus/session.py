@@ -1,7 +1,8 @@
 """A session on the network. The only module that imports zenoh.
 
 Every link is explicit: no scouting, no gossip, no shared memory (it leaks when a process is killed). A peer that is not
-there yet, or comes back, is connected to within half a second, so the order of starting does not matter.
+there yet, or comes back, is connected to within half a second, so the order of starting does not matter. Zenoh's
+low-latency transport is off: it loses every message above 64 KiB without a word, such as an observation with a trace.
 """
 
 import logging
@@ -79,18 +80,11 @@ class ZenohSession:
 
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`; those of the lockstep are never dropped on a living link."""
-        lockstep = quality == "lockstep"
-        publisher = self._session.declare_publisher(
-            key,
-            congestion_control=zenoh.CongestionControl.BLOCK if lockstep else zenoh.CongestionControl.DROP,
-            priority=zenoh.Priority.DATA if lockstep else zenoh.Priority.DATA_LOW,
-            reliability=zenoh.Reliability.RELIABLE,
-            express=lockstep,
-            allowed_destination=zenoh.Locality.REMOTE,
-        )
+        publisher = self.declare_publisher(key, quality)
+        crc_of_key = crc32(key.encode())
 
         def send(payload: bytes) -> None:
-            publisher.put(payload, attachment=checksum(key, payload))
+            publisher.put(payload, attachment=crc32(payload, crc_of_key).to_bytes(4, "big"))
 
         return Sender(send, publisher.undeclare)
 
@@ -111,7 +105,15 @@ class ZenohSession:
             else:
                 on_damaged(at)
 
-        subscriber = self._session.declare_subscriber(key, _callback(take_sample), allowed_origin=zenoh.Locality.REMOTE)
+        return self.declare_subscriber(key, take_sample)
+
+    def declare_publisher(self, key: str, quality: Quality) -> Any:
+        """Return Zenoh's own publisher, which sends bytes without a checksum."""
+        return self._session.declare_publisher(key, **publisher_settings(quality))
+
+    def declare_subscriber(self, key: str, on_sample: Callable[[zenoh.Sample], None]) -> Undeclare:
+        """Call `on_sample` with everything that other processes publish under `key`, as Zenoh hands it over."""
+        subscriber = self._session.declare_subscriber(key, _callback(on_sample), allowed_origin=zenoh.Locality.REMOTE)
         return partial(_undeclare, subscriber)
 
     def show_token(self, key: str) -> Undeclare:
@@ -150,6 +152,18 @@ def _why(error: zenoh.ZError) -> str:
 
 def _undeclare(declared: Any) -> None:
     declared.undeclare()
+
+
+def publisher_settings(quality: Quality) -> dict[str, Any]:
+    """Return how Zenoh sends messages of this quality."""
+    lockstep = quality == "lockstep"
+    return {
+        "congestion_control": zenoh.CongestionControl.BLOCK if lockstep else zenoh.CongestionControl.DROP,
+        "priority": zenoh.Priority.DATA if lockstep else zenoh.Priority.DATA_LOW,
+        "reliability": zenoh.Reliability.RELIABLE,
+        "express": lockstep,
+        "allowed_destination": zenoh.Locality.REMOTE,
+    }
 
 
 def _config(endpoints: Endpoints) -> zenoh.Config:

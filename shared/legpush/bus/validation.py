@@ -22,17 +22,23 @@ class Validation(Generic[M]):
 
     def validate_payload(self, key: str, payload: bytes) -> M | None:
         """Return the valid message in `payload`; None if it was refused and counted."""
+        message = codec.decode_own(payload, self._channel.kind)
+        if message is None or message.header.protocol != PROTOCOL_VERSION:
+            message = self._decode_any(key, payload)
+        return message if message is not None and self._welcome(key, message.header) else None
+
+    def _decode_any(self, key: str, payload: bytes) -> M | None:
+        """Return the message in `payload`, in any encoding; None if it is not valid, counted by its first fault."""
         try:
             plain = codec.unpack(payload)
             version = _protocol_of(plain)
             if version != PROTOCOL_VERSION:
                 self._tally.add("version", f"{key}: expected protocol {PROTOCOL_VERSION}, got {version}")
                 return None
-            message = codec.convert(plain, self._channel.kind)
+            return codec.convert(plain, self._channel.kind)
         except MessageError as error:
             self._tally.add(error.cause, f"{key}: {error}")
             return None
-        return message if self._welcome(key, message.header) else None
 
     def _welcome(self, key: str, header: Header) -> bool:
         """Whether the sender may say this here."""

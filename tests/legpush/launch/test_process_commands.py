@@ -10,6 +10,7 @@ import pytest
 from legpush.fields import Name
 from legpush.launch.process_commands import Place, bus_flags, process_arguments, recorded_policy_flags
 from legpush.options.run import RunOptions
+from legpush.policy_names import DEFAULT_POLICY
 from legpush.recording.facts import MissionFacts
 
 
@@ -25,7 +26,7 @@ def test_only_the_agent_gets_the_scenario(tmp_path: Path) -> None:
     options = RunOptions(seed=5)
     assert process_arguments("sim", options, place) == (sys.executable, "-P", "-m", "sim_proc")
     agent = " ".join(process_arguments("agent", options, place))
-    assert f"--scenario {tmp_path}/scenario.toml --seed 5 --out {tmp_path} --policy variable" in agent
+    assert f"--scenario {tmp_path}/scenario.toml --seed 5 --out {tmp_path} --policy {DEFAULT_POLICY}" in agent
 
 
 def test_processes_meet_at_sockets_in_a_private_directory(tmp_path: Path) -> None:

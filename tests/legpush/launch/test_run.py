@@ -11,6 +11,7 @@ from rich.console import Console
 from legpush.errors import ScenarioError
 from legpush.launch.run import finished_report, launch_mission
 from legpush.options.run import RunOptions
+from legpush.policy_names import DEFAULT_POLICY
 from legpush.scenarios.file import dump_scenario, load_scenario
 
 
@@ -28,7 +29,7 @@ def test_a_replaced_value_has_the_bounds_of_its_field() -> None:
         RunOptions(scenario="push", changes=("planning.min_turning_radius_m=1e308",)).resolved_scenario()
 
 
-def left_by(folder: Path, seed: int = 3, policy: str = "variable", reason: str = "success") -> Path:
+def left_by(folder: Path, seed: int = 3, policy: str = DEFAULT_POLICY, reason: str = "success") -> Path:
     """The folder of a run that has ended."""
     (folder / "logs").mkdir()
     (folder / "logs" / "command.txt").write_text(f"legpush run --seed {seed} --out '{folder}' --policy {policy}\n")

@@ -1,6 +1,7 @@
 """Encoding and decoding: what is valid survives bit for bit, what is not has one kind of error and names the field."""
 
 import msgpack
+import msgspec
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -10,7 +11,7 @@ from legpush.bus.channels import Message
 from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.planning import PlanRequest, PlanResult
-from legpush.messages.stepping import Action, Answer, Observation, Refusal
+from legpush.messages.stepping import Action, Answer, Observation, Outcome, Refusal, Trace
 from legpush.messages.telemetry import Status
 from tests.legpush.examples import MESSAGES, header
 from tests.legpush.strategies import records
@@ -31,6 +32,42 @@ def test_observations_and_refusals_are_told_apart() -> None:
     for name in ("observation", "refusal"):
         message = MESSAGES[name]
         assert codec.decode(codec.encode(message), Answer) == message  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", sorted(MESSAGES))
+def test_what_is_encoded_here_is_decoded_the_quick_way(name: str) -> None:
+    message = MESSAGES[name]
+    payload = codec.encode(message)
+    assert payload == msgpack.packb(msgspec.to_builtins(message, builtin_types=(bytes,)))
+    assert codec.decode_own(payload, type(message)) == message
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(data=st.data())
+def test_the_quick_way_takes_nothing_that_the_strict_one_refuses(kind: type[Message], data: st.DataObject) -> None:
+    payload = bytearray(codec.encode(data.draw(records(kind))))
+    for _ in range(data.draw(st.integers(1, 3))):
+        payload[data.draw(st.integers(0, len(payload) - 1))] = data.draw(st.integers(0, 255))
+    quick = codec.decode_own(bytes(payload), kind)
+    if quick is not None:
+        assert codec.convert(codec.unpack(bytes(payload)), kind) == quick
+
+
+def test_another_encoding_of_a_valid_message_is_left_to_the_strict_way() -> None:
+    message = MESSAGES["status"]
+    for plain in (dict(reversed(STATUS.items())), {**STATUS, "fraction": 1}):
+        payload = msgpack.packb(plain)
+        assert codec.decode_own(payload, Status) is None
+        assert codec.decode(payload, Status) == (replace(message, fraction=1.0) if plain["fraction"] == 1 else message)
+
+
+def test_bytes_that_look_like_a_number_that_is_not_finite_are_sent() -> None:
+    message = Status(header=header("sim"), phase="x", detail="\x7f\u02ff", fraction=0.5)
+    copy = replace(MESSAGES["copies"].copies[0], payload=b"\xcb\x7f\xf8" + bytes(6))  # type: ignore[union-attr]
+    copies = replace(MESSAGES["copies"], copies=(copy,))
+    for each in (message, copies):
+        assert codec.decode_own(codec.encode(each), type(each)) == each
 
 
 def test_physics_numbers_keep_every_bit() -> None:
@@ -88,6 +125,29 @@ def test_a_number_that_is_not_finite_is_refused_with_its_path_on_both_ways(value
     with pytest.raises(MessageError, match=r"finite .* at `\$.motion.waypoints\[1\].x_m`") as got:
         codec.decode(msgpack.packb(plain), Action)
     assert got.value.cause == "not_finite"
+
+
+def _outcome_and_trace() -> tuple[Outcome, Trace]:
+    observation = MESSAGES["observation"]
+    assert isinstance(observation, Observation)
+    assert observation.outcome.trace is not None
+    return observation.outcome, observation.outcome.trace
+
+
+@pytest.mark.parametrize("numbers", [(float("inf"), float("-inf")), (1.0, float("nan"), 2.0)])
+def test_a_number_that_is_not_finite_is_found_among_others(numbers: tuple[float, ...]) -> None:
+    outcome, example = _outcome_and_trace()
+    trace = replace(example, qpos=((0.5,) * 4, (0.5, *numbers)))
+    index = 2 if numbers[0] == 1.0 else 1
+    with pytest.raises(MessageError, match=rf"finite .* at `\$.trace.qpos\[1\]\[{index}\]`"):
+        codec.encode(replace(outcome, trace=trace))
+
+
+def test_large_numbers_whose_sum_is_not_finite_are_sent() -> None:
+    large = replace(_outcome_and_trace()[1], support_margin_m=(1.7e308,) * 3)
+    look_alike = replace(MESSAGES["copies"].copies[0], payload=b"\xcb\x7f\xf8" + bytes(6))  # type: ignore[union-attr]
+    assert codec.encode(large) == msgpack.packb(msgspec.to_builtins(large))
+    assert codec.encode(look_alike) == msgpack.packb(msgspec.to_builtins(look_alike, builtin_types=(bytes,)))
 
 
 @pytest.mark.parametrize("number", [2**64, -(2**63) - 1, 10**400])

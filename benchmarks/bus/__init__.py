@@ -1,0 +1,1 @@
+"""What a message costs between two processes, on the bus and on other transports."""
