@@ -59,7 +59,7 @@ class EstimatedRobot:
     @property
     def downhill(self) -> Floats:
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
-        return self._physics.assumed.downhill
+        return self._estimator.downhill
 
     @property
     def fallen(self) -> bool:

@@ -65,6 +65,17 @@ def test_the_estimate_is_near_the_truth_and_not_the_truth(walk: tuple[Simulator,
     assert seen.box == outcomes[-1].world.box
 
 
+def test_a_slope_that_nobody_told_is_leant_against(at_the_box: Scenario) -> None:
+    simulator, outcomes = walked(at_the_box, replace(SENSES, slope_deg=10.0, uphill_deg=75.0), n_cycles=3)
+    assert simulator.episode is not None
+    physics, robot = simulator.episode.physics, estimated(simulator)
+    assert robot.downhill == pytest.approx(physics.actual_downhill, abs=0.02)
+    assert not outcomes[-1].world.fallen
+    # Its weight lies uphill of the middle of its feet, so that the plumb line meets the floor between them.
+    uphill_m = (physics.com_m()[:2] - physics.tips_m()[:, :2].mean(axis=0)) @ -physics.actual_downhill
+    assert uphill_m / np.linalg.norm(physics.actual_downhill) > 0.04
+
+
 def test_an_episode_repeats_bit_for_bit(walk: tuple[Simulator, list[Outcome]], at_the_box: Scenario) -> None:
     again = walked(at_the_box, SENSES)[1]
     assert [each.state_crc for each in again] == [each.state_crc for each in walk[1]]
