@@ -74,3 +74,16 @@ def test_a_robot_that_does_everything_late_is_where_it_was_to_be_before(late_tic
         watch.alarm(com, velocity, np.zeros((n_ticks, 4, 3)))
         deviation.learn(watch, rough=False)
     assert deviation.late_ticks == late_ticks
+
+
+def test_a_delay_that_the_joints_told_is_not_forgotten_with_what_the_motion_taught() -> None:
+    deviation = Deviation(CAPTURE, HEIGHT_M)
+    deviation.tell(5)
+    beyond_m = CAPTURE.from_m + 4 * CAPTURE.late_m
+    assert not has_alarm(deviation, beyond_m)
+    deviation.forget()
+    assert deviation.late_ticks == 5
+    assert not has_alarm(deviation, beyond_m)
+    deviation.tell(0)
+    deviation.forget()
+    assert has_alarm(deviation, beyond_m)
