@@ -147,8 +147,8 @@ class Plant(Protocol):
         """
 
     @property
-    def late_ticks(self) -> int:
-        """By how many ticks the joints are known to move later than they are commanded to."""
+    def late_ticks(self) -> int | None:
+        """By how many ticks the joints are known to move later than they are commanded to; None if nobody looks."""
 
     def trunk_pose(self) -> Pose2:
         """Pose of the trunk, projected to the floor."""

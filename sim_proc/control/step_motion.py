@@ -89,9 +89,9 @@ class StepMotion:
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
+        self._deviation.tell(posture.plant.late_ticks)
         told = leg is not None and self._deviation.late_ticks <= TOLD_TICKS
         least_m = self._terrain.least_heights_m(posture.feet_m, leg) if told and leg is not None else None
-        self._deviation.tell(posture.plant.late_ticks)
         watch = self._deviation.watch(plan, n, least_m)
         watch.pressing_n = self._pressing_n
         log = posture.track(
@@ -145,7 +145,7 @@ class StepMotion:
 
         They become `late` ticks later, if not by as much as commands are known to be late.
         """
-        late = self.posture.plant.late_ticks if late is None else late
+        late = (self.posture.plant.late_ticks or 0) if late is None else late
         flies = step.shift_ticks + late
         return Touchdown(
             leg=LEGS.index(leg),

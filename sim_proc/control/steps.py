@@ -204,7 +204,7 @@ class Steps(StepMotion):
 
         If there is none the foot goes back to where it stood.
         """
-        posture, gait, late = self.posture, self._gait, self.posture.plant.late_ticks
+        posture, gait, late = self.posture, self._gait, self.posture.plant.late_ticks or 0
         start_m = posture.feet_m[LEGS.index(leg)]
         # A foot that is commanded late is still on its way.
         waits = late + 1 if late > 0 else 0

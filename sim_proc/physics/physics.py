@@ -46,7 +46,7 @@ PARKED_M: Final = 1000.0
 class Physics:
     """The robot beside the box in MuJoCo, a `Plant`. Only `run` advances it."""
 
-    late_ticks = 0
+    late_ticks = None
     """By how many ticks the joints are known to move later than commanded: nobody looks."""
 
     def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2, reality: Reality = AS_ASSUMED) -> None:
