@@ -14,8 +14,10 @@ from sim_proc.control.joint_commands import COMMANDS_PER_TICK, JointCommands, Kn
 from sim_proc.control.plant import TickLog, Touchdown
 from sim_proc.control.watch import Watch
 from sim_proc.estimation.body import body_numbers
+from sim_proc.estimation.command_lag import LAGS, CommandLag
 from sim_proc.estimation.estimator import Estimator
 from sim_proc.estimation.map_filter import MapFilter
+from sim_proc.estimation.readings import JOINTS
 from sim_proc.physics.physics import Physics
 from sim_proc.physics.senses import OwnSenses
 
@@ -42,6 +44,12 @@ class EstimatedRobot:
         self._late_ticks = max(ceil(senses.late_steps / COMMANDS_PER_TICK), 1)
         self._whole_late_ticks = senses.late_steps // COMMANDS_PER_TICK
         """Ticks after a lift from which on readings tell of it, and for which they cannot tell of a touchdown."""
+        self._lag = CommandLag(self._estimator.joints_rad(), senses.late_steps)
+        n_past = int(LAGS[-1]) // COMMANDS_PER_TICK + 1 + self._late_ticks
+        self._planned_up: Flags = np.zeros((n_past, len(LEGS)), dtype=np.bool_)
+        """Which feet were lifted by plan in the last ticks."""
+        self.lifted: Flags = self._planned_up[:0]
+        """The same in the ticks of the last run, as far as their readings tell of them, (n, 4)."""
         self._state = self._estimator.state()
         fix = physics.perception.first_fix()
         self._map = None if fix is None else MapFilter(fix, self.trunk_pose())
@@ -59,7 +67,12 @@ class EstimatedRobot:
     @property
     def downhill(self) -> Floats:
         """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
-        return self._physics.assumed.downhill
+        return self._estimator.downhill
+
+    @property
+    def late_ticks(self) -> int:
+        """By how many ticks the joints are known to move later than they are commanded to."""
+        return self._lag.ticks
 
     @property
     def fallen(self) -> bool:
@@ -73,8 +86,13 @@ class EstimatedRobot:
     def run(self, commands: JointCommands, until: Touchdown | None = None, watch: Watch | None = None) -> TickLog:
         """Track joint commands as `Physics.run` does, and estimate the motion afterwards."""
         physics, first_tick = self._physics, self._physics.tick + 1
-        log = physics.run(commands, until, None if watch is None else _WatchedEstimate(self, until, watch))
-        self._estimator.advance(self._senses.last, self._lifted(len(log.qpos), until))
+        watched = None if watch is None else _WatchedEstimate(self, commands, until, watch)
+        log = physics.run(commands, until, watched)
+        n_ticks = len(log.qpos)
+        self._lag = self._lag_after(commands, self._senses.last)
+        self.lifted = self._lifted(n_ticks, until, self._lag)
+        self._estimator.advance(self._senses.last, self.lifted)
+        self._planned_up = np.concatenate([self._planned_up, _up(n_ticks, until)])[-len(self._planned_up) :]
         self._senses.tare_n = self._estimator.tare_n
         self._state = self._estimator.state()
         if self._map is not None:
@@ -82,17 +100,25 @@ class EstimatedRobot:
             self._map.take(first_tick, self._estimator.trunk_poses(), fixes, latency_ticks)
         return log
 
-    def _lifted(self, n_ticks: int, until: Touchdown | None) -> Flags:
+    def _lag_after(self, commands: JointCommands, readings: Floats) -> CommandLag:
+        """What is known of late commands after the ticks of a run with readings (n, steps, N_READINGS)."""
+        return self._lag.after(commands.positions_rad[: len(readings)], readings[:, -1, JOINTS])
+
+    def _lifted(self, n_ticks: int, until: Touchdown | None, lag: CommandLag) -> Flags:
         """Which feet are lifted by plan in the ticks of a run, as far as their readings tell of them, (n, 4)."""
-        lifted = np.zeros((n_ticks, len(LEGS)), dtype=np.bool_)
-        if until is not None:
-            first, end = until.lift_tick + self._late_ticks, until.first_tick + self._whole_late_ticks
-            lifted[first:end, until.leg] = True
+        planned = np.concatenate([self._planned_up, _up(n_ticks, until)])
+        begun, ended = (
+            planned[len(planned) - n_ticks - late_ticks :][:n_ticks]
+            for late_ticks in (lag.ticks + self._late_ticks, lag.ticks + self._whole_late_ticks)
+        )
+        lifted: Flags = begun & ended
         return lifted
 
-    def foresee(self, n_ticks: int, until: Touchdown | None) -> tuple[Floats, Floats, Floats]:
+    def foresee(self, n_ticks: int, commands: JointCommands, until: Touchdown | None) -> tuple[Floats, Floats, Floats]:
         """Centre of mass and its velocity, (n, 3) each, and feet, (n, 4, 3), as estimated in the ticks of the run."""
-        return self._estimator.foresee(self._senses.readings(n_ticks), self._lifted(n_ticks, until))
+        readings = self._senses.readings(n_ticks)
+        lifted = self._lifted(n_ticks, until, self._lag_after(commands, readings))
+        return self._estimator.foresee(readings, lifted)
 
     def push_forces_n(self, log: TickLog, leg: int) -> Floats:
         """Forces of a foot on the box as the foot feels them, means over each tick of the last run, (n, 3)."""
@@ -145,14 +171,23 @@ class EstimatedRobot:
 
     def as_bytes(self) -> bytes:
         """All that later estimates depend on, but what the sensors read."""
-        return self._estimator.as_bytes() + (b"" if self._map is None else self._map.as_bytes())
+        known = self._estimator.as_bytes() + self._lag.as_bytes()
+        return known + (b"" if self._map is None else self._map.as_bytes())
+
+
+def _up(n_ticks: int, until: Touchdown | None) -> Flags:
+    """Which feet are lifted by plan in the ticks of a run, (n, 4)."""
+    up = np.zeros((n_ticks, len(LEGS)), dtype=np.bool_)
+    if until is not None:
+        up[until.lift_tick : until.first_tick - until.late_ticks, until.leg] = True
+    return up
 
 
 class _WatchedEstimate(Watch):
     """A `Watch` that looks at the estimate in the place of the truth."""
 
-    def __init__(self, robot: EstimatedRobot, until: Touchdown | None, watch: Watch) -> None:
-        self._robot, self._until, self._watch = robot, until, watch
+    def __init__(self, robot: EstimatedRobot, commands: JointCommands, until: Touchdown | None, watch: Watch) -> None:
+        self._robot, self._commands, self._until, self._watch = robot, commands, until, watch
         self.pressing_n = watch.pressing_n
 
     def forget(self) -> None:
@@ -162,4 +197,4 @@ class _WatchedEstimate(Watch):
     def alarm(self, com_m: Floats, com_velocity_m_s: Floats, tips_m: Floats) -> int | None:
         """The first tick after which the motion is estimated to be too far from the plan, if it is."""
         del com_velocity_m_s, tips_m
-        return self._watch.alarm(*self._robot.foresee(len(com_m), self._until))
+        return self._watch.alarm(*self._robot.foresee(len(com_m), self._commands, self._until))

@@ -100,7 +100,7 @@ class RecordedRobot(EstimatedRobot):
         walk.com_velocities_m_s.append(log.steps.com_velocity_m_s[:, -1])
         walk.tips_m.append(log.tips_m)
         walk.readings.append(self._senses.last)
-        walk.lifted.append(self._lifted(len(log.qpos), until))
+        walk.lifted.append(self.lifted)
         walk.rows.append(self._estimator.rows)
         walk.poses.append(self._estimator.trunk_poses())
         return log

@@ -80,6 +80,8 @@ class Touchdown:
     stops_leg: bool
     """Whether the leg stops within a physics step, because the foot moves fast, and does not go on to the end of the
     tick."""
+    late_ticks: int = 0
+    """By how many ticks commands were known to come late: `first_tick` and the later ones count them in."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,6 +145,10 @@ class Plant(Protocol):
 
         Zero on a level floor.
         """
+
+    @property
+    def late_ticks(self) -> int | None:
+        """By how many ticks the joints are known to move later than they are commanded to; None if nobody looks."""
 
     def trunk_pose(self) -> Pose2:
         """Pose of the trunk, projected to the floor."""

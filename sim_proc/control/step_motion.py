@@ -89,6 +89,7 @@ class StepMotion:
             if until is not None and until.first_tick < n:
                 load_share[-1 if until.stops_leg else 0 :, leg] = gait.landed_share
         yaw, yaw_rate = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, n)
+        self._deviation.tell(posture.plant.late_ticks)
         told = leg is not None and self._deviation.late_ticks <= TOLD_TICKS
         least_m = self._terrain.least_heights_m(posture.feet_m, leg) if told and leg is not None else None
         watch = self._deviation.watch(plan, n, least_m)
@@ -138,17 +139,24 @@ class StepMotion:
         *,
         stops_leg: bool,
         blocked_tick: int | None = None,
+        late: int | None = None,
     ) -> Touchdown:
-        """The touchdown that ends a swing. Its ticks count from the lift."""
+        """The touchdown that ends a swing. Its ticks count from the lift, and are those of commands that are in time.
+
+        They become `late` ticks later, if not by as much as commands are known to be late.
+        """
+        late = (self.posture.plant.late_ticks or 0) if late is None else late
+        flies = step.shift_ticks + late
         return Touchdown(
             leg=LEGS.index(leg),
             force_n=self._contact_n,
             lift_tick=step.shift_ticks,
             carried=self._carried,
-            first_tick=step.shift_ticks + first_tick,
-            landing_tick=step.shift_ticks + landing_tick,
-            blocked_tick=step.shift_ticks + (step.swing_ticks if blocked_tick is None else blocked_tick),
+            first_tick=flies + first_tick,
+            landing_tick=flies + landing_tick,
+            blocked_tick=flies + (step.swing_ticks if blocked_tick is None else blocked_tick),
             stops_leg=stops_leg,
+            late_ticks=late,
         )
 
     def _plan(self, ahead: Sequence[Step]) -> Planned:

@@ -204,11 +204,14 @@ class Steps(StepMotion):
 
         If there is none the foot goes back to where it stood.
         """
-        posture, gait = self.posture, self._gait
-        curve = search_swing(posture.feet_m[LEGS.index(leg)], gait)
+        posture, gait, late = self.posture, self._gait, self.posture.plant.late_ticks or 0
+        start_m = posture.feet_m[LEGS.index(leg)]
+        # A foot that is commanded late is still on its way.
+        waits = late + 1 if late > 0 else 0
+        curve = np.concatenate([np.repeat(start_m[None], waits, axis=0), search_swing(start_m, gait)])
         search = replace(ahead[0], shift_ticks=0, swing_ticks=len(curve), push=None)
         step, plan = self._plan([search, *ahead[1:]])
-        until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False, blocked_tick=0)
+        until = self._touchdown(leg, step, 0, step.swing_ticks, stops_leg=False, blocked_tick=waits + late, late=0)
         logs = [self._move(step, plan, lambda _: curve, until)]
         if logs[-1].touched_down or logs[-1].left_plan or posture.plant.fallen:
             return logs

@@ -18,6 +18,11 @@ MOST_BETWEEN_RAD: Final = 0.021
 """If both differ by more, four deviations, the floor is inclined as nobody knew."""
 GYRO_BIAS_SD: Final = 0.0003
 """Of the bias of a gyroscope after 0.3 s at rest."""
+TURNING_RAD: Final = 0.001
+"""A robot that has turned by more about a horizontal axis, by the joint angles of its legs, is not at rest yet: seven
+deviations of what they tell over `ENDS_STEPS`. A robot that settles on a level floor turns by less."""
+ENDS_STEPS: Final = 20
+"""Steps at the beginning and at the end of the standing in which the attitude by the legs is averaged."""
 
 
 class Begin(NamedTuple):
@@ -35,10 +40,17 @@ def aligned(body: Floats, start: Pose2, still: Floats) -> tuple[Begin, Floats]:
     `still` (n, 22) what its sensors read while it stands. The attitude is that to the floor, and follows from the joint
     angles of the legs, the bias of the accelerometer from the attitude and gravity, and that of the gyroscope from its
     mean. If gravity is not where the scenario says, the accelerometer tells where it is.
+
+    If the legs tell that the robot still turned, only what it was at the end counts, and the gyroscope has read the
+    turn besides.
     """
+    gyro_bias, turned = still[:, GYRO].mean(axis=0), _turned(body, still)
+    if np.linalg.norm(turned[:2]) > TURNING_RAD:
+        middle = still[ENDS_STEPS // 2 : -ENDS_STEPS // 2, GYRO]
+        gyro_bias = middle.mean(axis=0) - turned / (layout.STEP_S * len(middle))
+        still = still[-ENDS_STEPS:]
     joints = still[:, JOINTS].mean(axis=0)
-    tips, com = np.empty((4, 3)), np.empty(3)
-    motion.kinematics.py_func(body, joints, tips, com)
+    tips, com = _legs(body, joints)
     gravity, force_b = body[layout.GRAVITY : layout.GRAVITY + 3], still[:, ACCELERATION].mean(axis=0)
     rotation = _level(tips, start.yaw_rad)
     up_b, expected_b = force_b / np.linalg.norm(force_b), -rotation.T @ gravity / np.linalg.norm(gravity)
@@ -55,7 +67,7 @@ def aligned(body: Floats, start: Pose2, still: Floats) -> tuple[Begin, Floats]:
     state, memory = np.zeros(layout.N_STATE), np.zeros(layout.N_MEMORY)
     state[layout.POSITION : layout.POSITION + 3] = start.x_m, start.y_m, height_m
     state[layout.QUATERNION : layout.QUATERNION + 4] = quaternion
-    state[layout.GYRO_BIAS : layout.GYRO_BIAS + 3] = still[:, GYRO].mean(axis=0)
+    state[layout.GYRO_BIAS : layout.GYRO_BIAS + 3] = gyro_bias
     bias = force_b + rotation.T @ gravity
     state[layout.ACCELERATION_BIAS : layout.ACCELERATION_BIAS + 3] = bias
     state[layout.FEET :] = (state[:3] + tips_f).ravel()
@@ -69,6 +81,23 @@ def aligned(body: Floats, start: Pose2, still: Floats) -> tuple[Begin, Floats]:
     deviations[layout.G : layout.G + 3] = GYRO_BIAS_SD
     deviations[layout.B : layout.B + 3] = force_sd_rad * np.linalg.norm(gravity)
     return Begin(state, np.diag(deviations**2), memory), gravity
+
+
+def _legs(body: Floats, joints: Floats) -> tuple[Floats, Floats]:
+    """Centres of the feet, (4, 3), and centre of mass, (3,), at joint angles (12,), in the frame of the trunk."""
+    tips, com = np.empty((4, 3)), np.empty(3)
+    motion.kinematics.py_func(body, joints, tips, com)
+    return tips, com
+
+
+def _turned(body: Floats, still: Floats) -> Floats:
+    """How far the trunk turned by the legs, about its own axes, from the first to the last `ENDS_STEPS` readings."""
+    ends = still[:ENDS_STEPS], still[-ENDS_STEPS:]
+    first, last = (_legs(body, rows[:, JOINTS].mean(axis=0))[0] for rows in ends)
+    turn = _level(first, 0.0).T @ _level(last, 0.0)
+    (x, y), (to_x, to_y) = ((tips - tips.mean(axis=0))[:, :2].T for tips in (first, last))
+    feet_rad = (x * to_y - y * to_x).sum() / (x * x + y * y).sum()
+    return np.array([turn[2, 1], turn[0, 2], -feet_rad])
 
 
 def _level(tips_b: Floats, yaw_rad: float) -> Floats:

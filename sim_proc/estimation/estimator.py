@@ -31,6 +31,9 @@ class Estimator:
         """
         self._body = body.copy()
         self._arrays, self._body[layout.GRAVITY : layout.GRAVITY + 3] = aligned(body, start, still)
+        gravity = self._body[layout.GRAVITY : layout.GRAVITY + 3]
+        self.downhill: Floats = gravity[:2] / -gravity[2]
+        """Where a plumb line from one metre above the floor meets it, relative to the point below that, [m/m], (2,)."""
         self._age_s = late_steps * layout.STEP_S
         self._foreseen: tuple[Floats, Flags, Begin, Floats] | None = None
         """Readings, lifted feet, arrays and estimates of ticks that may be taken next."""

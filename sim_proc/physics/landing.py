@@ -14,6 +14,8 @@ from sim_proc.control.plant import Touchdown
 BLOCKED_SHARE: Final = 0.25
 """A joint that stays behind by an angle that costs this share of its largest torque does not move freely."""
 
+LIFTED_SHARE: Final = 0.5
+"""A foot that carries less than this share of what it carries when it is down is in the air."""
 SUDDEN_SHARE: Final = 0.3
 """Nor does one that has come to stay behind by this share of that angle since the leg became slow."""
 MOST_LATE_TICKS: Final = 8
@@ -53,6 +55,8 @@ class Landing:
         self._measured, positions, self._allowed_rad = joints
         self._sensed_late_steps = late_steps
         self._positions = _earlier(positions, late_steps) if late_steps else positions
+        self._lifted = late_steps == 0 or touchdown.first_tick == touchdown.lift_tick
+        """Whether the foot has been in the air. One that is known late may seem to be down before it is lifted."""
         self._flown: dict[int, Floats] = {}
         """Measured angles of the leg at the ends of the ticks of its flight."""
         self._usual_rad: Floats = np.zeros(len(JOINTS))
@@ -84,7 +88,7 @@ class Landing:
         force_n, column = self._force_n, self._force
         yield controls[0]
         for step in range(1, len(controls)):
-            if -sensors.item(step - 1, column) >= force_n:
+            if self._lifted and -sensors.item(step - 1, column) >= force_n:
                 controls[step:, self._joints] = self._holds[tick, step, self._joints]
                 yield from controls[step:]
                 return
@@ -97,7 +101,9 @@ class Landing:
 
     def touched_down(self, tick: int, sensors: Floats) -> bool:
         """Whether the foot touched down in a tick with sensors (steps, n)."""
-        if tick < self._touchdown.first_tick:
+        if not self._lifted and tick >= self._touchdown.lift_tick:
+            self._lifted = bool(-sensors[:, self._force].mean() < LIFTED_SHARE * self._force_n)
+        if tick < self._touchdown.first_tick or not self._lifted:
             return False
         if tick < self._touchdown.blocked_tick:
             self._flown[tick] = sensors[-1, self._measured][self._joints]

@@ -46,6 +46,9 @@ PARKED_M: Final = 1000.0
 class Physics:
     """The robot beside the box in MuJoCo, a `Plant`. Only `run` advances it."""
 
+    late_ticks = None
+    """By how many ticks the joints are known to move later than commanded: nobody looks."""
+
     def __init__(self, scenario: Scenario, trunk: Pose2, box: Pose2, reality: Reality = AS_ASSUMED) -> None:
         """Stand the robot at `trunk` and the box at `box`, at rest, in a world as `reality` has it."""
         self.robot = robot = scenario.robot
@@ -111,11 +114,9 @@ class Physics:
         """
         feed_forward = commands.torques_n_m + self._velocity_gains * commands.velocities_rad_s
         planned = commands.positions_rad + self._compliances * feed_forward
-        landing = None if until is None else self._landing(until, commands)
-        began = self._moment()
+        landing, began = None if until is None else self._landing(until, commands), self._moment()
         self._gusts.begin_run(self.tick)
-        speed = self.data.qvel[:3].copy()
-        controls = planned.copy()
+        speed, controls = self.data.qvel[:3].copy(), planned.copy()
         self.senses.begin_run(self.tick, len(controls))
         qpos, sensors = self._simulate(controls, landing)
         felt_n = partial(self.senses.pressing_n, began.tick)

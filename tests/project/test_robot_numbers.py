@@ -52,7 +52,7 @@ OF_NO_ROBOT = {
     "physics/appearing.py": {"CELL_M", "BOX_CLEARANCE_M", "ROUNDING_TICKS", "NEVER"},
     "physics/contacts.py": {"UNKNOWN", "MAX_SETS"},
     "physics/gusts.py": {"NEVER", "ROUNDING_TICKS"},
-    "physics/landing.py": {"BLOCKED_SHARE", "STILL_RAD", "SUDDEN_SHARE", "MOST_LATE_TICKS"},
+    "physics/landing.py": {"BLOCKED_SHARE", "STILL_RAD", "LIFTED_SHARE", "SUDDEN_SHARE", "MOST_LATE_TICKS"},
     "physics/physics.py": {"PARKED_M"},
     "physics/senses.py": {"CHUNK_TICKS", "FIRST_CHUNK"},
 }

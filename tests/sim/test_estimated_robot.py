@@ -65,6 +65,30 @@ def test_the_estimate_is_near_the_truth_and_not_the_truth(walk: tuple[Simulator,
     assert seen.box == outcomes[-1].world.box
 
 
+def test_a_slope_that_nobody_told_is_leant_against(at_the_box: Scenario) -> None:
+    simulator, outcomes = walked(at_the_box, replace(SENSES, slope_deg=10.0, uphill_deg=75.0), n_cycles=3)
+    assert simulator.episode is not None
+    physics, robot = simulator.episode.physics, estimated(simulator)
+    assert robot.downhill == pytest.approx(physics.actual_downhill, abs=0.02)
+    assert not outcomes[-1].world.fallen
+    # Its weight lies uphill of the middle of its feet, so that the plumb line meets the floor between them.
+    uphill_m = (physics.com_m()[:2] - physics.tips_m()[:, :2].mean(axis=0)) @ -physics.actual_downhill
+    assert uphill_m / np.linalg.norm(physics.actual_downhill) > 0.04
+
+
+def test_late_commands_are_noticed_in_the_first_step_and_each_foot_is_waited_for(at_the_box: Scenario) -> None:
+    late = replace(SENSES, command_latency_s=0.1)
+    simulator, outcomes = walked(at_the_box, late, n_cycles=3)
+    robot = estimated(simulator)
+    assert robot.late_ticks == 5
+    assert not outcomes[-1].world.fallen
+    # Four steps a cycle, none of them again, none of them a capture step.
+    assert outcomes[-1].world.n_footsteps == 12
+    state, truth = robot.body_state(), outcomes[-1].world.trunk
+    assert np.linalg.norm(state.position_m - truth.position_m) < 0.05
+    assert walked(at_the_box, late, n_cycles=3)[1][-1].state_crc == outcomes[-1].state_crc
+
+
 def test_an_episode_repeats_bit_for_bit(walk: tuple[Simulator, list[Outcome]], at_the_box: Scenario) -> None:
     again = walked(at_the_box, SENSES)[1]
     assert [each.state_crc for each in again] == [each.state_crc for each in walk[1]]

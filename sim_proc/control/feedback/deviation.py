@@ -35,6 +35,14 @@ class Deviation:
         """Mean squared deviation from plans that are carried out late by each number of ticks."""
         self.late_ticks = 0
         """By how many ticks the motion is later than planned, as far as is known: commands take time."""
+        self._told_ticks: int | None = None
+        """By how many ticks it is late as the joints tell; None if nobody looks."""
+
+    def tell(self, late_ticks: int | None) -> None:
+        """Take over by how much motions are late, if the joints tell."""
+        self._told_ticks = late_ticks
+        if late_ticks is not None:
+            self.late_ticks = late_ticks
 
     def watch(self, plan: ComPlan, n_ticks: int, least_heights_m: Floats | None = None) -> Watch:
         """A watch over the first ticks of a planned motion, and over feet that are to stay up, (4,)."""
@@ -52,7 +60,8 @@ class Deviation:
     def learn(self, watch: Watch, *, rough: bool) -> None:
         """Take the deviation of a motion that was carried out for the usual one, little by little.
 
-        Feet that find their places on a rough floor deviate as late ones do: nothing is learned of a delay there.
+        Feet that find their places on a rough floor deviate as late ones do: nothing is learned of a delay there, nor
+        where the joints tell of one. A gust may look like a delay, and only the joints tell them apart.
         """
         n_ticks = len(watch.deviations_m)
         if n_ticks == 0:
@@ -60,7 +69,8 @@ class Deviation:
         self._before_m = self._planned_m[n_ticks : n_ticks + LATE_TICKS]
         kept = exp(-n_ticks / self._capture.adapt_ticks)
         self._more_m *= exp(-n_ticks / self._capture.forget_ticks)
-        if not rough and (self.late_ticks > 0 or float(np.abs(watch.deviations_m).max()) > self._capture.small_m):
+        learns = not rough and self._told_ticks is None
+        if learns and (self.late_ticks > 0 or float(np.abs(watch.deviations_m).max()) > self._capture.small_m):
             errors = [watch.reached_m - self._late(late, n_ticks) for late in range(LATE_TICKS + 1)]
             self._errors_m2 = kept * self._errors_m2 + np.array([float((error**2).mean()) for error in errors])
             best = int(np.argmin(self._errors_m2))
@@ -79,4 +89,4 @@ class Deviation:
     def forget(self) -> None:
         """Expect no deviation, as at first: the robot has moved otherwise than planned."""
         self._usual_m, self._before_m = np.zeros(2), self._before_m[:0]
-        self._errors_m2[:], self.late_ticks = 0.0, 0
+        self._errors_m2[:], self.late_ticks = 0.0, self._told_ticks or 0

@@ -44,6 +44,7 @@ class KinematicPlant:
         self._kinematics = LegKinematics(robot)
         self.mass_kg = 32.0
         self.downhill = np.zeros(2)
+        self.late_ticks = None
         self.n_ticks = 0
         self._trunk, self._box, self._box_pose = trunk, box, box.pose.pose()
         self._joints = self._kinematics.standing_joints_rad()

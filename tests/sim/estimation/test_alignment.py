@@ -43,6 +43,20 @@ def test_biases_are_those_that_a_robot_at_rest_reads() -> None:
     assert np.abs(attitude(state).as_euler("xyz")[:2]).max() == pytest.approx(0.05 / 9.81 / 12, rel=0.1)
 
 
+@pytest.mark.parametrize("turned_rad", [0.0, 0.0006, 0.004])
+def test_a_robot_that_still_settles_does_not_take_its_turn_for_a_bias(turned_rad: float) -> None:
+    axis, n, bias = np.array([0.6, -0.8, 0.3]), 150, np.array([0.001, -0.002, 0.003])
+    left = turned_rad * (1.0 - np.arange(n) / (n - 1)) ** 2
+    rows = [still(1, attitude=Rotation.from_rotvec(-angle * axis)) for angle in left]
+    readings = np.concatenate(rows)
+    readings[:, GYRO] += bias - np.gradient(left, layout.STEP_S)[:, None] * axis
+    state = aligned(body(), START, readings)[0].state
+    # A turn that is less than what noise of the joint angles may tell is not looked at.
+    believed = turned_rad / (n * layout.STEP_S) if turned_rad < 0.001 else 0.0
+    assert state[layout.GYRO_BIAS : layout.ACCELERATION_BIAS] == pytest.approx(bias + believed * axis, abs=1e-4)
+    assert np.abs(attitude(state).as_euler("xyz")[:2]).max() < max(turned_rad / 20, 1e-9 + turned_rad * (believed > 0))
+
+
 def test_a_known_slope_is_no_bias() -> None:
     gravity = Rotation.from_euler("y", 0.1).apply(GRAVITY)
     heading = Rotation.from_euler("z", START.yaw_rad)

@@ -44,6 +44,14 @@ def test_it_begins_where_it_is_told_to_stand() -> None:
     assert estimator.tare_n.tolist() == [0.0] * 4
 
 
+def test_the_plumb_line_is_that_of_the_scenario_or_of_a_slope_that_nobody_knew() -> None:
+    known = np.array([0.8, -0.3, -9.7])
+    estimator = Estimator(body(known), Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), still(gravity=known), late_steps=1)
+    assert estimator.downhill.tolist() == (known[:2] / 9.7).tolist()
+    unknown = Estimator(body(), Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), still(gravity=known), late_steps=1)
+    assert unknown.downhill == pytest.approx(known[:2] / 9.7)
+
+
 def test_what_moves_evenly_is_told_for_the_present() -> None:
     late, early = (Estimator(body(), START, still(), late_steps=steps) for steps in (11, 0))
     readings = still(5 * layout.STEPS)

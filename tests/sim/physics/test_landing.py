@@ -230,3 +230,22 @@ def test_a_leg_that_follows_late_or_with_an_offset_is_not_blocked(late_steps: in
 @pytest.mark.parametrize("late_steps", [0, 30])
 def test_a_leg_is_blocked_as_soon_as_one_joint_stays_behind_while_the_others_move_on(late_steps: int) -> None:
     assert blocked_from(late_steps, stops_at=150) == 16
+
+
+@pytest.mark.parametrize(("sensed_late_steps", "until_lifted", "down_from"), [(0, 8, 6), (10, 8, 12), (10, 5, 6)])
+def test_a_foot_that_is_known_late_is_not_down_before_it_has_been_lifted(
+    sensed_late_steps: int, until_lifted: int, down_from: int
+) -> None:
+    touchdown = Touchdown(
+        leg=0, force_n=20.0, lift_tick=2, carried=(), first_tick=6, landing_tick=20, blocked_tick=20, stops_leg=True
+    )
+    still = np.zeros((N_TICKS, 10, 12))
+    lag = slice(0, 12), still, np.full(12, 0.01)
+    landing = Landing(touchdown, slice(12, 16, 1), still, lag, late_steps=sensed_late_steps)
+    sensors = np.zeros((N_TICKS, 10, 16))
+    sensors[:, :, 12] = -80.0
+    # It stands until it is lifted, or meets something high at once.
+    sensors[until_lifted:12, :, 12] = 0.0 if until_lifted > 6 else sensors[until_lifted:12, :, 12]
+    sensors[until_lifted, :, 12] = 0.0
+    looked_at = range(5, N_TICKS)
+    assert next(tick for tick in looked_at if landing.touched_down(tick, sensors[tick])) == down_from

@@ -54,8 +54,13 @@ def test_a_motion_of_no_tick_teaches_nothing() -> None:
     assert has_alarm(deviation, 0.07)
 
 
-@pytest.mark.parametrize("late_ticks", [0, 3])
-def test_a_robot_that_does_everything_late_is_where_it_was_to_be_before(late_ticks: int) -> None:
+@pytest.mark.parametrize(
+    ("told_ticks", "late_ticks", "found_ticks"), [(None, 0, 0), (None, 3, 3), (0, 3, 0), (2, 3, 2)]
+)
+def test_a_robot_that_does_everything_late_is_where_it_was_to_be_before(
+    told_ticks: int | None, late_ticks: int, found_ticks: int
+) -> None:
+    """What the joints tell of a delay is believed, and not what looks like one."""
     deviation = Deviation(CAPTURE, HEIGHT_M)
     n_ticks, speed_m_s = 20, 0.5
     for begin in range(0, 10 * n_ticks, n_ticks):
@@ -67,10 +72,24 @@ def test_a_robot_that_does_everything_late_is_where_it_was_to_be_before(late_tic
             acceleration_m_s2=np.zeros((n_ticks, 2)),
             zmp_m=np.zeros((n_ticks, 2)),
         )
+        deviation.tell(told_ticks)
         watch = deviation.watch(plan, n_ticks)
         earlier_s = at_s - CONTROL_PERIOD_S * late_ticks
         com, velocity = np.zeros((n_ticks, 3)), np.zeros((n_ticks, 3))
         com[:, 0], velocity[:, 0] = np.sin(5 * earlier_s) * speed_m_s / 5, np.cos(5 * earlier_s) * speed_m_s
         watch.alarm(com, velocity, np.zeros((n_ticks, 4, 3)))
         deviation.learn(watch, rough=False)
-    assert deviation.late_ticks == late_ticks
+    assert deviation.late_ticks == found_ticks
+
+
+def test_a_delay_that_the_joints_told_is_not_forgotten_with_what_the_motion_taught() -> None:
+    deviation = Deviation(CAPTURE, HEIGHT_M)
+    deviation.tell(5)
+    beyond_m = CAPTURE.from_m + 4 * CAPTURE.late_m
+    assert not has_alarm(deviation, beyond_m)
+    deviation.forget()
+    assert deviation.late_ticks == 5
+    assert not has_alarm(deviation, beyond_m)
+    deviation.tell(0)
+    deviation.forget()
+    assert has_alarm(deviation, beyond_m)
