@@ -120,7 +120,8 @@ def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None
             break
         if outcomes[-1].world.fallen:
             break
-    moved = planar_pose(began.world.box).inverse() @ planar_pose(outcomes[-1].world.box)
+    last = outcomes[-1] if outcomes else began
+    moved = planar_pose(began.world.box).inverse() @ planar_pose(last.world.box)
     return _done(began, outcomes, moved.x_m, abs(moved.y_m))
 
 
@@ -163,10 +164,11 @@ def summary(runs: Sequence[Done]) -> dict[str, Any]:
 
 
 def _done(began: Outcome, outcomes: Sequence[Outcome], way_m: float, error_m: float) -> Done:
-    last = outcomes[-1].world
+    end = outcomes[-1] if outcomes else began
+    last = end.world
     return Done(
         fell=last.fallen,
-        stopped=_goes_on(outcomes[-1]),
+        stopped=_goes_on(end),
         measures=merged(outcome.measures for outcome in outcomes if outcome.measures is not None),
         duration_s=(last.tick - began.world.tick) * CONTROL_PERIOD_S,
         way_m=way_m,
