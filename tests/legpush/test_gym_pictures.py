@@ -51,7 +51,6 @@ def test_a_picture_shows_where_a_mission_waits_for_a_push() -> None:
 
 
 def test_a_video_has_a_frame_for_the_reset_and_each_step(tmp_path: Path) -> None:
-    pytest.importorskip("moviepy")
     made = gymnasium.make(ID, render_mode="rgb_array", width=160, height=120, max_episode_steps=2)
     env = RecordVideo(made, str(tmp_path))
     env.reset(seed=1)
@@ -63,7 +62,6 @@ def test_a_video_has_a_frame_for_the_reset_and_each_step(tmp_path: Path) -> None
 
 
 def test_the_checkers_draw_in_every_mode(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("pygame")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     env = gymnasium.make(ID, render_mode="rgb_array", width=64, height=48)
     with warnings.catch_warnings():

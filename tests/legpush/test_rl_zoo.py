@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 HYPERPARAMETERS = """
 legpush/Push-v1:
   n_timesteps: 64
@@ -17,7 +15,6 @@ legpush/Push-v1:
 
 
 def test_rl_zoo_trains_by_the_id_alone(tmp_path: Path) -> None:
-    pytest.importorskip("rl_zoo3")
     (tmp_path / "ppo.yml").write_text(HYPERPARAMETERS)
     words = "--algo ppo --env legpush/Push-v1 --gym-packages legpush.gym -conf ppo.yml -f logs --eval-freq -1 --seed 1"
     command = [sys.executable, "-m", "rl_zoo3.train", *words.split(), "--env-kwargs", "simulator:'map'"]
