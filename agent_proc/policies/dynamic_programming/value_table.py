@@ -5,13 +5,13 @@ ahead. The value of a pose is that of stopping there, or of its best push: what 
 is interpolated (Bellman's principle; Bertsekas, *Dynamic Programming and Optimal Control*, ch. 1).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
 
 from agent_proc.push_model.model import MIRROR
 from agent_proc.push_model.response import Response
@@ -81,14 +81,17 @@ class Problem:
 
 
 class ValueTable:
-    """Values on a grid of poses of the box in the frame of its goal."""
+    """Values on a grid of poses of the box in the frame of its goal. Slices are filled as far as poses ask for."""
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         self._x = _slices()
         self._y = _dense(N_SIDE, MOST_SIDE_M, SIDE_GROWTH)
         self._yaw = _dense(N_TURN, MOST_TURNED_RAD, TURN_GROWTH)
-        self._values = self._filled()
+        self._step = _Step(problem, self._y, self._yaw)
+        self._n_filled = 0
+        self._values = np.empty((len(self._x), N_TURN, N_SIDE))
+        self._after = np.empty((len(self._x), *self._step.shape))
 
     def costs(self, pose: tuple[float, float, float], response: Response, mirror: Floats, depth_m: Floats) -> Floats:
         """Cost of pushing once and then as well as possible, by each push, (n,); depths are without what is lost.
@@ -110,39 +113,62 @@ class ValueTable:
     def _at(self, x_m: Floats, y_m: Floats, yaw_rad: Floats) -> Floats:
         """Value at poses, (n,); beyond the table, that at its border and what it costs to be beyond."""
         place = _Place.on(self._x, x_m)
+        self._fill(int(place.index.max()) + 2)
         flat = _Plane(self._y, self._yaw, y_m, yaw_rad)
         near, far = flat.of(self._values, place.index), flat.of(self._values, place.index + 1)
         problem, past_m = self._problem, np.maximum(x_m - self._x[0], 0.0)
         value: Floats = near + place.share * (far - near) + problem.beyond(past_m, 0.0) + flat.beyond(problem)
         return value
 
-    def _filled(self) -> Floats:
-        problem, x = self._problem, self._x
+    def _fill(self, n_slices: int) -> None:
+        """Fill the first slices, those from beyond the goal on."""
+        x, step = self._x, self._step
+        yaw_grid, y_grid = np.meshgrid(self._yaw, self._y, indexing="ij")
+        row, column = np.arange(len(step.ahead))[:, None], np.arange(N_TURN)[None]
+        for n in range(self._n_filled, n_slices):
+            values = self._problem.error(np.full_like(y_grid, x[n]), y_grid, yaw_grid)
+            if n:
+                place = _Place.on(x[:n], x[n] + step.ahead)
+                near = self._after[place.index, row, column]
+                far = self._after[np.minimum(place.index + 1, n - 1), row, column]
+                found = near + place.share[:, :, None] * (far - near) + step.cost
+                moves = step.ahead >= LEAST_STEP_SHARE * (x[n - 1] - x[n])
+                values = np.minimum(values, np.where(moves[:, :, None], found, np.inf).min(axis=0))
+            self._values[n] = values
+            self._after[n] = step.expected(values)
+        self._n_filled = max(self._n_filled, n_slices)
+
+
+class _Step:
+    """Where pushes lead from every heading and place beside the goal, (pushes, headings, places)."""
+
+    def __init__(self, problem: Problem, y: Floats, yaw: Floats) -> None:
         mirror, depth_m = problem.pushes(N_DEPTHS)
         forward, left, turn = (each[:, None] for each in problem.response.displacement(mirror, depth_m))
         sd = _feared_sd(problem.response, mirror, depth_m)[:, None]
-        off = [_between(self._yaw, self._yaw + by) for by in (-FAR_OFF_SD * sd, FAR_OFF_SD * sd)]
-        c, s = np.cos(self._yaw), np.sin(self._yaw)
-        ahead = c * forward - s * left
-        y_m = self._y[None, :, None] + (s * forward + c * left)[:, None, :]
-        yaw_rad = np.broadcast_to((self._yaw + turn)[:, None, :], y_m.shape)
-        plane = _Plane(self._y, self._yaw, y_m, yaw_rad)
-        cost = _push_cost(turn, sd)[:, :, None] + plane.beyond(problem)
-        row, column = np.arange(len(mirror))[:, None], np.arange(N_TURN)[None]
-        y_grid, yaw_grid = np.meshgrid(self._y, self._yaw, indexing="ij")
-        values = np.empty((len(x), N_SIDE, N_TURN))
-        after = np.empty((len(x), *y_m.shape))
-        for n, x_m in enumerate(x):
-            values[n] = problem.error(np.full_like(y_grid, x_m), y_grid, yaw_grid)
-            if n:
-                place = _Place.on(x[:n], x_m + ahead)
-                near = after[place.index, row, :, column]
-                far = after[np.minimum(place.index + 1, n - 1), row, :, column]
-                found = np.moveaxis(near + place.share[:, :, None] * (far - near), 2, 1) + cost
-                moves = ahead >= LEAST_STEP_SHARE * (x[n - 1] - x_m)
-                values[n] = np.minimum(values[n], np.where(moves[:, None, :], found, np.inf).min(axis=0))
-            after[n] = plane.of(_expected(values[n], off), row[:, :, None])
-        return values
+        c, s = np.cos(yaw), np.sin(yaw)
+        y_m = y + (s * forward + c * left)[:, :, None]
+        self.shape = y_m.shape
+        self.ahead = c * forward - s * left
+        """How far the box comes nearer, (pushes, headings)."""
+        self._feared = sd[:, 0] > 0.0
+        (as_it_should, _), *far_off = _turns(turn, sd)
+        middle = _Plane(y, yaw, y_m, (yaw + as_it_should)[:, :, None])
+        self._middle = middle.matrix()
+        self._far_off = [
+            _Plane(y, yaw, y_m[self._feared], (yaw + turned)[self._feared][:, :, None]).matrix()
+            for turned, _ in far_off
+        ]
+        self.cost = _push_cost(turn, sd)[:, :, None] + middle.beyond(problem)
+
+    def expected(self, values: Floats) -> Floats:
+        """Mean of the values (yaw, y) where a push leads to; where no turn is feared, it turns as it should."""
+        found: Floats = (self._middle @ values.ravel()).reshape(self.shape)
+        feared = (1.0 - len(self._far_off) * FAR_OFF_WEIGHT) * found[self._feared]
+        for matrix in self._far_off:
+            feared += FAR_OFF_WEIGHT * (matrix @ values.ravel()).reshape(feared.shape)
+        found[self._feared] = feared
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,6 +193,7 @@ class _Plane:
     def __init__(self, y: Floats, yaw: Floats, y_m: Floats, yaw_rad: Floats) -> None:
         self._j, self._v = _between(y, y_m)
         self._k, self._w = _between(yaw, yaw_rad)
+        self._n = (len(yaw), len(y))
         self._beyond_m = np.maximum(np.abs(y_m) - y[-1], 0.0)
         self._beyond_rad = np.maximum(np.abs(yaw_rad) - yaw[-1], 0.0)
 
@@ -174,22 +201,23 @@ class _Plane:
         """What it costs to be beyond the borders."""
         return problem.beyond(self._beyond_m, self._beyond_rad)
 
-    def of(self, values: Floats, *index: Indices) -> Floats:
-        """Values at the places, (n,): of one slice, (y, yaw), or of slices, (x, y, yaw), with the `index` of each."""
+    def of(self, values: Floats, index: Indices) -> Floats:
+        """Values at the places, (n,), each of the slice with its index; `values` are (x, yaw, y)."""
         j, k, v, w = self._j, self._k, self._v, self._w
-        low = values[(*index, j, k)] + w * (values[(*index, j, k + 1)] - values[(*index, j, k)])
-        high = values[(*index, j + 1, k)] + w * (values[(*index, j + 1, k + 1)] - values[(*index, j + 1, k)])
+        low = values[index, k, j] + w * (values[index, k + 1, j] - values[index, k, j])
+        high = values[index, k, j + 1] + w * (values[index, k + 1, j + 1] - values[index, k, j + 1])
         found: Floats = low + v * (high - low)
         return found
 
-
-def _expected(values: Floats, off: Sequence[tuple[Indices, Floats]]) -> Floats:
-    """Values (y, yaw) as the mean over turns that are far off by each push, (pushes, y, yaw)."""
-    total: Floats = (1.0 - len(off) * FAR_OFF_WEIGHT) * values[None]
-    for k, w in off:
-        low, high = values[:, k].swapaxes(0, 1), values[:, k + 1].swapaxes(0, 1)
-        total = total + FAR_OFF_WEIGHT * (low + w[:, None, :] * (high - low))
-    return total
+    def matrix(self) -> csr_array:
+        """What takes the values of a slice (yaw, y) to those at the places. Its sums are in order, without BLAS."""
+        n_turn, n_side = self._n
+        first = self._k * n_side + self._j
+        indices = np.stack([first, first + 1, first + n_side, first + n_side + 1], axis=-1)
+        v, w = np.broadcast_arrays(self._v, self._w)
+        weights = np.stack([(1 - w) * (1 - v), (1 - w) * v, w * (1 - v), w * v], axis=-1)
+        starts = 4 * np.arange(first.size + 1)
+        return csr_array((weights.ravel(), indices.ravel(), starts), shape=(first.size, n_turn * n_side))
 
 
 def _between(grid: Floats, value: Floats) -> tuple[Indices, Floats]:
