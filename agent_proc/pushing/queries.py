@@ -7,6 +7,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.pushing.docking.moves import PUSH_S, QUARTER_S
 from legpush.geometry import ORIGIN, Pose2
 from legpush.messages.planning import BoxPathQuery, PushSide
 from legpush.scene.faces import TURN_RAD, pushed_box, pushed_pose
@@ -39,7 +40,7 @@ def query_for_box(
         walk_clearance_m=clearance_m(scenario),
         body=robot_footprint(scenario.robot, ORIGIN),
         body_clearance_m=scenario.planning.body_margin_m,
-        side_change_m=pushing.face_change_m,
+        side_change_m=_side_change_m(estimates) if pushing.face_change_m is None else pushing.face_change_m,
         clearance_m=pushing.margin_m,
         run_in_m=pushing.run_in_m,
         position_tolerance_m=TOLERANCE_SHARE * scenario.goal.position_tolerance_m,
@@ -64,6 +65,12 @@ def calibration_query(
     ahead = pushed_pose(box_pose, face) @ Pose2(x_m=reach_m, y_m=0.0, yaw_rad=-TURN_RAD[face])
     query = query_for_box(scenario, seed, box_pose, {face: estimate}, face)
     return replace(query, goal=ahead, run_in_m=0.0, max_iterations=1)
+
+
+def _side_change_m(estimates: Mapping[Face, PushEstimate]) -> float:
+    """How far pushes move the box while the robot walks to a face beside the present one."""
+    per_push_m = sum(estimate.path_travel_m for estimate in estimates.values()) / len(estimates)
+    return QUARTER_S / PUSH_S * per_push_m
 
 
 def _side(scenario: Scenario, face: Face, estimate: PushEstimate) -> PushSide:

@@ -205,8 +205,9 @@ class PushSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Clearance that box and robot keep."""
     run_in_m: Distance = 0.4
     """Length of the straight stretch before the goal."""
-    face_change_m: Distance = 0.5
-    """Cost of a walk around the box, as a length of pushing."""
+    face_change_m: Distance | None = None
+    """Cost of a walk around the box, as a length of pushing. If not given, that by which pushes move this very box
+    while the robot walks: then paths of the box cost seconds."""
     docking_m: Distance = 0.35
     """How near to its goal the box is docked: pushed by whatever short sequence of pushes and walks brings it there,
     instead of along a path. 0: never."""

@@ -6,9 +6,11 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.push_model.estimate import PushEstimate
+from agent_proc.pushing.docking.moves import PUSH_S, QUARTER_S
 from agent_proc.pushing.queries import TOLERANCE_SHARE, calibration_query, query_for_box
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import BoxPathQuery
+from legpush.messages.stepping import Push
 from legpush.scene.faces import FACES, TURN_RAD, pushed_box, pushed_pose
 from legpush.scene.footprints import robot_footprint
 from legpush.scene.names import Face
@@ -44,6 +46,21 @@ def test_the_planner_is_asked_as_the_scenario_says() -> None:
 
     assert (asked.clearance_m, asked.side_change_m, asked.run_in_m) == (0.07, 3.5, 0.25)
     assert (asked.max_iterations, asked.goal_bias, asked.step_m) == (123, 0.2, pushing.step_m)
+
+
+def test_a_walk_costs_as_far_as_this_very_box_is_pushed_meanwhile() -> None:
+    light, heavy = PushEstimate(SCENARIO.box), PushEstimate(SCENARIO.box)
+    before = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    for _ in range(4):
+        push = Push(w1=light.curve[0], w2=light.curve[1], leg="FL", depth_m=0.05)
+        heavy.learn(before, push, Pose2(x_m=0.015, y_m=0.0, yaw_rad=0.0))
+    fast, slow = (
+        query_for_box(SCENARIO, 5, HERE, {"rear": estimate}, None).side_change_m for estimate in (light, heavy)
+    )
+
+    assert fast == pytest.approx(QUARTER_S / PUSH_S * light.path_travel_m)
+    assert 0.3 < fast < 0.6
+    assert slow < 0.7 * fast
 
 
 @pytest.mark.parametrize(("present", "expected"), [("left", 1), ("rear", 0), ("front", None), (None, None)])
