@@ -19,6 +19,11 @@ from legpush.errors import ConfigError
 from legpush.study.folder import StudyFolder
 
 LEFT_OUT: Final = ("policy_zip", "host")
+CHANGES: Final = (
+    *("status", "--porcelain", "--untracked-files=no", "--", ":(top)"),
+    *(f":(top,exclude){folder}/results" for folder in ("experiments", "benchmarks")),
+)
+"""Asks Git for changed files, without results."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,13 +70,15 @@ def keep(folder: StudyFolder, out: Path) -> Path:
     return write_rows(small, record.name, made, out)
 
 
-def commit() -> str:
-    """Return the commit of this repository, with a `+` if tracked files have changes; `?` outside a repository."""
-    here = Path(__file__).parent
+def commit(here: Path = Path(__file__).parent) -> str:
+    """Return the commit of the repository around a folder, with a `+` if what makes numbers has changes; `?` outside a repository.
+
+    Changed results are none: several programs may write theirs, one after the other.
+    """
     try:
         head, changes = (
             subprocess.run(["git", *words], cwd=here, check=True, capture_output=True, text=True).stdout.strip()
-            for words in (("rev-parse", "--short=7", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
+            for words in (("rev-parse", "--short=7", "HEAD"), CHANGES)
         )
     except (OSError, subprocess.CalledProcessError):
         return "?"

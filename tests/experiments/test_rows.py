@@ -1,5 +1,7 @@
 """Rows of studies say how they were made; only complete studies are kept."""
 
+import re
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +80,24 @@ def test_a_complete_study_is_kept_without_policies_and_hosts(tmp_path: Path) -> 
         "legpush study run walks.toml",
     )
     assert found.made.commit.strip("+") == keep.commit().strip("+")
+
+
+def test_a_commit_with_changes_is_marked_unless_results_alone_changed(tmp_path: Path) -> None:
+    names = ("code.py", "experiments/results/a.json", "benchmarks/results/b.json")
+    for name in names:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("1")
+    who = ("-c", "user.name=A", "-c", "user.email=a@example.org")
+    for words in (("init", "-q"), ("add", "-A"), (*who, "commit", "-q", "-m", "first")):
+        subprocess.run(["git", *words], cwd=tmp_path, check=True)
+    clean = keep.commit(tmp_path)
+    assert re.fullmatch("[0-9a-f]{7}", clean)
+
+    for name in names[1:]:
+        (tmp_path / name).write_text("2")
+    assert keep.commit(tmp_path) == clean
+    (tmp_path / "code.py").write_text("2")
+    assert keep.commit(tmp_path) == f"{clean}+"
 
 
 def test_an_incomplete_study_is_not_kept(tmp_path: Path) -> None:
