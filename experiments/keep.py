@@ -71,9 +71,9 @@ def keep(folder: StudyFolder, out: Path) -> Path:
 
 
 def commit(here: Path = Path(__file__).parent) -> str:
-    """Return the commit of the repository around a folder, with a `+` if what makes numbers has changes; `?` outside a repository.
+    """Return the commit of the repository around a folder, with a `+` if files but results have changes.
 
-    Changed results are none: several programs may write theirs, one after the other.
+    It is `?` outside a repository. Several programs may write results, one after the other.
     """
     try:
         head, changes = (
