@@ -14,6 +14,8 @@ from legpush.messages.stepping import Push
 LEAST_M: Final = 0.005
 MOST_M: Final = 0.10
 """Depths of pushes: those of the task `tuned`."""
+FIRST_M: Final = 0.05
+"""The first push at a face is no deeper: a box may be heavy, and what it resists with is felt by pushing it."""
 LEAST_RANGE_M: Final = 0.01
 """A box that loses nearly the whole depth is pushed with depths that differ by this much at least."""
 N_CHOICES: Final = 24
@@ -47,6 +49,8 @@ class DynamicProgramming:
         problem = self._problem(view, response, lost_m)
         table = _table(problem)
         mirror, depth_m = problem.pushes(N_CHOICES)
+        if view.felt.response is not None and view.felt.n_pushes == 0:
+            mirror, depth_m = mirror[depth_m <= FIRST_M], depth_m[depth_m <= FIRST_M]
         box = view.box_g
         costs = table.costs((box.x_m, box.y_m, box.yaw_rad), response, mirror, depth_m)
         index = int(costs.argmin())

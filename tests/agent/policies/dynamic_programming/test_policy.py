@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.frames.push_view import push_view
-from agent_proc.policies.dynamic_programming.policy import DynamicProgramming
+from agent_proc.policies.dynamic_programming.policy import FIRST_M, DynamicProgramming
 from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.estimate import FeltBox, PushEstimate
 from agent_proc.push_model.response import Response
@@ -92,6 +92,16 @@ def test_a_box_that_loses_depth_is_pushed_deeper_but_never_too_deep() -> None:
     assert heaviest is not None
     assert heavy.depth_m > plain.depth_m
     assert heaviest.depth_m <= 0.1
+
+
+def test_the_first_push_of_a_box_is_no_deep_one() -> None:
+    view = push_view(make_state(FAR_AWAY, GOAL @ Pose2(x_m=-0.9, y_m=0.0, yaw_rad=0.0)), SCENARIO)
+    first, second = (
+        POLICY.decide(push_view(view.world, SCENARIO, FeltBox(response=response_with(), n_pushes=n))) for n in (0, 1)
+    )
+    assert first is not None
+    assert second is not None
+    assert first.depth_m <= FIRST_M < second.depth_m
 
 
 def test_it_stops_at_the_goal_and_past_it() -> None:
