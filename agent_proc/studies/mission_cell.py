@@ -57,7 +57,9 @@ FROM_REPORT: Final = (
     Column(name="trunk_max_abs_roll_deg", unit="deg", about="largest roll of the trunk"),
     Column(name="min_support_margin_m", unit="m", about="least distance of the CoM from the border of its support"),
     Column(name="n_better_paths", unit="", about="how often the robot took a better path"),
-    Column(name="n_replans", unit="", about="how often an obstacle appeared in the way"),
+    Column(
+        name="n_replans", unit="", about="how often an obstacle appeared in the way, or the robot was thrown off it"
+    ),
     Column(name="n_push_cycles", unit="", about="number of pushes"),
     Column(name="n_footsteps", unit="", about="number of footsteps"),
     Column(name="sim_time_s", unit="s", about="simulated time"),

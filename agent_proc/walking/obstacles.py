@@ -12,7 +12,14 @@ from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Appearance, WorldState
 from legpush.scene.conventions import CONTROL_PERIOD_S
-from legpush.scene.footprints import distance_m, distance_to_point_m, obstacle_footprint, robot_footprint
+from legpush.scene.footprints import (
+    box_footprint,
+    distance_m,
+    distance_to_border_m,
+    distance_to_point_m,
+    obstacle_footprint,
+    robot_footprint,
+)
 from legpush.scene.occupancy import clearance_m, room_by_now
 from legpush.scene.paths import poses_along
 from legpush.scene.scenario import Rectangle, Scenario
@@ -51,3 +58,13 @@ def is_in_walk(obstacle: Rectangle, scenario: Scenario, waypoints: Sequence[Pose
     return any(distance_to_point_m(place, pose.xy()) < clearance_m(scenario) for pose in ahead) or any(
         distance_m(place, robot_footprint(robot, pose)) < margin_m for pose in ahead
     )
+
+
+def has_clearance(scenario: Scenario, trunk: Pose2, box: Pose2) -> bool:
+    """Whether the robot at a place keeps the planner's clearances, so that another path may begin there."""
+    least_m = clearance_m(scenario) + scenario.room.resolution_m
+    if distance_to_border_m(trunk.xy()[None], scenario.room) < least_m:
+        return False
+    if distance_to_point_m(box_footprint(scenario.box, box), trunk.xy()) < least_m:
+        return False
+    return not any(is_in_walk(obstacle, scenario, (trunk,)) for obstacle in scenario.room.obstacles)

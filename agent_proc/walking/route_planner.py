@@ -26,7 +26,7 @@ class RoutePlanner:
         self.n_better_paths = 0
         """How often a better path was taken."""
         self.n_replans = 0
-        """How often a path was given up because an obstacle appeared in it."""
+        """How often a path was given up because an obstacle appeared in it, or the robot was thrown off it."""
         self._better: BetterPaths | None = None
         """Of the last plan that was asked for."""
 
@@ -81,6 +81,11 @@ class RoutePlanner:
         self.n_replans += 1
         appeared = in_words(self._actor.state.appeared[n_known:])
         self._actor.tell("giving up a path", None, f"of {what}; appeared: {appeared}")
+
+    def start_over(self, off_m: float) -> None:
+        """Count and tell that a path of the robot is given up, as it was thrown off it."""
+        self.n_replans += 1
+        self._actor.tell("giving up a path", None, f"of the robot, which was thrown {off_m:.2f} m off it")
 
     def no_path(self, what: str, query: PlanQuery, plan: Plan) -> MissionEndedError:
         """The error to raise if a plan is not exact and the mission cannot go on without it."""

@@ -1,11 +1,16 @@
 """Walks along a path, behind a face of the box, and back from it."""
 
 from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
+from math import inf
 from typing import Final
+
+import numpy as np
 
 from agent_proc.endings import MissionEndedError
 from agent_proc.walking.actor import Actor
-from agent_proc.walking.obstacles import is_in_walk
+from agent_proc.walking.obstacles import has_clearance, is_in_walk
 from agent_proc.walking.route_planner import RoutePlanner
 from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2, distance_m
@@ -14,13 +19,21 @@ from legpush.messages.stepping import Follow, PathProgress, Walk
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_box
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.names import Face
-from legpush.scene.paths import path_length_m
+from legpush.scene.paths import distances_m, path_length_m
 from legpush.scene.station import can_turn, last_stretch, station, way_back
 
 STILL_CYCLES: Final = 5
 """The robot is stuck if this many cycles in a row change too little."""
 LEAST_WALK_M: Final = 0.02
 """It is too little if the trunk, or its place on the path, moves less than this in all of them together."""
+THROWN_CYCLES: Final = 30
+"""As many must change too little where the robot moves to and fro, as gusts throw it back."""
+TO_AND_FRO_M: Final = 0.1
+"""It does if a cycle moved it by more than this."""
+THROWN_M: Final = 0.25
+"""A robot that is farther from its planned path was thrown off it, as by a gust. Walks stay within a third of this."""
+MOST_THROWN: Final = 50
+"""How often a mission plans again for that."""
 
 
 class Walker:
@@ -29,15 +42,27 @@ class Walker:
     def __init__(self, actor: Actor, planner: RoutePlanner) -> None:
         self._actor = actor
         self._planner = planner
+        self._n_thrown = 0
+        self._is_thrown = False
+        """Whether the last walk ended as the robot was thrown off its path."""
 
     def walk_plan(self, phase: str, plan: Plan, *, last_stretch: tuple[Pose2, ...] = (), until_m: float = 0.0) -> bool:
-        """Walk along the last plan that was asked for and on along `last_stretch`, as `walk` does."""
-        done = self.walk(phase, plan.waypoints + last_stretch, until_m, last_stretch)
+        """Walk along the last plan that was asked for and on along `last_stretch`, as `walk` does.
+
+        Returns False also if the robot was thrown off the path.
+        """
+        done = self.walk(phase, plan.waypoints + last_stretch, until_m, last_stretch, is_planned=True)
         self._planner.cancel()
         return done
 
     def walk(
-        self, phase: str, waypoints: tuple[Pose2, ...], until_m: float = 0.0, last_stretch: tuple[Pose2, ...] = ()
+        self,
+        phase: str,
+        waypoints: tuple[Pose2, ...],
+        until_m: float = 0.0,
+        last_stretch: tuple[Pose2, ...] = (),
+        *,
+        is_planned: bool = False,
     ) -> bool:
         """Walk to the end of a path, or until the box is nearer than `until_m`.
 
@@ -49,8 +74,9 @@ class Walker:
             BadAnswerError: The world reports no progress on the path.
         """
         self._actor.step(Follow(waypoints=waypoints))
+        self._is_thrown = False
         n_known = self._actor.n_appeared()
-        past: deque[tuple[Pose2, float]] = deque(maxlen=STILL_CYCLES + 1)
+        past: deque[tuple[Pose2, float]] = deque(maxlen=THROWN_CYCLES + 1)
         while True:
             path = self._progress()
             share = min(path.travelled_m / path.length_m, 1.0) if path.length_m > 0.0 else 1.0
@@ -64,19 +90,42 @@ class Walker:
             if new:
                 self._planner.forget_better_paths()
             n_known = self._actor.n_appeared()
+            if is_planned and self._is_thrown_off(waypoints):
+                return False
             if better := self._planner.better_path(waypoints, path.travelled_m, last_stretch):
                 waypoints = better
                 self._actor.step(Follow(waypoints=waypoints))
                 past.clear()
                 continue
             past.append((self._actor.trunk(), path.travelled_m))
-            if _is_stuck(past, self._actor.scenario.robot.stance.foot_circle_m):
+            if is_stuck(past, self._actor.scenario.robot.stance.foot_circle_m):
                 raise MissionEndedError(
                     "stuck",
-                    f"no progress in {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it",
+                    f"no progress in at least {STILL_CYCLES} gait cycles, {share:.0%} of the path behind it",
                     "raise `planning.margin_m`, so that paths keep away from what holds the robot",
                 )
             self._actor.step(Walk())
+
+    def _is_thrown_off(self, waypoints: tuple[Pose2, ...]) -> bool:
+        """Whether the robot is so far from its path that another one is better; too near to something, there is none.
+
+        Raises:
+            MissionEndedError: That was so too often.
+        """
+        actor, trunk = self._actor, self._actor.trunk()
+        off_m = float(distances_m(trunk.xy()[None], np.array([pose.xy() for pose in waypoints]))[0])
+        self._is_thrown = off_m > THROWN_M and has_clearance(actor.scenario, trunk, actor.box())
+        if not self._is_thrown:
+            return False
+        self._n_thrown += 1
+        if self._n_thrown > MOST_THROWN:
+            raise MissionEndedError(
+                "stuck",
+                f"the robot was thrown off its path more than {MOST_THROWN} times",
+                "lower the force of `realism.gusts`, or raise the time between them",
+            )
+        self._planner.start_over(off_m)
+        return True
 
     def query_behind_nominal(self, face: Face) -> PlanQuery:
         """Query for the way from here to behind a face of the box at its nominal pose, wherever the box really is."""
@@ -90,7 +139,8 @@ class Walker:
     def walk_behind(self, face: Face, plan: Plan) -> bool:
         """Walk along the planned path to the stand-off behind a face, and on to the station.
 
-        Returns False if an obstacle has appeared in the way; the robot then has space to turn.
+        Returns False if an obstacle has appeared in the way, where the robot then has space to turn, or if it was
+        thrown off the way.
 
         Raises:
             MissionEndedError: The walk ended, but not at the station.
@@ -98,7 +148,8 @@ class Walker:
         scenario, box = self._actor.scenario, self._actor.box()
         stretch = last_stretch(scenario, pushed_box(scenario.box, face), pushed_pose(box, face))
         if not self.walk_plan("approaching", plan, last_stretch=stretch):
-            if not can_turn(self._actor.scenario, self._actor.trunk(), self._actor.box()):
+            is_free = can_turn(self._actor.scenario, self._actor.trunk(), self._actor.box())
+            if not (self._is_thrown or is_free):
                 self._walk_back()
             return False
         if not self._actor.at_station(face):
@@ -162,8 +213,14 @@ class Walker:
         return state.path
 
 
-def _is_stuck(past: deque[tuple[Pose2, float]], foot_circle_m: float) -> bool:
-    """Whether the robot is where it was `STILL_CYCLES` gait cycles ago, by its trunk or by its place on the path."""
-    (then, then_m), (now, now_m) = past[0], past[-1]
-    moved_m = min(path_length_m((then, now), foot_circle_m), now_m - then_m)
-    return len(past) > STILL_CYCLES and moved_m < LEAST_WALK_M
+def is_stuck(past: Sequence[tuple[Pose2, float]], foot_circle_m: float) -> bool:
+    """Whether the robot is where it was some gait cycles ago, by its trunk or by its place on the path."""
+    for n_cycles, most_m in ((STILL_CYCLES, TO_AND_FRO_M), (THROWN_CYCLES, inf)):
+        if len(past) <= n_cycles:
+            return False
+        (then, then_m), (now, now_m) = past[-1 - n_cycles], past[-1]
+        moved_m = min(path_length_m((then, now), foot_circle_m), now_m - then_m)
+        steps_m = [distance_m(a, b) for (a, _), (b, _) in pairwise(list(past)[-1 - n_cycles :])]
+        if moved_m < LEAST_WALK_M and max(steps_m) <= most_m:
+            return True
+    return False

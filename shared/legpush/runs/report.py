@@ -109,7 +109,7 @@ class Report(Struct, frozen=True, kw_only=True):
     n_better_paths: int
     """How often the robot took a better path while it walked."""
     n_replans: int
-    """How often an obstacle appeared in the way of robot or box."""
+    """How often an obstacle appeared in the way of robot or box, or the robot was thrown off its way."""
     appeared: tuple[Appeared, ...]
     n_push_cycles: int
     n_footsteps: int

@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.walking.walker import STILL_CYCLES
+from agent_proc.walking.walker import MOST_THROWN, STILL_CYCLES, THROWN_CYCLES, is_stuck
 from legpush.errors import PeerError
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, PlanQuery
@@ -84,10 +84,79 @@ def test_a_robot_that_does_not_get_on_is_stuck(stride_m: float, n_cycles: int) -
     if n_cycles > STILL_CYCLES:
         assert parts.walker.walk("strolling", AHEAD)
     else:
-        with pytest.raises(MissionEndedError, match="no progress in 5 gait cycles, 0% of the path behind it") as ended:
+        with pytest.raises(
+            MissionEndedError, match="no progress in at least 5 gait cycles, 0% of the path behind it"
+        ) as ended:
             parts.walker.walk("strolling", AHEAD)
         assert ended.value.reason == "stuck"
     assert len(parts.world.motions(Walk)) == n_cycles
+
+
+class Thrown(KinematicSimulator):
+    """Gusts throw the robot to its left in some gait cycles."""
+
+    left_m: dict[int, float]
+    """By the number of the gait cycle, from 0."""
+
+    def _move(self, motion: Motion) -> int:
+        n_ticks = super()._move(motion)
+        if isinstance(motion, Walk):
+            by_m = self.left_m.get(self.n_done[Walk], 0.0)
+            self._trunk = self._trunk @ Pose2(x_m=0.0, y_m=by_m, yaw_rad=0.0)
+        return n_ticks
+
+
+def thrown(scenario: Scenario | None = None, **left_m: float) -> Parts:
+    simulator = Thrown()
+    simulator.left_m = {int(name[1:]): by_m for name, by_m in left_m.items()}
+    return parts_in(FakeWorld(simulator=simulator), scenario or make_scenario())
+
+
+def test_a_robot_that_is_thrown_off_its_path_asks_for_another_one() -> None:
+    parts = thrown(n1=0.4)
+    plan = parts.planner.ask(parts.walker.query_behind_nominal("rear"), "the way")
+
+    assert not parts.walker.walk_plan("strolling", plan)
+
+    assert len(parts.world.motions(Walk)) == 2
+    assert parts.planner.n_replans == 1
+    assert parts.world.told[-1] == ("giving up a path", None, "of the robot, which was thrown 0.40 m off it")
+
+
+def test_a_robot_that_is_thrown_a_little_or_too_near_to_something_stays_on_its_path() -> None:
+    little = thrown(n1=0.2)
+    plan = little.planner.ask(little.walker.query_behind_nominal("rear"), "the way")
+    wall = Rectangle(x_min_m=0.0, x_max_m=12.0, y_min_m=3.6, y_max_m=4.0)
+    near = thrown(with_obstacles(wall), n1=0.4)
+
+    assert little.walker.walk_plan("strolling", plan, until_m=2.0)
+    assert near.walker.walk_plan("strolling", plan, until_m=2.0)
+    assert (little.planner.n_replans, near.planner.n_replans) == (0, 0)
+
+
+def test_a_robot_that_is_thrown_again_and_again_gives_up_in_the_end() -> None:
+    parts = thrown(**{f"n{k}": 0.4 * (-1) ** k for k in range(200)})
+
+    def go_on() -> None:
+        for _ in range(MOST_THROWN + 1):
+            here = parts.actor.trunk()
+            ahead = Plan(status="exact", reason="", waypoints=(here, here @ Pose2(x_m=0.5, y_m=0.0, yaw_rad=0.0)))
+            parts.walker.walk_plan("strolling", ahead)
+            parts.world.simulator._trunk = here
+
+    with pytest.raises(MissionEndedError, match="thrown off its path more than 50 times"):
+        go_on()
+    assert parts.planner.n_replans == MOST_THROWN
+
+
+def test_a_robot_that_moves_to_and_fro_gets_more_time() -> None:
+    still = [(Pose2(x_m=0.001 * k, y_m=0.0, yaw_rad=0.0), 0.001 * k) for k in range(STILL_CYCLES + 1)]
+    to_and_fro = [(Pose2(x_m=0.2 * (k % 2), y_m=0.0, yaw_rad=0.0), 0.2 * (k % 2)) for k in range(THROWN_CYCLES + 1)]
+
+    assert is_stuck(still, 0.8)
+    assert not is_stuck(still[:-1], 0.8)
+    assert not is_stuck(to_and_fro[:-1], 0.8)
+    assert is_stuck(to_and_fro, 0.8)
 
 
 def test_a_world_without_progress_after_a_follow_is_an_error() -> None:
