@@ -1,6 +1,7 @@
 """The kind of cell `mission`: a whole mission in one process, in a scenario or in a random room."""
 
 from collections.abc import Collection, Mapping
+from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -75,6 +76,9 @@ BLIND: Final[tuple[Rival, ...]] = ("zero", "random", "alternate")
 """Rivals that a mission can ask: they decide by what they see alone."""
 LEVEL: Final = "push-l4"
 """Task whose actions and stop rule they have."""
+N_ROOMS: Final = 256
+"""Drawn rooms that a worker keeps: cells with other policies or profiles have the same, and drawing may take a minute.
+"""
 
 
 class MissionCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -182,15 +186,20 @@ def _policy(cell: ResolvedMission) -> Policy:
 
 def drawn(cell: ResolvedMission) -> tuple[Scenario, int]:
     """Draw the room of a cell, and return how many rooms were rejected before because no way was found."""
+    room, n_unsolvable = _room(cell.random_room or RandomRoom(), cell.seed)
+    return override(room, cell.changes), n_unsolvable
+
+
+@lru_cache(maxsize=N_ROOMS)
+def _room(options: RandomRoom, seed: int) -> tuple[Scenario, int]:
     answers: list[bool] = []
-    solvable = solvable_by(first_plan, cell.seed)
+    solvable = solvable_by(first_plan, seed)
 
     def ask(scenario: Scenario) -> bool:
         answers.append(solvable(scenario))
         return answers[-1]
 
-    room = random_scenario(cell.random_room or RandomRoom(), cell.seed, ask)
-    return override(room, cell.changes), answers.count(False)
+    return random_scenario(options, seed, ask), answers.count(False)
 
 
 def first_plan(query: PlanQuery) -> Plan:

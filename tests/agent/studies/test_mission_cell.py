@@ -1,16 +1,19 @@
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
 
 from agent_proc.pushing.solvable import solvable_by
+from agent_proc.studies import mission_cell
 from agent_proc.studies.mission_cell import MISSION, MissionCell, drawn, first_plan, resolve
 from agent_proc.task.file import load_task
 from legpush import in_process
 from legpush.errors import ConfigError, PolicyError
 from legpush.scenarios.random_room import RandomRoom
 from legpush.scenarios.random_scenario import random_scenario
+from legpush.scene.scenario import Scenario
 from legpush.study.cells import columns_of
 
 SMALL = RandomRoom(size_m=(6.0, 6.0), obstacles=2, mass_kg=0.5)
@@ -41,6 +44,25 @@ def test_a_random_room_is_drawn_from_the_seed_as_the_command_draws_it_and_change
     assert (scenario.box.mass_kg, scenario.mission.handover_distance_m) == (0.5, 2.0)
     assert n_unsolvable >= 0
     assert resolved.scenario is None
+
+
+def test_cells_with_the_same_room_draw_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def counting(*of_room: Any) -> Scenario:
+        asked.append(of_room[1])
+        return random_scenario(*of_room)
+
+    monkeypatch.setattr(mission_cell, "random_scenario", counting)
+    rooms = [
+        drawn(resolve(MissionCell(seed=seed, random_room=SMALL, changes={"realism.profile": profile}), ()))[0]
+        for profile in ("ideal", "real")
+        for seed in (70_001, 70_002)
+    ]
+
+    assert asked == [70_001, 70_002]
+    assert rooms[0].room == rooms[2].room != rooms[1].room == rooms[3].room
+    assert [room.realism.profile for room in rooms] == ["ideal", "ideal", "real", "real"]
 
 
 def test_a_resolved_cell_comes_back_from_plain_values() -> None:
