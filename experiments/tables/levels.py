@@ -81,7 +81,7 @@ def pictures() -> dict[str, Figure]:
         rows = _read(level, {})
         goal = load_task(task).scenario.goal
         _draw(axis, {each.label: _entry(rows, each, goal) for each in _contestants(rows)})
-        axis.set_title(f"{level.upper()}: `{task}`, {_n_starts(rows)} starts")
+        axis.set_title(f"{level.upper()}, {task}: {_n_starts(rows)} starts")
     for axis in figure.axes[2:]:
         axis.set_xlabel("loss: the larger error, in tolerances of 3 cm and 3°")
     drawn = {line.get_label(): line for axis in figure.axes for line in axis.lines}
