@@ -1,5 +1,6 @@
 """The levels of the benchmark: every rival and every learned policy from the same starts of each level."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from math import isfinite, nan
@@ -145,7 +146,10 @@ def numbers_of(rows: Sequence[Row], goal: Goal) -> dict[str, Any]:
     return {
         "n": _n_starts(rows),
         "best_rival": best.label,
-        "policies": {label: _of_entry(entry) for label, entry in entries.items()},
+        "policies": {
+            label: {**_of_entry(entry), "endings": _endings(rows, contestants[label])}
+            for label, entry in entries.items()
+        },
         "minus_best_rival": {
             label: _of_versus(_versus(rows, each, best, goal))
             for label, each in contestants.items()
@@ -197,10 +201,15 @@ def _of_entry(entry: Entry) -> dict[str, Any]:
     return {
         "n_trainings": entry.n_trainings,
         "n_starts": entry.n_starts,
-        "falls": entry.falls,
         **{name: plain(mean, N_DIGITS) for name, mean in means.items() if isfinite(mean.value)},
         "loss_iqm": plain(entry.loss_iqm, N_DIGITS),
     }
+
+
+def _endings(rows: Sequence[Row], contestant: Contestant) -> dict[str, int]:
+    """How many episodes ended in which way, the most frequent one first."""
+    counts = Counter(row["ending"] for row in rows if row["policy"] in contestant.policies)
+    return dict(counts.most_common())
 
 
 def _of_versus(versus: Versus) -> dict[str, Any]:

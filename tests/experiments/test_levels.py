@@ -73,7 +73,8 @@ def test_only_an_episode_that_the_policy_ended_within_the_tolerances_is_a_succes
         levels.ORACLE: 1.0,
     }
     assert all(each["success"]["kind"] == "Wilson 95 %" for each in found.values())
-    assert (found["zero"]["falls"], found["zero"]["n_cycles"]["value"]) == (1, 11.5)
+    assert found["zero"]["endings"] == {"max_cycles": 2, "fell": 1, "done": 1}
+    assert found["zero"]["n_cycles"]["value"] == 11.5
     assert found["script"]["loss"]["value"] == pytest.approx((2 * 1 / 3 + 2 / 3 + 10.0) / 4, abs=1e-6)
 
 
