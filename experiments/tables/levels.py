@@ -174,7 +174,7 @@ def _n_starts(rows: Sequence[Row]) -> int:
 
 
 def _entry(rows: Sequence[Row], contestant: Contestant, goal: Goal) -> Entry:
-    """Numbers on the starts that it has: an oracle may have fewer."""
+    """Numbers of a contestant on its own starts; those of an oracle are the first ones of the others."""
     own = [row for row in rows if row["policy"] in contestant.policies]
     return make_outcome(own, [contestant], contestant.label, (), [], goal).entries[0]
 
