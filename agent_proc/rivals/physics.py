@@ -18,6 +18,7 @@ from agent_proc.rivals.lookahead import LookAhead, depths_m, predicted_costs
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
 from agent_proc.walking.around_box import can_push
+from legpush.errors import MotionError
 from legpush.lockstep.local import LocalWorld
 from legpush.messages.poses import as_seen
 from legpush.messages.stepping import Push
@@ -67,14 +68,17 @@ class PhysicsLookAhead:
         return min(found, key=lambda each: each.cost).pushes[0] if found else None
 
     def _went_on(self, sequence: _Sequence, seen: PushView) -> list[_Sequence]:
-        """The sequences with one push more, but for those after which the robot has fallen."""
+        """The sequences with one push more, but for those that are refused or after which the robot has fallen."""
         if sequence.pushes and has_arrived(self._task, sequence.view):
             return []
         found = []
         for leg, depth_m in product(FRONT_LEGS, depths_m(self._task, sequence.view)):
             world = self._fork(sequence.world)
             push = Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m, face=seen.face)
-            after = world.step(push).world
+            try:
+                after = world.step(push).world
+            except MotionError:
+                continue
             if after.fallen or not can_push(as_seen(after), seen.scenario, seen.face):
                 continue
             view = push_view(after, seen.scenario, seen.felt, seen.face)

@@ -14,6 +14,8 @@ from legpush.policy_names import source_sha256
 from legpush.versions import installed_versions
 
 PACKAGES: Final = ("legpush", "planner_proc", "sim_proc", "agent_proc")
+COMPILED: Final = "__pycache__"
+"""Folder of what Python and Numba compile, also of the files that they are still writing."""
 N_DIGITS: Final = 16
 """Hexadecimal digits of a code version and of a hash of versions."""
 N_CELL_DIGITS: Final = 32
@@ -54,10 +56,11 @@ def cell_identity(kind: str, specification: Mapping[str, Any], code: str) -> str
 
 
 def _files(package: str) -> Iterator[tuple[str, bytes]]:
-    """Yield path and content of each file of a package; nothing if it is not installed."""
+    """Yield path and content of each file of a package, but for what is compiled; nothing if it is not installed."""
     spec = find_spec(package)
     for place in () if spec is None else spec.submodule_search_locations or ():
         folder = Path(place)
         for path in sorted(folder.rglob("*")):
-            if path.is_file() and path.suffix != ".pyc":
-                yield f"{package}/{path.relative_to(folder).as_posix()}", path.read_bytes()
+            place_in_package = path.relative_to(folder)
+            if path.is_file() and path.suffix != ".pyc" and COMPILED not in place_in_package.parts:
+                yield f"{package}/{place_in_package.as_posix()}", path.read_bytes()

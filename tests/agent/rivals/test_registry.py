@@ -1,5 +1,6 @@
 """Every rival pushes as its task allows, sees a mirror image as one, and stops where an episode of the task ends."""
 
+from copy import deepcopy
 from math import degrees
 
 import numpy as np
@@ -14,10 +15,10 @@ from agent_proc.studies.cell_parts import new_simulator
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.file import load_task
-from legpush.errors import ConfigError
+from legpush.errors import ConfigError, MotionError
 from legpush.geometry import Pose2
 from legpush.lockstep.local import LocalWorld
-from legpush.messages.stepping import Push, Reset
+from legpush.messages.stepping import Motion, Outcome, Push, Reset
 from legpush.scene.scenario import PoseDeg, Scenario
 from tests.agent.fake_world import make_state
 
@@ -143,6 +144,30 @@ def test_the_oracle_looks_ahead_in_copies_and_leaves_the_world_as_it_is() -> Non
 
     assert push is not None
     assert world.step(push) == apart.step(push)
+
+
+class _RefusesFL(LocalWorld):
+    """A world in which the legs can follow no push with FL."""
+
+    def step(self, motion: Motion, *, with_trace: bool = False) -> Outcome:
+        if isinstance(motion, Push) and motion.leg == "FL":
+            raise MotionError("Expected a push that the legs can follow")
+        return super().step(motion, with_trace=with_trace)
+
+    def fork(self) -> "_RefusesFL":
+        return _RefusesFL(deepcopy(self._simulator))
+
+
+def test_the_oracle_leaves_out_pushes_that_are_refused() -> None:
+    task = load_task("tuned")
+    world = _RefusesFL(new_simulator("map"))
+    chosen = []
+    for seed in range(3):
+        outcome = world.step(Reset(scenario=task.scenario, seed=seed))
+        rival = make_rival("look_ahead_by_physics", task, fork=lambda of: (of or world).fork())
+        chosen.append(rival.decide(push_view(outcome.world, task.scenario)))
+
+    assert [push.leg for push in chosen if push is not None] == ["FR"] * 3
 
 
 def test_the_oracle_needs_a_world_that_can_be_copied() -> None:

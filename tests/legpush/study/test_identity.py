@@ -25,12 +25,14 @@ def test_the_code_version_follows_every_file(tmp_path: Path, monkeypatch: pytest
     package.mkdir()
     (package / "__init__.py").write_text("")
     (package / "data.toml").write_text("a = 1")
+    (package / "__pycache__" / "kernels").mkdir(parents=True)
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(identity, "PACKAGES", ("some_package", "not_installed"))
     versions: list[str] = []
     for text in ("a = 1", "a = 2", "a = 1"):
         (package / "data.toml").write_text(text)
-        (package / "module.pyc").write_text(str(len(versions)))
+        for compiled in ("module.pyc", "__pycache__/module.pyc.140", "__pycache__/kernels/kernel.nbc"):
+            (package / compiled).write_text(str(len(versions)))
         versions.append(code_version.__wrapped__("push"))
     assert versions[0] == versions[2] != versions[1]
 
