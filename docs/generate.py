@@ -1,12 +1,12 @@
 """`python docs/generate.py`: writes the generated parts of the documentation.
 
 These are the field tables of `protocol.md` and the JSON Schemas in `schemas/`, from the message types; the tables of
-`architecture.md`, from docstrings and import contracts; those of `measured.md` and of the README, from the results of
-studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`; the reasons
-of endings in `run.md`; all commands in `commands.md` and all public names in `api.md`; the tasks and their terms in
-`learn.md`; the environments in `environment.md`; and the claims of the paper in `paper.md`. Everything between the
-lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand. `llms.txt` lists
-all pages for programs that read them. A test fails when a generated part is stale.
+`architecture.md`, from docstrings and import contracts; those of `measured.md`, `scaling.md` and the README, from
+results of studies and benchmarks and the templates in `templates/`; the list of studies in `experiments/README.md`;
+the reasons of endings in `run.md`; all commands in `commands.md` and all public names in `api.md`; the tasks and their
+terms in `learn.md`; the environments in `environment.md`; and the claims of the paper in `paper.md`. Everything
+between the lines `<!-- generated: NAME -->` and `<!-- end -->` of a page is replaced; the rest is written by hand.
+`llms.txt` lists all pages for programs that read them. A test fails when a generated part is stale.
 """
 
 import json
@@ -51,6 +51,7 @@ API: Final = DOCS / "api.md"
 LEARN: Final = DOCS / "learn.md"
 ENVIRONMENT: Final = DOCS / "environment.md"
 REALISM: Final = DOCS / "realism.md"
+SCALING: Final = DOCS / "scaling.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
 SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
@@ -152,6 +153,7 @@ def main() -> None:
         (PAPER, measured | claims.parts()),
         (README, measured),
         (REALISM, measured),
+        (SCALING, measured),
         (EXPERIMENTS, experiments_parts()),
         (RUN, run_parts()),
         (COMMANDS, {"commands": command_table.command_tables()}),

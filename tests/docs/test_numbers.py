@@ -29,7 +29,7 @@ def shown(folder: Path, template: str) -> str:
     return numbers.filled_template("page").partition("\n")[0]
 
 
-@pytest.mark.parametrize("page", [generate.MEASURED, generate.README], ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [generate.MEASURED, generate.README, generate.SCALING], ids=lambda page: page.stem)
 def test_the_numbers_of_a_page_are_up_to_date(page: Path) -> None:
     text = page.read_text()
 
@@ -49,7 +49,7 @@ def test_the_reasons_of_endings_are_those_of_the_table() -> None:
 
 
 def test_every_template_is_a_part_of_a_page() -> None:
-    written = (generate.MEASURED, generate.README, generate.PAPER, generate.REALISM)
+    written = (generate.MEASURED, generate.README, generate.PAPER, generate.REALISM, generate.SCALING)
     pages = "".join(page.read_text() for page in written)
 
     assert sorted(re.findall(r"<!-- generated: (\w+) -->", pages)) == sorted([*generate.TEMPLATES, "claims"])

@@ -41,6 +41,23 @@ def test_the_environment_gives_defaults_and_flags_overrule_it() -> None:
     assert (config.run, config.listen, config.connect) == ("r2", ("tcp/c:4", "tcp/d:5"), ())
 
 
+def test_a_router_in_the_environment_makes_a_process_its_client_and_flags_overrule_it() -> None:
+    env = {"LEGPUSH_ROUTER": "tcp/a:1, tcp/b:2"}
+    at = parse("sim", ServiceConfig, [], env).endpoints("sim")
+    assert (at.mode, at.listen, at.connect) == ("client", (), ("tcp/a:1", "tcp/b:2"))
+    assert parse("sim", ServiceConfig, ["--router", "tcp/c:3"], env).endpoints("sim").connect == ("tcp/c:3",)
+    at = parse("sim", ServiceConfig, ["--router"], env).endpoints("sim")
+    assert (at.mode, at.listen) == ("peer", (f"unixsock-stream/{own_directory()}/sim.sock",))
+
+
+def test_a_router_in_the_environment_goes_with_no_other_endpoint() -> None:
+    env = {"LEGPUSH_ROUTER": "tcp/a:1"}
+    with pytest.raises(EndpointError, match=r"Expected either --router or .*, got --router tcp/a:1 and tcp/b:2"):
+        parse("sim", ServiceConfig, ["--connect", "tcp/b:2"], env).endpoints("sim")
+    with pytest.raises(EndpointError, match="Expected either --router or"):
+        parse("sim", ServiceConfig, [], {**env, "LEGPUSH_LISTEN": "tcp/c:3"}).endpoints("sim")
+
+
 def test_an_empty_variable_means_no_endpoint() -> None:
     assert parse("agent", ServiceConfig, [], {"LEGPUSH_CONNECT": ""}).connect == ()
 

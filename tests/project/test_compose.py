@@ -1,64 +1,33 @@
-"""`compose.yaml` follows the compose specification, and its services, run as local processes, do a mission."""
+"""`compose.yaml` follows the compose specification, and gives each service no more than it needs."""
 
-import json
-import re
-import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
-from tests.ports import free_ports
+from legpush.authority.carry_out import begin
+from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES
+from legpush.cli.commands import COMMANDS
+from tests.project.composed import SECRETS, Service, endpoints, read_compose
 
-VARIABLES = {"SCENARIO": "push", "SEED": "3"}
-"""What a user sets: the shortest mission."""
-MISSION_LIMIT_S = 240.0
-STOP_LIMIT_S = 30.0
-
-Service = dict[str, Any]
+ROLES = {"train": "agent", "train-sim": "sim"}
+"""Certificates of services that are called otherwise."""
+WITHOUT_BUS = {"study", "certificates"}
 
 
 @pytest.fixture(scope="module")
-def services(root: Path) -> dict[str, Service]:
-    """The services, with variables replaced as compose does."""
-    text = re.sub(
-        r"\$\{(\w+):-([^}]*)\}",
-        lambda match: VARIABLES.get(match[1], match[2]),
-        (root / "compose.yaml").read_text(),
-    )
-    assert "${" not in text
-    found: dict[str, Service] = yaml.safe_load(text)["services"]
+def compose(root: Path) -> dict[str, Any]:
+    """The whole file."""
+    return read_compose(root)
+
+
+@pytest.fixture(scope="module")
+def services(compose: dict[str, Any]) -> dict[str, Service]:
+    """The services by their names."""
+    found: dict[str, Service] = compose["services"]
     return found
-
-
-@pytest.fixture
-def commands(services: dict[str, Service], tmp_path: Path) -> dict[str, list[str]]:
-    """Each service's command for this machine: own interpreter, free ports of 127.0.0.1, volumes in `tmp_path`."""
-    ports = {port for _, port in re.findall(r"tcp/([\w.]+):(\d+)", str(services))}
-    free = dict(zip(sorted(ports), free_ports(len(ports)), strict=True))
-
-    def here(word: str, service: Service) -> str:
-        word = re.sub(r"tcp/[\w.]+:(\d+)", lambda match: f"tcp/127.0.0.1:{free[match[1]]}", word)
-        for volume in service.get("volumes", ()):
-            if Path(word).is_relative_to(volume["target"]):
-                word = str(tmp_path / volume["source"] / Path(word).relative_to(volume["target"]))
-        return word
-
-    started = {name: [here(word, service) for word in service["command"]] for name, service in services.items()}
-    assert {command[0] for command in started.values()} == {"python"}
-    return {name: [sys.executable, *command[1:]] for name, command in started.items()}
-
-
-@pytest.fixture
-def stack() -> Iterator[ExitStack]:
-    """Ends what a test started."""
-    with ExitStack() as stack:
-        yield stack
 
 
 def check(path: Path) -> subprocess.CompletedProcess[str]:
@@ -68,16 +37,13 @@ def check(path: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
-def start(stack: ExitStack, command: list[str], folder: Path) -> subprocess.Popen[bytes]:
-    """Start a process that does not outlive the test; its output is shown if the test fails."""
-    process = subprocess.Popen(command, cwd=folder)
+def role_of(name: str) -> str:
+    return ROLES.get(name, name)
 
-    def end() -> None:
-        process.kill()
-        process.wait()
 
-    stack.callback(end)
-    return process
+def words(service: Service) -> list[str]:
+    """The command of a service, word by word, also if a shell reads it."""
+    return " ".join(service["command"]).split()
 
 
 def test_the_file_follows_the_compose_specification(root: Path) -> None:
@@ -90,37 +56,78 @@ def test_a_mistyped_field_would_be_noticed(root: Path, tmp_path: Path) -> None:
     assert "stop_sginal" in check(broken).stdout
 
 
-def test_there_is_one_service_for_each_process_and_all_run_one_image(services: dict[str, Service]) -> None:
-    assert services.keys() == {"planner", "sim", "agent"}
+def test_there_is_a_service_for_each_process_and_all_run_one_image(services: dict[str, Service]) -> None:
+    assert {"router", "planner", "sim", "agent"} == {name for name in services if "profiles" not in services[name]}
+    assert {"recorder", "viewer", "train", "train-sim", "study", "certificates"} < services.keys()
     assert {(service["image"], service["build"]) for service in services.values()} == {("legpush", ".")}
-    assert [service["command"][2] for service in services.values()] == [f"{name}_proc" for name in services]
+    for name in ("planner", "sim", "agent"):
+        assert services[name]["command"][:3] == ["python", "-m", f"{name}_proc"]
+    others = [service["command"] for service in services.values() if service["command"][0] == "legpush"]
+    assert {command[1] for command in others} <= COMMANDS.keys()
 
 
-def test_whoever_is_connected_to_listens_there(services: dict[str, Service]) -> None:
-    listening, connecting = set(), set()
-    for name, service in services.items():
-        for host, port in re.findall(r"tcp/([\w.]+):(\d+)", str(service["command"])):
-            if host == "0.0.0.0":
-                listening.add((name, port))
-            else:
-                connecting.add((host, port))
-    assert connecting == listening != set()
+def test_all_are_clients_of_the_router_which_alone_listens(services: dict[str, Service]) -> None:
+    listening = endpoints(services["router"]["command"])
+    assert listening == [("0.0.0.0", "17470")]
+    for name in services.keys() - {"router", *WITHOUT_BUS}:
+        given = words(services[name])
+        assert endpoints(given) == [("router", "17470")], name
+        assert "--router" in given
+        assert not {"--listen", "--connect"} & set(given)
 
 
-def test_nothing_is_reachable_from_outside(root: Path, services: dict[str, Service]) -> None:
-    networks = yaml.safe_load((root / "compose.yaml").read_text())["networks"]
-    assert all(network["internal"] for network in networks.values())
-    assert all(service["networks"] == list(networks) and "ports" not in service for service in services.values())
-
-
-def test_the_services_do_a_mission_and_stop_when_told(
-    services: dict[str, Service], commands: dict[str, list[str]], stack: ExitStack, tmp_path: Path
+def test_each_service_has_the_certificate_of_its_own_role_and_no_other(
+    compose: dict[str, Any], services: dict[str, Service], tmp_path: Path
 ) -> None:
-    (tmp_path / "runs").mkdir()
-    running = {name: start(stack, command, tmp_path) for name, command in commands.items()}
-    assert running["agent"].wait(MISSION_LIMIT_S) == 0
-    report = json.loads((tmp_path / "runs" / "push-seed3" / "report.json").read_text())
-    assert (report["success"], report["seed"]) == (True, 3)
-    for name in ("planner", "sim"):
-        running[name].send_signal(signal.Signals[services[name]["stop_signal"]])
-        assert running[name].wait(STOP_LIMIT_S) == 0, name
+    """The files are those that the command of the service `certificates` makes, below the folder that it gets."""
+    for name in services.keys() - WITHOUT_BUS:
+        own = [f"{role_of(name)}.{kind}" for kind in ("pem", "key")]
+        assert services[name]["secrets"] == ["authority.pem", "access.json", *own]
+        given = words(services[name])
+        assert given[given.index("--secure") + 1] == SECRETS
+    assert all("secrets" not in services[name] for name in WITHOUT_BUS)
+    _, _, _, folder, host, _, router = services["certificates"]["command"]
+    begin(tmp_path / "secrets" / "lab", (host,), 1, 1, (router,))
+    assert folder == "/secrets/lab"
+    made = {path.relative_to(tmp_path) for path in (tmp_path / "secrets" / "lab" / router).iterdir()}
+    files = {Path(secret["file"]) for secret in compose["secrets"].values()}
+    assert files <= made
+    assert {path.stem for path in made - files} == {"launcher"}
+    assert all(Path(secret["file"]).name == name for name, secret in compose["secrets"].items())
+    assert host.split("=")[1] == "router"
+
+
+def test_nothing_is_reachable_from_outside_but_the_page_and_that_from_this_machine(
+    compose: dict[str, Any], services: dict[str, Service]
+) -> None:
+    internal = {name for name, network in compose["networks"].items() if network.get("internal")}
+    assert compose["networks"].keys() - internal == {"page"}
+    for name, service in services.items():
+        if name == "viewer":
+            assert service["ports"] == ["127.0.0.1:8765:8765"]
+        else:
+            assert "ports" not in service
+            assert set(service["networks"]) <= internal, name
+    assert all(services[name]["networks"] == ["alone"] for name in WITHOUT_BUS)
+
+
+@pytest.mark.parametrize("field", ["user", "read_only", "tmpfs", "cap_drop", "security_opt", "deploy", "healthcheck"])
+def test_every_service_is_confined_and_watched(field: str, services: dict[str, Service]) -> None:
+    wanted = {
+        "user": "1000:1000",
+        "read_only": True,
+        "tmpfs": ["/tmp"],
+        "cap_drop": ["ALL"],
+        "security_opt": ["no-new-privileges:true"],
+    }
+    for name, service in services.items():
+        if field == "deploy":
+            assert service["deploy"]["resources"]["limits"].keys() == {"cpus", "memory", "pids"}, name
+        elif field in wanted:
+            assert service[field] == wanted[field], name
+        elif name not in WITHOUT_BUS:
+            asked = " ".join(service["healthcheck"]["test"]).split()
+            asked = asked[asked.index("health") :]
+            assert asked[1] == role_of(name)
+            assert asked[1] in CERTIFICATE_ROLES
+            assert endpoints(asked) == [("router", "17470")]

@@ -67,6 +67,7 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "secure renew": ("secure", "renew", LAB),
     "secure revoke": ("secure", "revoke", LAB, "robot"),
     "router": ("router", "--listen", "unixsock-stream/router.sock"),
+    "health": ("health", "router", "--router", "unixsock-stream/nowhere.sock", "--wait", "60"),
     "secure show": ("secure", "show", LAB),
     "doctor": ("doctor",),
     "completion": ("completion", "bash"),

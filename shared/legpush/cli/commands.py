@@ -28,7 +28,7 @@ from legpush.options.scenarios import (
     RandomScenario,
     ShowScenario,
 )
-from legpush.options.shell import CompletionOptions, DoctorOptions
+from legpush.options.shell import CompletionOptions, DoctorOptions, HealthOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, StudyTable, VerifyStudy
 from legpush.options.view import ViewOptions
 from legpush.processes.start_program import Program
@@ -86,6 +86,7 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
         },
     ),
     "router": RouterOptions,
+    "health": HealthOptions,
     "plan-check": PlanCheckOptions,
     "doctor": DoctorOptions,
     "canary": CanaryOptions,

@@ -25,7 +25,7 @@ from legpush.options.scenarios import (
     ShowScenario,
     changed_scenario,
 )
-from legpush.options.shell import CompletionOptions, DoctorOptions
+from legpush.options.shell import CompletionOptions, DoctorOptions, HealthOptions
 from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
 from legpush.output.reply import document
 from legpush.plugins import why_not_loaded
@@ -248,6 +248,13 @@ def _router(command: RouterOptions) -> int:
     from legpush.launch.router import run_router
 
     return run_router(command)
+
+
+@execute.register
+def _health(command: HealthOptions) -> int:
+    from legpush.doctor.health import tell_health
+
+    return tell_health(command)
 
 
 @execute.register

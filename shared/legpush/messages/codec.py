@@ -1,6 +1,7 @@
 """Encodes messages as MessagePack and decodes them strictly: an error names the field that does not match."""
 
 import re
+import threading
 from functools import cache
 from math import isfinite
 from typing import Any, Final, TypeVar, cast
@@ -17,6 +18,8 @@ T = TypeVar("T")
 MAX_MESSAGE_BYTES: Final = 64 * 1024 * 1024
 MAX_PARTS: Final = 2**20
 """Most maps and arrays in a message: empty ones need a byte each in the payload, and 70 times as much in memory."""
+_MAKING: Final = threading.RLock()
+"""msgspec looks at the fields of a type when it is first used. A thread that decodes the type meanwhile crashes."""
 _ENCODER: Final = msgspec.msgpack.Encoder()
 _SUSPECT: Final = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]")
 """How every float64 begins that is not finite. Other bytes rarely look like that: one place in 500 000 at random."""
@@ -68,9 +71,17 @@ def decode_own(payload: bytes, kind: type[T]) -> T | None:
 
 
 @cache
+def _decoder(kind: Any) -> msgspec.msgpack.Decoder[Any]:
+    """The decoder of this type, which is made before any thread decodes this type."""
+    with _MAKING:
+        return msgspec.msgpack.Decoder(kind)
+
+
+@cache
 def _own_decoder(kind: Any) -> msgspec.msgpack.Decoder[Any] | None:
     """A decoder of this type; None if it would let a number pass that is not finite, since the type has no bounds."""
-    return msgspec.msgpack.Decoder(kind) if bounds_every_float(kind) else None
+    with _MAKING:
+        return _decoder(kind) if bounds_every_float(kind) else None
 
 
 def checksum(payload: bytes) -> int:
@@ -136,6 +147,7 @@ def convert(plain: Any, kind: type[T]) -> T:
     """
     try:
         _require_finite(plain, "$")
+        _decoder(cast(Any, kind))
         return msgspec.convert(plain, kind)
     except (msgspec.ValidationError, RecursionError) as error:
         raise MessageError(str(error)) from error

@@ -1,5 +1,8 @@
 """Encoding and decoding: what is valid survives bit for bit, what is not has one kind of error and names the field."""
 
+import subprocess
+import sys
+
 import msgpack
 import msgspec
 import pytest
@@ -199,3 +202,38 @@ def test_a_repeated_key_is_refused_by_its_name_at_any_depth() -> None:
     at = whole.index(field)
     with pytest.raises(MessageError, match="a map with the key 'sequence' twice"):
         codec.decode(twice[:at] + field + twice[at:], Status)
+
+
+FIRST_USE = """
+import sys, threading
+from legpush.messages import codec
+from legpush.messages.common import Header
+from legpush.messages.stepping import Action, Observation, Walk
+from tests.legpush.examples import WORLD
+from legpush.messages.stepping import Outcome
+
+sys.setswitchinterval(1e-6)
+header = Header(protocol=8, run="r", role="agent", name="main", incarnation="0" * 12, sequence=1)
+action = codec.encode(Action(header=header, episode=1, step=1, motion=Walk()))
+outcome = Outcome(world=WORLD, state_crc=1)
+said = Observation(header=header, agent_incarnation="0" * 12, episode=1, step=1, outcome=outcome)
+observation, go = codec.encode(said), threading.Barrier(12)
+
+def work(is_action):
+    go.wait()
+    for _ in range(20):
+        codec.decode(*((action, Action) if is_action else (observation, Observation)))
+
+threads = [threading.Thread(target=work, args=(number % 2,)) for number in range(12)]
+for each in threads:
+    each.start()
+for each in threads:
+    each.join()
+"""
+
+
+def test_many_threads_may_decode_a_type_for_the_first_time_at_once() -> None:
+    """msgspec crashes the process if it is not prevented, about every second time."""
+    for _ in range(5):
+        done = subprocess.run([sys.executable, "-c", FIRST_USE], check=False, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr

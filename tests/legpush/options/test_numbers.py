@@ -26,6 +26,7 @@ NEEDED: Final[dict[str, list[str]]] = {
     "secure init": ["new"],
     "secure add": ["lab", "robot"],
     "secure renew": ["lab"],
+    "health": ["sim"],
 }
 """What a command needs besides the number."""
 AFTER: Final[dict[str, list[str]]] = {"plan-check": ["--", "sh"]}
