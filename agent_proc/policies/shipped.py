@@ -11,3 +11,8 @@ def fixed() -> LearnedPolicy:
 def variable() -> LearnedPolicy:
     """The policy that chooses leg, curve and depth."""
     return load_learned("variable")
+
+
+def wide() -> LearnedPolicy:
+    """The policy that chooses leg, curve and depth, trained from wide starts."""
+    return load_learned("wide")

@@ -56,8 +56,9 @@ class Steps(StepMotion):
         self.without_floor, self.captured, self._missed = None, False, False
         logs = self._step(ahead, swing, lands=lands, planned=planned)
         for n_again in range(MOST_AGAIN):
-            # A foot that is far from its place even the second time, as with commands that come late, stays there.
-            stays = not self._missed or (n_again > 0 and not self._rests)
+            # A foot that is far from its place even the second time, as with commands that come late, stays there. One
+            # that is to stay in the air, as in a push, has missed nothing.
+            stays = not lands or not self._missed or (n_again > 0 and not self._rests)
             if stays or self.posture.plant.fallen or logs[-1].left_plan:
                 break
             ahead = [replace(ahead[0], shift_ticks=0, target_m=self._next_place_m(ahead[0])), *ahead[1:]]
@@ -129,6 +130,7 @@ class Steps(StepMotion):
         On a rough floor the foot steps higher than the swing, unless it is in the air already.
         """
         posture, leg = self.posture, ahead[0].leg
+        self._missed = False
         if ahead[0].shift_ticks > 0:
             posture.measure(heights=self._terrain.rough)
             posture.height_goal_m = self._terrain.trunk_height_m(posture.feet_m)

@@ -34,6 +34,7 @@ ENVIRONMENTS: Final = {
     "legpush/PushL2-v2": Registered("push-l2", 100),
     "legpush/PushL3-v2": Registered("push-l3", 100),
     "legpush/PushL4-v2": Registered("push-l4", 400, make=MAKE_MISSIONS),
+    "legpush/PushWide-v2": Registered("wide", 100),
     "legpush/PushPaperText-v1": Registered("paper-text", 200),
     "legpush/PushPaperObservation-v1": Registered("paper-observation", 200),
     "legpush/PushRelease-v1": Registered("release", 200),

@@ -89,7 +89,7 @@ class TrainOptions(SimulatorOptions):
     """Training profile: tuned, paper-text, paper-observation, paper-learns, release, sac, td3, or the path of a profile
     file."""
     task: Annotated[str | None, arg("NAME|FILE")] = None
-    """Replaces the profile's task: tuned, push-l1, push-l2, push-l3, paper-text, paper-observation, paper-learns,
+    """Replaces the profile's task: tuned, wide, push-l1, push-l2, push-l3, paper-text, paper-observation, paper-learns,
     release, or the path of a task file. push-l4 is learned in its Gymnasium environment instead."""
     entry: Annotated[Literal["fixed", "variable"] | None, arg()] = None
     """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""

@@ -141,7 +141,7 @@ def test_a_policy_without_normalization_needs_no_normalizer(tmp_path: Path) -> N
 
 
 def test_only_folders_with_a_card_are_shipped_policies() -> None:
-    assert shipped_policies() == ("fixed", "variable")
+    assert shipped_policies() == ("fixed", "variable", "wide")
     assert all((policy_path(name) / CARD_FILE).is_file() for name in shipped_policies())
 
 

@@ -49,7 +49,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_scripted_and_the_shipped_policies_have_names() -> None:
     assert isinstance(make_policy("scripted"), ScriptedPolicy)
-    assert shipped_policies() == ("fixed", "variable")
+    assert shipped_policies() == ("fixed", "variable", "wide")
     for name in shipped_policies():
         policy = make_policy(name)
         assert isinstance(policy, LearnedPolicy)

@@ -33,6 +33,7 @@ def test_the_built_in_tasks_are_there() -> None:
         "push-l4",
         "release",
         "tuned",
+        "wide",
     )
 
 

@@ -1,6 +1,7 @@
 """Single steps, on a plant without physics."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from legpush.geometry import Pose2
 from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.scenario import Box, PoseDeg
 from sim_proc.control.gait import swing_to
+from sim_proc.control.plant import TickLog
 from sim_proc.control.posture import Posture
+from sim_proc.control.push_force import PushForce
 from sim_proc.control.step import Step
 from sim_proc.control.step_motion import CAUTION
 from sim_proc.control.steps import Steps
@@ -84,6 +87,25 @@ def test_a_foot_that_does_not_land_is_no_footstep_and_goes_on_without_a_shift(st
     steps.take_step([replace(step, shift_ticks=0)], swing_to(ROBOT, step.target_m, SWING_TICKS))
     assert (steps.n_footsteps, steps.landed) == (1, 1)
     np.testing.assert_allclose(steps.posture.plant.tips_m()[1, :2], step.target_m, atol=1e-3)
+
+
+def test_a_foot_that_stays_in_the_air_does_not_step_again_where_another_one_missed_its_place(
+    steps: Steps, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A push broke off here: the second step had the ticks of the push, and another number of its own."""
+    step = replace(ahead(steps, "FR", 0.1), push=PushForce(leg=1, force_n=np.zeros((SWING_TICKS, 3)), height_m=0.2))
+    lift, lifted = steps._lift_and_swing, []
+
+    def beside_another(*args: Any, **kwargs: Any) -> TickLog:
+        lifted.append(kwargs["lands"])
+        log = lift(*args, **kwargs)
+        steps._missed = True
+        return log
+
+    monkeypatch.setattr(steps, "_lift_and_swing", beside_another)
+    steps.take_step([step], swing_to(ROBOT, step.target_m, SWING_TICKS), lands=False)
+
+    assert lifted == [False]
 
 
 def test_a_turn_ends_at_its_yaw(steps: Steps) -> None:
