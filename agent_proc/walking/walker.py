@@ -1,9 +1,6 @@
 """Walks along a path, behind a face of the box, and back from it."""
 
 from collections import deque
-from collections.abc import Sequence
-from itertools import pairwise
-from math import inf
 from typing import Final
 
 import numpy as np
@@ -12,6 +9,7 @@ from agent_proc.endings import MissionEndedError
 from agent_proc.walking.actor import Actor
 from agent_proc.walking.obstacles import has_clearance, is_in_walk
 from agent_proc.walking.route_planner import RoutePlanner
+from agent_proc.walking.stuck import STILL_CYCLES, THROWN_CYCLES, is_stuck
 from legpush.errors import BadAnswerError
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, PlanQuery
@@ -19,17 +17,9 @@ from legpush.messages.stepping import Follow, PathProgress, Walk
 from legpush.plans.trunk_queries import query_to_measured_box, query_to_nominal_box
 from legpush.scene.faces import pushed_box, pushed_pose
 from legpush.scene.names import Face
-from legpush.scene.paths import distances_m, path_length_m
+from legpush.scene.paths import distances_m
 from legpush.scene.station import can_turn, last_stretch, station, way_back
 
-STILL_CYCLES: Final = 5
-"""The robot is stuck if this many cycles in a row change too little."""
-LEAST_WALK_M: Final = 0.02
-"""It is too little if the trunk, or its place on the path, moves less than this in all of them together."""
-THROWN_CYCLES: Final = 30
-"""As many must change too little where the robot moves to and fro, as gusts throw it back."""
-TO_AND_FRO_M: Final = 0.1
-"""It does if a cycle moved it by more than this."""
 THROWN_M: Final = 0.25
 """A robot that is farther from its planned path was thrown off it, as by a gust. Walks stay within a third of this."""
 MOST_THROWN: Final = 50
@@ -211,16 +201,3 @@ class Walker:
         if state.path is None:
             raise BadAnswerError(f"Expected `path` in the state of the world at tick {state.tick}, got none")
         return state.path
-
-
-def is_stuck(past: Sequence[tuple[Pose2, float]], foot_circle_m: float) -> bool:
-    """Whether the robot is where it was some gait cycles ago, by its trunk or by its place on the path."""
-    for n_cycles, most_m in ((STILL_CYCLES, TO_AND_FRO_M), (THROWN_CYCLES, inf)):
-        if len(past) <= n_cycles:
-            return False
-        (then, then_m), (now, now_m) = past[-1 - n_cycles], past[-1]
-        moved_m = min(path_length_m((then, now), foot_circle_m), now_m - then_m)
-        steps_m = [distance_m(a, b) for (a, _), (b, _) in pairwise(list(past)[-1 - n_cycles :])]
-        if moved_m < LEAST_WALK_M and max(steps_m) <= most_m:
-            return True
-    return False

@@ -20,7 +20,6 @@ from experiments.tables import (
     heavy_boxes,
     learning,
     learning_pictures,
-    levels,
     mass_sweep,
     missions,
     push_effect,
@@ -30,6 +29,7 @@ from experiments.tables import (
     unseen,
     walking,
 )
+from experiments.tables.benchmark import levels, starts
 from experiments.tables.paper import (
     learns,
     mass_trend,
@@ -62,6 +62,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "references": references.texts,
     "reproduction": reproduction.texts,
     "stability": stability.texts,
+    "starts": starts.texts,
     "straight_push": straight_push.texts,
     "turn_rate": turn_rate.texts,
     "unknown_boxes": unknown_boxes.texts,
@@ -81,6 +82,7 @@ PICTURES: Final[dict[str, Callable[[], dict[str, Figure]]]] = {
     "references": references.pictures,
     "reproduction": reproduction_pictures.pictures,
     "stability": robot_pictures.pictures,
+    "starts": starts.pictures,
     "straight_push": straight_push.pictures,
     "unknown_boxes": unknown_boxes.pictures,
     "unseen": unseen.pictures,

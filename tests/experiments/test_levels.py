@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from experiments.rows import Row
-from experiments.tables import levels
+from experiments.tables.benchmark import levels
 from legpush.options.learning_tools import FIRST_HELD_OUT_SEED
 from legpush.scenarios.file import load_scenario
 

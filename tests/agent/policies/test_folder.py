@@ -146,7 +146,5 @@ def test_only_folders_with_a_card_are_shipped_policies() -> None:
 
 
 def test_a_path_that_is_no_folder_is_refused_with_the_valid_names(tmp_path: Path) -> None:
-    with pytest.raises(
-        PolicyError, match=r"Expected a policy \(dynamic_programming, .*variable\) or the folder of one"
-    ):
+    with pytest.raises(PolicyError, match=r"Expected a policy \(dynamic_programming, .*wide\) or the folder of one"):
         policy_path(str(tmp_path / "none"))

@@ -53,12 +53,12 @@ def test_the_scripted_and_the_shipped_policies_have_names() -> None:
     for name in shipped_policies():
         policy = make_policy(name)
         assert isinstance(policy, LearnedPolicy)
-        assert policy.card.task.entry == name
+        assert policy.card.task.entry == ("fixed" if name == "fixed" else "variable")
 
 
 def test_an_unknown_policy_is_refused_with_the_valid_names() -> None:
     with pytest.raises(
-        PolicyError, match=r"a policy \(dynamic_programming, .*variable\) or the folder of one, got 'nobody'"
+        PolicyError, match=r"a policy \(dynamic_programming, .*wide\) or the folder of one, got 'nobody'"
     ):
         make_policy("nobody")
 

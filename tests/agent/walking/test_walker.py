@@ -6,7 +6,8 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.endings import MissionEndedError
-from agent_proc.walking.walker import MOST_THROWN, STILL_CYCLES, THROWN_CYCLES, is_stuck
+from agent_proc.walking.stuck import STILL_CYCLES
+from agent_proc.walking.walker import MOST_THROWN
 from legpush.errors import PeerError
 from legpush.geometry import Pose2, distance_m
 from legpush.messages.planning import Plan, PlanQuery
@@ -147,16 +148,6 @@ def test_a_robot_that_is_thrown_again_and_again_gives_up_in_the_end() -> None:
     with pytest.raises(MissionEndedError, match="thrown off its path more than 50 times"):
         go_on()
     assert parts.planner.n_replans == MOST_THROWN
-
-
-def test_a_robot_that_moves_to_and_fro_gets_more_time() -> None:
-    still = [(Pose2(x_m=0.001 * k, y_m=0.0, yaw_rad=0.0), 0.001 * k) for k in range(STILL_CYCLES + 1)]
-    to_and_fro = [(Pose2(x_m=0.2 * (k % 2), y_m=0.0, yaw_rad=0.0), 0.2 * (k % 2)) for k in range(THROWN_CYCLES + 1)]
-
-    assert is_stuck(still, 0.8)
-    assert not is_stuck(still[:-1], 0.8)
-    assert not is_stuck(to_and_fro[:-1], 0.8)
-    assert is_stuck(to_and_fro, 0.8)
 
 
 def test_a_world_without_progress_after_a_follow_is_an_error() -> None:

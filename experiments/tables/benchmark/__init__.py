@@ -1,0 +1,1 @@
+"""Tables of the benchmark: its levels, and how far beside the line a start may be."""
