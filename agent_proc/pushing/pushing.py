@@ -17,7 +17,8 @@ from agent_proc.pushing.follower import Follower, StageEnding
 from agent_proc.pushing.pushes import Pushes
 from agent_proc.pushing.stage import Stage
 from agent_proc.walking.actor import Actor
-from agent_proc.walking.walker import STILL_CYCLES, Walker
+from agent_proc.walking.stuck import STILL_CYCLES
+from agent_proc.walking.walker import Walker
 from legpush.scene.paths import path_length_m
 from legpush.scene.scenario import Goal
 

@@ -1,18 +1,20 @@
 """The policies that come with the package."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from agent_proc.policies.folder import README_FILE, policy_path, read_policy, shipped_policies, write_policy
-from agent_proc.policies.shipped import fixed, variable
+from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.policies.shipped import fixed, variable, wide
 
 
-@pytest.mark.parametrize(("make", "entry"), [(fixed, "fixed"), (variable, "variable")])
-def test_each_plug_in_is_the_policy_of_its_name(make: object, entry: str) -> None:
-    policy = make()  # type: ignore[operator]
+@pytest.mark.parametrize(("make", "entry"), [(fixed, "fixed"), (variable, "variable"), (wide, "variable")])
+def test_each_plug_in_is_the_policy_of_its_name(make: Callable[[], LearnedPolicy], entry: str) -> None:
+    policy = make()
 
-    assert policy.card == read_policy(policy_path(entry)).card
+    assert policy.card == read_policy(policy_path(make.__name__)).card
     assert policy.card.task.entry == entry
 
 

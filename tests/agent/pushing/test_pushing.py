@@ -11,7 +11,7 @@ from agent_proc.policies.scripted import ScriptedPolicy
 from agent_proc.pushing.pushing import AIM_M, MAX_BETTER, MAX_PATHS, STUCK_SHARE
 from agent_proc.reporting.mission_record import read_record
 from agent_proc.reporting.report import box_path_rms_m
-from agent_proc.walking.walker import STILL_CYCLES
+from agent_proc.walking.stuck import STILL_CYCLES
 from legpush.messages.planning import Plan, PlanQuery, TrunkPathQuery
 from legpush.messages.stepping import Push
 from legpush.scene.conventions import FRONT_LEGS
