@@ -75,7 +75,7 @@ def test_its_mission_can_be_run_again(recording: Recording, tmp_path: Path) -> N
     mission = unpack_mission(recording, tmp_path)
     assert (mission.facts.seed, mission.facts.policy, mission.push_map) == (1, "variable", None)
     today = load_scenario(HERE / "two_pushes.toml")
-    then = replace(today.pushing, margin_m=0.05, max_iterations=6000)
+    then = replace(today.pushing, margin_m=0.05, max_iterations=6000, face_change_m=0.5)
     assert load_scenario(mission.scenario) == replace(today, pushing=then)
 
 

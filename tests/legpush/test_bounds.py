@@ -147,6 +147,7 @@ TORQUE_LIMITED = replace(
 FULL_SCENARIO = replace(
     examples.SCENARIO,
     mission=MissionSettings(max_push_cycles=200),
+    pushing=replace(examples.SCENARIO.pushing, face_change_m=0.5),
     planning=replace(examples.SCENARIO.planning, anytime=Anytime(), smoothing=Smoothing(max_deviation_m=1.0)),
     robot=TORQUE_LIMITED,
     realism=examples.REALISM,

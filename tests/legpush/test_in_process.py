@@ -97,7 +97,7 @@ yaw_deg = 0.0
         (
             {"policy": "none_such"},
             PolicyError,
-            r"Expected a policy \(dynamic_programming, .*variable\).*got 'none_such'",
+            r"Expected a policy \(dynamic_programming, .*wide\).*got 'none_such'",
         ),
         ({"policy": "json:no_such"}, PolicyError, "Expected module:factory that can be imported, got 'json:no_such'"),
         ({"policy": "json:loads"}, PolicyError, "json:loads: the factory raised TypeError"),

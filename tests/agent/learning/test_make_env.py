@@ -61,7 +61,7 @@ def test_a_task_is_taken_as_it_is() -> None:
         (
             {"task": "tund"},
             ConfigError,
-            r"name of a task \(paper-learns, .*, tuned\).*got 'tund'",
+            r"name of a task \(paper-learns, .*, wide\).*got 'tund'",
         ),
         ({"reward": {"fal": {}}}, ConfigError, "at `reward.fal`: expected one of the terms corner_distance, .*'fal'"),
         ({"world": None, "simulator": "moon"}, PluginError, r"a simulator \(.*mujoco.*\), got 'moon'"),

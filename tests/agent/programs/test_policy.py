@@ -65,7 +65,9 @@ def test_a_model_is_written_with_its_card(tmp_path: Path, capsys: pytest.Capture
 
 @pytest.mark.parametrize("name", ["scripted", "nobody", "my_module:make", "model.zip"])
 def test_what_is_no_trained_policy_is_refused(name: str, tmp_path: Path) -> None:
-    with pytest.raises(PolicyError, match=r"Expected a trained policy \(fixed, variable\) or the folder of one, got"):
+    with pytest.raises(
+        PolicyError, match=r"Expected a trained policy \(fixed, variable, wide\) or the folder of one, got"
+    ):
         run(ExportPolicy(policy=name, to="onnx", out=tmp_path / "new"))
     assert list(tmp_path.iterdir()) == []
 

@@ -83,7 +83,7 @@ def other_version(data: bytes) -> bytes:
         (cut, "expected a whole recording, got one that is cut off or damaged at byte"),
         (foreign, "expected a recording, an MCAP file, got one that begins with"),
         (empty, "expected a recording, an MCAP file, got an empty file"),
-        (other_version, "expected a recording of protocol version 6, 7 or 8, got one of 4"),
+        (other_version, "expected a recording of protocol version 6, 7, 8 or 9, got one of 4"),
     ],
 )
 @pytest.mark.parametrize("made", ["foxglove", "csv", "mp4"])
