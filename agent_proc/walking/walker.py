@@ -21,7 +21,7 @@ from legpush.scene.paths import distances_m
 from legpush.scene.station import can_turn, last_stretch, station, way_back
 
 THROWN_M: Final = 0.25
-"""A robot that is farther from its planned path was thrown off it, as by a gust. Otherwise it tracks a path to about 3 cm
+"""A robot that is farther from its planned path was thrown off it, as by a gust. Otherwise it tracks a path to 3 cm
 (RMS)."""
 MOST_THROWN: Final = 50
 """How often a mission plans again for that."""
