@@ -149,6 +149,17 @@ class Pusher:
         box = self._steps.posture.plant.box_pose()
         return behind_box(pushed_box(self._box, face), pushed_pose(box, face), self._robot.station_m)
 
+    def _below(self, trunk: Pose2) -> Pose2:
+        """Where the feet stand for a trunk at `trunk`, which leans uphill on a slope.
+
+        They stand farther from a box uphill, but never nearer to one downhill.
+        """
+        downhill = self._steps.posture.plant.downhill
+        if not downhill.any():
+            return trunk
+        lean_m = _turned(self._robot.stance.com_height_m * np.append(downhill, 0.0), -trunk.yaw_rad)
+        return trunk @ Pose2(x_m=min(float(lean_m[0]), 0.0), y_m=float(lean_m[1]), yaw_rad=0.0)
+
     def _walk_to(self, place: Pose2) -> list[TickLog]:
         """Walk to a place nearby, after capture steps."""
         plant = self._steps.posture.plant
@@ -198,6 +209,7 @@ class Pusher:
     def _return_steps(self, pushing: FrontLeg, to: Pose2) -> list[Step]:
         """The pushing leg to its marker, then the other three, then rest. The trunk moves evenly from step to step."""
         posture, motion = self._steps.posture, self._robot.pushing
+        to = self._below(to)
         markers = to.apply(self._robot.stance.foot_rectangle_b())
         here = posture.feet_m[:, :2].mean(axis=0)
         legs: list[Leg] = [pushing, *RESTEP_ORDER[pushing]]

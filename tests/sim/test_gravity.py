@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from legpush.arrays import Floats
 from legpush.geometry import Pose2
+from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Push, Reset, Trace, Walk
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import GRAVITY_M_S2, gravity_m_s2
@@ -47,6 +49,15 @@ def test_on_a_slope_the_com_stands_uphill_of_where_it_stands_on_the_level(at_the
     assert 0.02 < shift_m < 0.06
 
 
+@pytest.mark.parametrize("uphill_deg", [0.0, 90.0, 270.0])
+def test_after_a_push_on_a_slope_the_trunk_is_where_it_would_be_on_the_level_although_it_leans_uphill(
+    at_the_box: Scenario, uphill_deg: float
+) -> None:
+    on_slope = replace(at_the_box, room=replace(at_the_box.room, slope_deg=5.0, uphill_deg=uphill_deg))
+
+    np.testing.assert_allclose(after_a_push(on_slope), after_a_push(at_the_box), atol=0.02)
+
+
 def test_the_robot_walks_up_a_slope(at_the_box: Scenario) -> None:
     scenario = replace(
         at_the_box,
@@ -65,6 +76,14 @@ def test_the_robot_walks_up_a_slope(at_the_box: Scenario) -> None:
     assert 1 < n_cycles < 20
     assert not outcome.world.fallen
     assert np.mean(outcome.world.tips_m, axis=0)[0] == pytest.approx(3.0, abs=0.03)
+
+
+def after_a_push(scenario: Scenario) -> Floats:
+    """Where the trunk stands after one push, (2,), from the box."""
+    simulator = Simulator()
+    simulator.perform(Reset(scenario=scenario, seed=0), with_trace=False)
+    world = simulator.perform(Push(w1=0.5, w2=0.5, leg="FL", depth_m=0.05), with_trace=False).world
+    return (planar_pose(world.box).inverse() @ planar_pose(world.trunk)).xy()
 
 
 def pushed(scenario: Scenario) -> list[Trace]:
