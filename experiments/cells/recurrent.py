@@ -4,7 +4,8 @@ What an LSTM remembers of the pushes is another way to feel a box. legpush has n
 a decision there depends on nothing but what is seen; this cell says what they would be worth.
 """
 
-from collections.abc import Collection, Mapping
+from collections import deque
+from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -23,8 +24,10 @@ from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import scenario_of_start
 from agent_proc.task.file import load_task
 from legpush.fields import Seed, require_seeds
+from legpush.history.steps import PlanRecord, StepRecord
 from legpush.lockstep.local import LocalWorld
 from legpush.options.learning import DEFAULT_WORLD
+from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.study.cells import CellKind, Column
 
 N_LSTM: Final = 64
@@ -41,6 +44,7 @@ COLUMNS: Final = (
     Column(name="final_position_error_m", unit="m", about="by each start"),
     Column(name="final_angle_error_deg", unit="deg", about="by each start"),
     Column(name="final_n_cycles", unit="", about="by each start: number of pushes"),
+    Column(name="final_simulated_s", unit="s", about="by each start: simulated time of the episode"),
 )
 
 
@@ -115,9 +119,10 @@ def run(cell: ResolvedRecurrent) -> Mapping[str, Any]:
     model.learn(cell.steps)
     environments.close()
     normalizer.training = False
-    environment = PushEnv(cell.task, LocalWorld(new_simulator(cell.world)))
+    last: deque[StepRecord | PlanRecord] = deque(maxlen=1)
+    environment = PushEnv(cell.task, LocalWorld(new_simulator(cell.world), on_record=last.append))
     seeds = range(cell.final_first_seed, cell.final_first_seed + cell.final_episodes)
-    ends = [_end(model, normalizer, environment, cell.task, seed) for seed in seeds]
+    ends = [{**_end(model, normalizer, environment, cell.task, seed), **_time(last)} for seed in seeds]
     environment.close()
     return {
         "final_success": [bool(end["is_success"]) for end in ends],
@@ -125,6 +130,7 @@ def run(cell: ResolvedRecurrent) -> Mapping[str, Any]:
         "final_position_error_m": [round(end["position_error_m"], 6) for end in ends],
         "final_angle_error_deg": [round(end["angle_error_deg"], 5) for end in ends],
         "final_n_cycles": [end["n_cycles"] for end in ends],
+        "final_simulated_s": [end["simulated_s"] for end in ends],
     }
 
 
@@ -142,6 +148,14 @@ def _end(
         n_cycles += 1
         if terminated or truncated:
             return {**info, "n_cycles": n_cycles}
+
+
+def _time(last: Sequence[StepRecord | PlanRecord]) -> dict[str, float]:
+    """The simulated time of the episode whose last record this is."""
+    (record,) = last
+    if not isinstance(record, StepRecord):
+        raise TypeError(f"Expected a step, got {record}")
+    return {"simulated_s": round(record.outcome.world.tick * CONTROL_PERIOD_S, 2)}
 
 
 def _ended(ending: str) -> str:

@@ -148,4 +148,5 @@ def test_a_recurrent_training_gives_the_same_ends_again() -> None:
 
     assert first == again
     assert len(first["final_success"]) == 2
+    assert min(first["final_simulated_s"]) > 0.0
     assert set(first["final_ended"]) <= {"done", "fell", "astray", "refused", "max_cycles"}
