@@ -16,6 +16,7 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2, wrap_angle
 from legpush.messages.common import USUAL_DEPTH_M
 from legpush.messages.stepping import Push
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.scenario import Box
 
 PRIOR_M: Final = 0.03
@@ -58,8 +59,8 @@ class FeltBox:
     """What the last pushes did beyond what the model expected of them."""
     response: Response | None = None
     """What a push does; None if nothing is known but the size of the box."""
-    n_pushes: int = 0
-    """How many pushes have shown it."""
+    n_pushes: tuple[int, int] = (0, 0)
+    """How many pushes of FL and FR have shown it."""
 
 
 class PushEstimate:
@@ -75,7 +76,7 @@ class PushEstimate:
         self._turn = np.array([PRIOR_RAD**2, PRIOR_RAD**2])
         self._lost = np.array([0.0, LOST_PRIOR])
         """Sums of weights times lost depths, and of weights; a weight is that of one push with `LOST_SD_M`."""
-        self._n_pushes = 0
+        self._n_pushes = [0, 0]
         self._drift = np.zeros(4)
         """Sums of weights times forward, left and turn beyond those of the model, and of weights."""
 
@@ -107,7 +108,7 @@ class PushEstimate:
             lost_depth_m=self.lost_depth_m,
             drift=self.drift,
             response=self._response.response,
-            n_pushes=self._n_pushes,
+            n_pushes=(self._n_pushes[0], self._n_pushes[1]),
         )
 
     @property
@@ -173,7 +174,7 @@ class PushEstimate:
         and `after` are poses of the pushed frame.
         """
         moved = before.inverse() @ after
-        self._n_pushes += 1
+        self._n_pushes[FRONT_LEGS.index(push.leg)] += 1
         yielded_m = max(0.0, push.depth_m - self.lost_depth_m)
         self._learn_drift(push, yielded_m, moved)
         self._learn_lost_depth(push.depth_m, moved.x_m)

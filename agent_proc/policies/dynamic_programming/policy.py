@@ -8,14 +8,16 @@ import numpy as np
 
 from agent_proc.frames.push_view import PushView
 from agent_proc.policies.dynamic_programming.value_table import Problem, ValueTable
+from agent_proc.push_model.model import MIRROR
 from agent_proc.push_model.response import Response
+from legpush.arrays import Flags, Floats
 from legpush.messages.stepping import Push
 
 LEAST_M: Final = 0.005
 MOST_M: Final = 0.10
 """Depths of pushes: those of the task `tuned`."""
 FIRST_M: Final = 0.05
-"""The first push at a face is no deeper: a box may be heavy, and what it resists with is felt by pushing it."""
+"""The first push of each leg at a face is no deeper: a box may be heavy, and what resists is felt by pushing it."""
 LEAST_RANGE_M: Final = 0.01
 """A box that loses nearly the whole depth is pushed with depths that differ by this much at least."""
 N_CHOICES: Final = 24
@@ -49,8 +51,9 @@ class DynamicProgramming:
         problem = self._problem(view, response, lost_m)
         table = _table(problem)
         mirror, depth_m = problem.pushes(N_CHOICES)
-        if view.felt.response is not None and view.felt.n_pushes == 0:
-            mirror, depth_m = mirror[depth_m <= FIRST_M], depth_m[depth_m <= FIRST_M]
+        if view.felt.response is not None:
+            first = _first(view.felt.n_pushes, mirror, depth_m)
+            mirror, depth_m = mirror[first], depth_m[first]
         box = view.box_g
         costs = table.costs((box.x_m, box.y_m, box.yaw_rad), response, mirror, depth_m)
         index = int(costs.argmin())
@@ -73,6 +76,19 @@ class DynamicProgramming:
             near_m=goal.position_tolerance_m,
             near_rad=radians(goal.angle_tolerance_deg),
         )
+
+
+def _first(n_pushes: tuple[int, int], mirror: Floats, depth_m: Floats) -> Flags:
+    """Which pushes may be the next one at a face that FL and FR have pushed so often, (n,).
+
+    The first push is shallow, and so is that of the other leg, which comes second: where a leg may not turn the box
+    back, a box that is turned too far by the other one never reaches its goal.
+    """
+    if 0 not in n_pushes:
+        return np.ones(len(depth_m), dtype=bool)
+    shallow: Flags = depth_m <= FIRST_M
+    untried = MIRROR["FL" if n_pushes[0] == 0 else "FR"]
+    return shallow & (mirror == untried) if any(n_pushes) else shallow
 
 
 @lru_cache(maxsize=N_TABLES)

@@ -11,6 +11,7 @@ from agent_proc.policies.registry import make_policy, policy_from_data
 from agent_proc.push_model.estimate import FeltBox, PushEstimate
 from agent_proc.push_model.response import Response
 from legpush.geometry import Pose2
+from legpush.scene.conventions import FrontLeg
 from legpush.scene.scenario import Scenario
 from tests.agent.fake_world import make_scenario, make_state
 from tests.agent.push_model.responses import displaced, response_with
@@ -94,14 +95,28 @@ def test_a_box_that_loses_depth_is_pushed_deeper_but_never_too_deep() -> None:
     assert heaviest.depth_m <= 0.1
 
 
-def test_the_first_push_of_a_box_is_no_deep_one() -> None:
-    view = push_view(make_state(FAR_AWAY, GOAL @ Pose2(x_m=-0.9, y_m=0.0, yaw_rad=0.0)), SCENARIO)
-    first, second = (
-        POLICY.decide(push_view(view.world, SCENARIO, FeltBox(response=response_with(), n_pushes=n))) for n in (0, 1)
-    )
-    assert first is not None
-    assert second is not None
-    assert first.depth_m <= FIRST_M < second.depth_m
+@pytest.mark.parametrize(
+    ("n_pushes", "legs", "is_shallow"),
+    [
+        ((0, 0), {"FL", "FR"}, True),
+        ((0, 1), {"FL"}, True),
+        ((0, 4), {"FL"}, True),
+        ((2, 0), {"FR"}, True),
+        ((1, 1), {"FL", "FR"}, False),
+    ],
+)
+def test_the_first_push_of_each_leg_is_no_deep_one_and_the_second_push_is_that_of_the_other_leg(
+    n_pushes: tuple[int, int], legs: set[FrontLeg], is_shallow: bool
+) -> None:
+    pushes = []
+    for yaw_rad in (-0.3, 0.0, 0.3):
+        state = make_state(FAR_AWAY, GOAL @ Pose2(x_m=-0.9, y_m=0.0, yaw_rad=yaw_rad))
+        push = POLICY.decide(push_view(state, SCENARIO, FeltBox(response=response_with(), n_pushes=n_pushes)))
+        assert push is not None
+        pushes.append(push)
+
+    assert {push.leg for push in pushes} == legs
+    assert all(push.depth_m <= FIRST_M for push in pushes) == is_shallow
 
 
 def test_it_stops_at_the_goal_and_past_it() -> None:
