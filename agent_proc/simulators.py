@@ -11,7 +11,7 @@ from legpush.bus.endpoints import Endpoints, by_router, listing
 from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import PeerError, StopRequestedError
 from legpush.lockstep.bus_world import BusWorld
-from legpush.lockstep.client import SimLink
+from legpush.lockstep.client import SimLink, Spares
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.simulator import Stepper
 from legpush.lockstep.world import SteppingWorld
@@ -53,15 +53,44 @@ def own_simulators(
 def joined_simulators(
     n: int, run: str, endpoints: Endpoints, stop: threading.Event, patience: Patience | None = None
 ) -> Iterator[list[BusWorld]]:
-    """Give a world for each of the first `n` simulators, by name, of a running run; its owner replaces dead ones.
+    """Give a world for each of the first `n` simulators, by name, of a running run.
+
+    All others are spare: one takes the place of a simulator that is gone for a while, and goes on with its episode.
 
     Raises:
         PeerError: Fewer than `n` simulators were found within the deadline.
         StopRequestedError: `stop` was set.
     """
     with Bus(run, "agent", "main", endpoints, stop=stop) as bus:
-        names = find_simulators(bus, n, stop, (patience or Patience()).deadline_s)
-        yield _worlds(bus, names[:n], stop, patience)
+        names = find_simulators(bus, n, stop, (patience or Patience()).deadline_s)[:n]
+        yield _worlds(bus, names, stop, patience, _Roster(bus, names))
+
+
+class _Roster:
+    """Which simulators of a run are used; the others are spare."""
+
+    def __init__(self, bus: Bus, used: Sequence[str]) -> None:
+        self._bus = bus
+        self._used = set(used)
+        self._lock = threading.Lock()
+        """Worlds step in threads of their own."""
+
+    def any(self) -> bool:
+        """Whether there is a spare one."""
+        return bool(self._spare())
+
+    def take(self, lost: str) -> str | None:
+        """The first spare one by name, which is used from now on in the place of `lost`."""
+        with self._lock:
+            spare = self._spare()
+            if not spare:
+                return None
+            self._used.remove(lost)
+            self._used.add(spare[0])
+            return spare[0]
+
+    def _spare(self) -> list[str]:
+        return sorted({peer.name for peer in self._bus.liveliness.live("sim")} - self._used)
 
 
 def find_simulators(bus: Bus, n: int, stop: threading.Event, deadline_s: float) -> tuple[str, ...]:
@@ -86,8 +115,14 @@ def find_simulators(bus: Bus, n: int, stop: threading.Event, deadline_s: float) 
     raise StopRequestedError(f"Asked to stop while waiting for {n} simulators")
 
 
-def _worlds(bus: Bus, names: tuple[str, ...], stop: threading.Event, patience: Patience | None) -> list[BusWorld]:
-    worlds = [BusWorld(SimLink(bus, name, stop=stop, patience=patience)) for name in names]
+def _worlds(
+    bus: Bus,
+    names: tuple[str, ...],
+    stop: threading.Event,
+    patience: Patience | None,
+    spares: Spares | None = None,
+) -> list[BusWorld]:
+    worlds = [BusWorld(SimLink(bus, name, stop=stop, patience=patience, spares=spares)) for name in names]
     bus.announce()
     return worlds
 

@@ -93,6 +93,10 @@ class PeerError(LegpushError):
     """A peer process that is missing or frozen, refuses, or gives another answer; names the peer and the step."""
 
 
+class PeerGoneError(PeerError):
+    """A peer process that is gone, while another one could be asked in its place."""
+
+
 class BadAnswerError(PeerError):
     """An answer of planner or simulator that cannot be used; the same question gets it again; names the answer."""
 

@@ -43,5 +43,7 @@ class Patience:
     """Longest time until the request is sent again."""
     max_restarts: int = 5
     """Give up when the peer has restarted this many times without a single answer."""
+    leave_s: float = 5.0
+    """Ask another peer, if there is one that may be asked, when this one has been gone for this long."""
     rival_s: float = 3.0
     """Two live peers of one name are an error after this long; a dead one may still show as live for a lease."""

@@ -4,7 +4,7 @@ import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from threading import Event
@@ -45,14 +45,19 @@ def children(name: str) -> list[psutil.Process]:
     ]
 
 
-def rollout(worlds: list[SteppingWorld], kill: bool = False) -> Rollout:
+def kill_the_second() -> None:
+    """Kill a simulator that this process has started."""
+    (victim,) = children("sim1")
+    victim.kill()
+
+
+def rollout(worlds: list[SteppingWorld], disturb: Callable[[], object] | None = None) -> Rollout:
     """What a learner gets from a few episodes of random pushes."""
     vec = PushVecEnv(TASK, worlds, seed=7)
     numbers: Rollout = [np.asarray(vec.reset())]
     for index, actions in enumerate(np.random.default_rng(0).uniform(-1.0, 1.0, (N_STEPS, len(worlds), 4))):
-        if kill and index == KILL_AT:
-            (victim,) = children("sim1")
-            victim.kill()
+        if disturb is not None and index == KILL_AT:
+            disturb()
         observations, rewards, dones, infos = vec.step(actions.astype(np.float32))
         terminal = [info.get("terminal_observation", np.zeros(0)) for info in infos]
         numbers += [np.asarray(observations), rewards, dones, np.concatenate(terminal)]
@@ -83,7 +88,7 @@ def test_a_simulator_killed_in_an_episode_is_replaced_and_the_learner_gets_the_s
     tmp_path: Path, undisturbed: Rollout
 ) -> None:
     with own_simulators(2, tmp_path, Event()) as worlds:
-        killed = rollout([*worlds], kill=True)
+        killed = rollout([*worlds], disturb=kill_the_second)
     assert_equal(killed, undisturbed)
     assert (tmp_path / "sim1.log").read_text().count("listening on") == 2
     assert (tmp_path / "sim0.log").read_text().count("listening on") == 1
@@ -177,12 +182,12 @@ def listening(directory: Path) -> Endpoints:
 
 
 @contextmanager
-def simulator(name: str, endpoints: Endpoints) -> Iterator[None]:
+def simulator(name: str, endpoints: Endpoints) -> Iterator[subprocess.Popen[bytes]]:
     """A simulator that somebody else runs."""
     command = [sys.executable, "-P", "-m", "sim_proc", "--run", "joined", "--name", name]
     started = subprocess.Popen([*command, "--listen", "--connect", *endpoints.listen], stderr=subprocess.DEVNULL)
     try:
-        yield
+        yield started
     finally:
         started.terminate()
         started.wait(20.0)
@@ -196,3 +201,22 @@ def test_running_simulators_are_found_by_name_and_give_the_same_numbers(tmp_path
         worlds = stack.enter_context(joined_simulators(2, "joined", endpoints, Event()))
         assert [world.name for world in worlds] == ["a", "b"]
         assert_equal(rollout([*worlds]), undisturbed)
+
+
+def test_a_spare_simulator_takes_the_place_of_one_that_is_gone_even_if_it_comes_later(
+    tmp_path: Path, undisturbed: Rollout, caplog: pytest.LogCaptureFixture
+) -> None:
+    endpoints = listening(tmp_path)
+    patience = Patience(leave_s=0.5)
+    with ExitStack() as stack:
+        _, lost = [stack.enter_context(simulator(name, endpoints)) for name in ("a", "b")]
+        worlds = stack.enter_context(joined_simulators(2, "joined", endpoints, Event(), patience))
+
+        def replace_it() -> None:
+            lost.kill()
+            stack.enter_context(simulator("later", endpoints))
+
+        found = rollout([*worlds], replace_it)
+        assert [world.name for world in worlds] == ["a", "later"]
+    assert_equal(found, undisturbed)
+    assert "Its place takes sim/later." in caplog.text

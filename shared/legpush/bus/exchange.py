@@ -11,7 +11,7 @@ from legpush.bus.bus import Bus
 from legpush.bus.channels import M
 from legpush.bus.liveliness import Sighting
 from legpush.bus.ports import Subscription
-from legpush.errors import PeerError, StopRequestedError
+from legpush.errors import PeerError, PeerGoneError, StopRequestedError
 from legpush.messages.common import Role
 from legpush.patience import SLICE_S, Patience, Stopwatch
 
@@ -26,6 +26,11 @@ OnWait = Callable[[str], None]
 
 def no_report(_: str) -> None:
     """An `OnWait` that tells nobody."""
+
+
+def nobody_else() -> bool:
+    """Whether another peer may be asked: none."""
+    return False
 
 
 class _Resend:
@@ -67,7 +72,9 @@ class Exchange(Generic[M]):
         stop: threading.Event,
         on_wait: OnWait = no_report,
         clock: Callable[[], float] = monotonic,
+        may_leave: Callable[[], bool] = nobody_else,
     ) -> None:
+        """`may_leave` says whether another peer could be asked in the place of this one, once it is gone."""
         self._bus = bus
         self._answers = answers
         self._role, self._name = peer
@@ -76,6 +83,7 @@ class Exchange(Generic[M]):
         self._stop = stop
         self._on_wait = on_wait
         self._clock = clock
+        self._may_leave = may_leave
         self._peer: str | None = None
         self._accepted: dict[str, M] = {}
         """Of each incarnation that has answered, its last answer that was accepted."""
@@ -92,9 +100,10 @@ class Exchange(Generic[M]):
 
         Raises:
             PeerError: The deadline has passed, the peer was restarted too often, or two processes have its name.
+            PeerGoneError: It is gone, and another one could be asked.
             StopRequestedError: The stop event was set.
         """
-        watch, rivalry = Stopwatch(self._clock), Stopwatch(self._clock)
+        watch, rivalry, absence = (Stopwatch(self._clock) for _ in range(3))
         resend = _Resend(self._patience, self._clock)
         try:
             while not self._stop.is_set():
@@ -111,15 +120,19 @@ class Exchange(Generic[M]):
                     return answer
                 if chosen is not None or not live:
                     rivalry.restart()
-                self._check(what, watch.tick(), rivalry.tick())
+                if live:
+                    absence.restart()
+                self._check(what, watch.tick(), rivalry.tick(), absence.tick())
         finally:
             if self._reported_at is not None:
                 self._reported_at = None
                 self._on_wait("")
         raise StopRequestedError(f"Asked to stop while waiting for the answer to {what}; {self._state()}")
 
-    def _check(self, what: str, waited_s: float, rivals_s: float) -> None:
+    def _check(self, what: str, waited_s: float, rivals_s: float, absent_s: float) -> None:
         """Raise where the wait has lasted too long, report where it lasts."""
+        if absent_s > self._patience.leave_s and self._may_leave():
+            raise PeerGoneError(f"No answer to {what}; {self._state()}")
         if rivals_s > self._patience.rival_s:
             raise PeerError(f"Expected {self.peer} to be one process, to ask it for {what}; {self._state()}")
         if waited_s > self._patience.deadline_s:

@@ -7,7 +7,7 @@ from legpush.messages.stepping import Motion, Outcome, Reset
 
 
 class BusWorld:
-    """A simulator on the bus, which may die at any time: the one that takes its name is led to the same state.
+    """A simulator on the bus, which may die at any time: the one that takes its place is led to the same state.
 
     An episode is never truncated for that. Its past motions are all that it takes to do it again, bit for bit, so what
     a learner sees does not depend on whether a simulator died. In the same way two worlds may share a link, one at a
@@ -15,11 +15,14 @@ class BusWorld:
     """
 
     def __init__(self, link: SimLink) -> None:
-        self.name = link.sim
-        """Of the simulator."""
         self._link = link
         self._past: list[PastStep] = []
         self._episode = -1
+
+    @property
+    def name(self) -> str:
+        """Name of the simulator."""
+        return self._link.sim
 
     def beside(self) -> "BusWorld":
         """Another world of the same simulator."""

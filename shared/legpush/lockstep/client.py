@@ -3,14 +3,16 @@
 import logging
 import threading
 from collections.abc import Mapping, Sequence
+from functools import partial
 from time import time_ns
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from legpush.bounds import MAX_COUNT
 from legpush.bus import channels
 from legpush.bus.bus import Bus
 from legpush.bus.exchange import Exchange, OnWait, no_report
-from legpush.errors import BrokenEpisodeError, DivergedError, MotionError, PeerError
+from legpush.bus.ports import Publisher
+from legpush.errors import BrokenEpisodeError, DivergedError, MotionError, PeerError, PeerGoneError
 from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Answer, Motion, Outcome, Refusal
 from legpush.messages.telemetry import Reward, RewardTerm
@@ -26,8 +28,39 @@ class PastStep(NamedTuple):
     state_crc: int
 
 
+class Spares(Protocol):
+    """Simulators that nobody asks yet."""
+
+    def any(self) -> bool:
+        """Return whether there is one."""
+        ...
+
+    def take(self, lost: str) -> str | None:
+        """Return the name of one that is asked in the place of `lost` from now on; None if there is none any more."""
+        ...
+
+
+class NoSpares:
+    """There is one simulator, and what takes its name is in its place."""
+
+    def any(self) -> bool:
+        """Return whether there is one."""
+        return False
+
+    def take(self, _: str) -> None:
+        """Return None, as there is none."""
+
+
+class _End(NamedTuple):
+    """What a link has for one simulator."""
+
+    exchange: Exchange[Answer]
+    actions: Publisher[Action]
+    rewards: Publisher[Reward]
+
+
 class SimLink:
-    """Asks one simulator by name, one action at a time.
+    """Asks one simulator by name, one action at a time; one that is gone is replaced by a spare one.
 
     Episodes are numbered by the clock when they begin, in milliseconds, so that two agents never mean different
     episodes by one number, and a later episode has the higher number.
@@ -41,17 +74,40 @@ class SimLink:
         stop: threading.Event,
         patience: Patience | None = None,
         on_wait: OnWait = no_report,
+        spares: Spares | None = None,
     ) -> None:
-        self.sim = sim
         self._bus = bus
-        answers = bus.subscribe(channels.answers(bus.run, sim))
-        self._actions = bus.publisher(channels.actions(bus.run, sim))
-        self._rewards = bus.publisher(channels.rewards(bus.run, sim))
         self._stop = stop
         self._patience = patience or Patience()
-        self._exchange: Exchange[Answer] = Exchange(bus, answers, ("sim", sim), self._patience, stop, on_wait)
+        self._on_wait = on_wait
+        self._spares = spares or NoSpares()
+        self._ends: dict[str, _End] = {}
+        """By the name of the simulator; one that was left may be needed again."""
+        self._ask_from_now_on(sim)
         self._in_step: str | None = None
         self.episode = -1
+
+    def _ask_from_now_on(self, sim: str) -> None:
+        self.sim = sim
+        if sim not in self._ends:
+            bus = self._bus
+            self._ends[sim] = _End(
+                exchange=Exchange(
+                    bus,
+                    bus.subscribe(channels.answers(bus.run, sim)),
+                    ("sim", sim),
+                    self._patience,
+                    self._stop,
+                    self._on_wait,
+                    may_leave=self._spares.any,
+                ),
+                actions=bus.publisher(channels.actions(bus.run, sim)),
+                rewards=bus.publisher(channels.rewards(bus.run, sim)),
+            )
+
+    @property
+    def _exchange(self) -> Exchange[Answer]:
+        return self._ends[self.sim].exchange
 
     def begin(self, episode: int | None = None) -> int:
         """Begin a new episode, or go on with the one that has this number; returns the number.
@@ -109,7 +165,7 @@ class SimLink:
                 terms=tuple(RewardTerm(name=name, value=value) for name, value in terms.items()),
             )
 
-        self._rewards.send(build)
+        self._ends[self.sim].rewards.send(build)
 
     def _lead(self, past: Sequence[PastStep], refusal: Refusal) -> None:
         """Bring the simulator that refused to the state after `past`, in an episode that is new to it."""
@@ -163,6 +219,13 @@ class SimLink:
         def fits(answer: Answer) -> bool:
             return (answer.agent_incarnation, answer.episode, answer.step) == (self._bus.incarnation, episode, step)
 
-        return self._exchange.ask(
-            f"step {step} ({type(motion).__name__.lower()})", lambda: self._actions.send(build), fits
-        )
+        what = f"step {step} ({type(motion).__name__.lower()})"
+        while True:
+            end = self._ends[self.sim]
+            try:
+                return end.exchange.ask(what, partial(end.actions.send, build), fits)
+            except PeerGoneError as gone:
+                spare = self._spares.take(self.sim)
+                if spare is not None:
+                    log.warning("%s Its place takes sim/%s.", gone, spare)
+                    self._ask_from_now_on(spare)

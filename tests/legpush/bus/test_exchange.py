@@ -11,14 +11,14 @@ from msgspec.structs import replace
 from legpush.bus.exchange import Exchange
 from legpush.bus.liveliness import Liveliness
 from legpush.bus.tally import Tally
-from legpush.errors import PeerError, StopRequestedError
+from legpush.errors import PeerError, PeerGoneError, StopRequestedError
 from legpush.messages.common import Role
 from legpush.messages.stepping import Answer, Refusal
 from legpush.patience import Patience
 from tests.legpush.examples import MESSAGES
 from tests.legpush.fakes import Clock
 
-PATIENCE = Patience(deadline_s=10.0, resend_s=0.25, resend_at_most_s=1.0, max_restarts=2, rival_s=3.0)
+PATIENCE = Patience(deadline_s=10.0, resend_s=0.25, resend_at_most_s=1.0, max_restarts=2, leave_s=4.0, rival_s=3.0)
 ANSWER = MESSAGES["refusal"]
 
 
@@ -34,6 +34,7 @@ class Table:
         self.inbox: list[Answer] = []
         self.events: list[tuple[float, Callable[[], object]]] = []
         self.stop = Event()
+        self.somebody_else = False
         self._sequences = count()
         self.exchange: Exchange[Answer] = Exchange(
             self,  # type: ignore[arg-type]
@@ -43,6 +44,7 @@ class Table:
             self.stop,
             self.waits.append,
             self.clock,
+            lambda: self.somebody_else,
         )
 
     def follow(self, role: Role, name: str | None) -> None:
@@ -256,3 +258,23 @@ def test_a_wait_ends_when_the_process_is_asked_to_stop(table: Table) -> None:
     table.at(1.0, table.stop.set)
     with pytest.raises(StopRequestedError, match="waiting for the answer to step 9; sim/main is not there"):
         table.ask()
+
+
+def test_a_peer_that_is_gone_is_left_once_there_is_somebody_else(table: Table) -> None:
+    table.token("a")
+    table.at(2.0, partial(table.token, "a", alive=False))
+    table.at(7.0, partial(setattr, table, "somebody_else", True))
+
+    with pytest.raises(PeerGoneError, match=r"No answer to step 9; sim/main is frozen or cut off"):
+        table.ask()
+    assert table.clock.now_s == pytest.approx(107.0, abs=0.1)
+
+
+def test_a_peer_that_is_gone_for_a_moment_or_only_slow_is_not_left(table: Table) -> None:
+    table.somebody_else = True
+    table.token("a")
+    table.at(2.0, partial(table.token, "a", alive=False))
+    table.at(5.0, partial(table.token, "a"))
+    table.at(9.5, partial(table.answer, "a"))
+
+    assert table.ask().step == 9
