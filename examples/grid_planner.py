@@ -23,7 +23,7 @@ import msgpack
 import zenoh
 from box_paths import plan_box
 
-VERSION = 9
+VERSION = 10
 LATTICE_M, WAYPOINT_M, CHECK_M = 0.1, 0.05, 0.025  # steps of A*, of a path, and of its check
 
 

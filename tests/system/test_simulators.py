@@ -16,9 +16,10 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_env_sb3
 
+from agent_proc.joining import joined_simulators
 from agent_proc.learning.env import PushEnv
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.simulators import joined_simulators, own_simulators
+from agent_proc.simulators import own_simulators
 from legpush.bus.endpoints import Endpoints, in_directory
 from legpush.errors import ConfigError, PeerError, StopRequestedError
 from legpush.lockstep.local import LocalWorld

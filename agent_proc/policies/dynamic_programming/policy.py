@@ -79,10 +79,10 @@ class DynamicProgramming:
 
 
 def _first(n_pushes: tuple[int, int], mirror: Floats, depth_m: Floats) -> Flags:
-    """Which pushes may be the next one at a face that FL and FR have pushed so often, (n,).
+    """Which pushes may be the next one, (n,), after these numbers of pushes of FL and FR at the face.
 
-    The first push is shallow, and so is that of the other leg, which comes second: where a leg may not turn the box
-    back, a box that is turned too far by the other one never reaches its goal.
+    The first push of each leg is shallow, and that of the other leg comes second. One leg may not be able to turn the
+    box back, and that has to be known before the other leg has turned it too far.
     """
     if 0 not in n_pushes:
         return np.ones(len(depth_m), dtype=bool)

@@ -85,7 +85,7 @@ class Bus:
             listing(self.endpoints.connect),
         )
         self._open_taps()
-        everybody = keys.liveliness(self.run, "*", "*", "*")
+        everybody = keys.liveliness_of_any_version(self.run, "*", "*", "*")
         self._closing.callback(self._session.watch_tokens(everybody, self._take_token))
         if self.endpoints.credentials is not None:
             self._watch_links(self.endpoints.credentials)
@@ -143,8 +143,9 @@ class Bus:
                 header = message.header
                 if channel.is_copied:
                     self.taps.note_message(header, key, payload)
-                doing = message.phase if isinstance(message, Status) else None
-                self.liveliness.note_message(header.role, header.name, header.incarnation, doing)
+                self.liveliness.note_message(header.role, header.name, header.incarnation)
+                if isinstance(message, Status):
+                    self.liveliness.note_status(message)
                 put(message)
 
         def refuse_damaged(key: str) -> None:
@@ -193,6 +194,9 @@ class Bus:
             self.tally.add(error.cause, f"{key}: {error}")
             return
         if token.incarnation == self.incarnation:
+            return
+        if token.protocol != PROTOCOL_VERSION:
+            self.liveliness.note_other_version(token.role, token.name, token.incarnation, token.protocol, alive)
             return
         self.liveliness.note_token(token.role, token.name, token.incarnation, alive)
         if token.role == "recorder" and self.role != "recorder":

@@ -1,15 +1,24 @@
 """The key space: `legpush/v<protocol version>/<run>/...`, one key per message type and peer."""
 
+import re
+from typing import Final
+
 from msgspec import Struct
 
+from legpush.errors import MessageError
 from legpush.fields import Name
 from legpush.messages import codec
 from legpush.messages.common import PROTOCOL_VERSION, Role
 
+APPLICATION: Final = "legpush"
+TOKEN_KEY: Final = re.compile(
+    rf"{APPLICATION}/v(?P<protocol>\d{{1,9}})/[^/]+/live/(?P<role>[^/]+)/(?P<name>[^/]+)/(?P<incarnation>[^/]+)"
+)
+
 
 def prefix(run: str) -> str:
     """What every key of a run begins with."""
-    return f"legpush/v{PROTOCOL_VERSION}/{run}"
+    return f"{APPLICATION}/v{PROTOCOL_VERSION}/{run}"
 
 
 def plan_request(run: str, client: str) -> str:
@@ -62,19 +71,27 @@ def liveliness(run: str, role: Role | str, name: str, incarnation: str) -> str:
     return f"{prefix(run)}/live/{role}/{name}/{incarnation}"
 
 
+def liveliness_of_any_version(run: str, role: Role | str, name: str, incarnation: str) -> str:
+    """The same, whatever protocol the process speaks: one that cannot be talked to can still be named."""
+    return f"{APPLICATION}/*/{run}/live/{role}/{name}/{incarnation}"
+
+
 class Token(Struct, frozen=True, kw_only=True):
     """What a liveliness key says."""
 
+    protocol: int
     role: Role
     name: Name
     incarnation: Name
 
 
 def parse_token(key: str) -> Token:
-    """Parse the last three segments of a liveliness key.
+    """Parse a liveliness key.
 
     Raises:
-        MessageError: They name no process.
+        MessageError: It names no process.
     """
-    role, name, incarnation = key.split("/")[-3:]
-    return codec.convert({"role": role, "name": name, "incarnation": incarnation}, Token)
+    match = TOKEN_KEY.fullmatch(key)
+    if match is None:
+        raise MessageError(f"expected {TOKEN_KEY.pattern}, got {key}")
+    return codec.convert({**match.groupdict(), "protocol": int(match["protocol"])}, Token)

@@ -1,12 +1,16 @@
 """Who is there: the incarnations of every peer, whether they live, and when each was last heard."""
 
+import logging
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import monotonic
 from typing import Final
 
-from legpush.messages.common import Role
+from legpush.messages.common import PROTOCOL_VERSION, Role
+from legpush.messages.telemetry import Status
+
+log = logging.getLogger(__name__)
 
 LEASE_S: Final = 2.0
 """A link on which nothing came for this long is given up."""
@@ -29,6 +33,8 @@ class Sighting:
     gone_at: float | None = None
     doing: str = ""
     """What it last said it was doing."""
+    numerics: str | None = None
+    """With which numerics it said that it computes; None before its first status."""
 
 
 class Liveliness:
@@ -38,6 +44,8 @@ class Liveliness:
         self._clock = clock
         self._lock = threading.Lock()
         self._sightings: dict[tuple[Role, str, str], Sighting] = {}
+        self._other_versions: dict[tuple[Role, str, str], int] = {}
+        """Protocols of processes that speak another one."""
 
     def note_token(self, role: Role, name: str, incarnation: str, alive: bool) -> None:
         """Note that a liveliness token came up or went down."""
@@ -47,13 +55,31 @@ class Liveliness:
             sighting.n_links += alive
             sighting.gone_at = None if alive else self._clock()
 
-    def note_message(self, role: Role, name: str, incarnation: str, doing: str | None = None) -> None:
-        """Note that a valid message of this sender came in, and what it is `doing` if the message says so."""
+    def note_message(self, role: Role, name: str, incarnation: str) -> None:
+        """Note that a valid message of this sender came in."""
         with self._lock:
-            sighting = self._sighting(role, name, incarnation)
-            sighting.heard_at = self._clock()
-            if doing is not None:
-                sighting.doing = doing
+            self._sighting(role, name, incarnation).heard_at = self._clock()
+
+    def note_status(self, status: Status) -> None:
+        """Note what a process says of itself."""
+        with self._lock:
+            header = status.header
+            sighting = self._sighting(header.role, header.name, header.incarnation)
+            sighting.doing, sighting.numerics = status.phase, status.numerics
+
+    def note_other_version(self, role: Role, name: str, incarnation: str, protocol: int, alive: bool) -> None:
+        """Note that a process came or went that speaks another protocol, so that nobody here can talk to it."""
+        with self._lock:
+            if alive:
+                log.warning("%s/%s speaks protocol %d, this process %d", role, name, protocol, PROTOCOL_VERSION)
+                self._other_versions[role, name, incarnation] = protocol
+            else:
+                self._other_versions.pop((role, name, incarnation), None)
+
+    def other_versions(self, role: Role, name: str | None = None) -> dict[str, int]:
+        """Return the protocols that live processes speak to which nobody here can talk, by their names."""
+        with self._lock:
+            return self._of_other_versions(role, name)
 
     def live(self, role: Role | None = None, name: str | None = None) -> list[Sighting]:
         """Those that are alive, of this role and name if given; copies, in the order in which they were first seen."""
@@ -81,6 +107,8 @@ class Liveliness:
                 said = f', it says "{living[0].doing}"' if living[0].doing else ""
                 return f"slow: it is alive, {self._last_heard(living[0])}{said}"
             if not matching:
+                for protocol in self._of_other_versions(role, name).values():
+                    return f"of another version: it speaks protocol {protocol}, expected {PROTOCOL_VERSION}"
                 return "not there: it has not been seen yet"
             return self._describe_gone(matching[-1])
 
@@ -100,6 +128,10 @@ class Liveliness:
 
     def _matching(self, role: Role | None, name: str | None) -> list[Sighting]:
         return [s for s in self._sightings.values() if role in (None, s.role) and name in (None, s.name)]
+
+    def _of_other_versions(self, role: Role, name: str | None) -> dict[str, int]:
+        found = self._other_versions.items()
+        return {own: protocol for (of, own, _), protocol in found if of == role and name in (None, own)}
 
     def _sighting(self, role: Role, name: str, incarnation: str) -> Sighting:
         """The entry of this incarnation, newly made and old ones forgotten where needed.

@@ -22,7 +22,9 @@ Said = tuple[str, float | None, str, str]
 class StatusBeacon:
     """Publishes the status of a process: when it changes, and every `PERIOD_S` as a heartbeat, on its own thread."""
 
-    def __init__(self, bus: Bus, phase: str = "idle") -> None:
+    def __init__(self, bus: Bus, phase: str = "idle", numerics: str = "") -> None:
+        """Begin with `phase`. A simulator says with which `numerics` it computes."""
+        self._numerics = numerics
         self._publisher = bus.publisher(channels.statuses(bus.run, bus.role, bus.name))
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._beat, name="status", daemon=True)
@@ -61,4 +63,11 @@ class StatusBeacon:
 
     def _status(self, header: Header) -> Status:
         phase, fraction, detail, waiting_for = self._published
-        return Status(header=header, phase=phase, fraction=fraction, detail=detail, waiting_for=waiting_for)
+        return Status(
+            header=header,
+            phase=phase,
+            fraction=fraction,
+            detail=detail,
+            waiting_for=waiting_for,
+            numerics=self._numerics,
+        )

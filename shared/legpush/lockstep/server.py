@@ -19,6 +19,7 @@ from legpush.lockstep.carry_out import carry_out, kind_of
 from legpush.lockstep.simulator import Stepper
 from legpush.messages.common import Header
 from legpush.messages.stepping import Action, Motion, Observation, Outcome, Refusal, Reset
+from legpush.numerics.computed_with import computing_with
 
 log = logging.getLogger(__name__)
 
@@ -159,7 +160,7 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
     actions = bus.subscribe(channels.actions(bus.run, bus.name))
     answers = bus.publisher(channels.answers(bus.run, bus.name))
     guard = StepGuard(stepper, lambda name, incarnation: bus.liveliness.is_live("agent", name, incarnation))
-    with StatusBeacon(bus) as beacon:
+    with StatusBeacon(bus, numerics=computing_with()) as beacon:
         bus.announce()
         waiting: list[Action] = []
         while not stop.is_set():

@@ -7,8 +7,8 @@ from msgspec import Struct
 from legpush.bounds import Count
 from legpush.fields import Name
 
-PROTOCOL_VERSION: Final = 9
-READABLE_VERSIONS: Final = (6, 7, 8, 9)
+PROTOCOL_VERSION: Final = 10
+READABLE_VERSIONS: Final = (6, 7, 8, 9, 10)
 """Protocol versions of recordings that can be read: each message of an older one is one of the present version."""
 
 Role = Literal["planner", "sim", "agent", "launcher", "recorder"]

@@ -10,7 +10,7 @@ from legpush.messages.common import Header, Role
 
 
 class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a process is doing, for people; the protocol does not depend on it."""
+    """What a process is doing, for people, and what a simulator computes with, for those who join it."""
 
     header: Header
     phase: str
@@ -21,6 +21,8 @@ class Status(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The same in more words, such as how far the robot has walked."""
     waiting_for: str = ""
     """The peer that the process waits for; empty if it does not wait."""
+    numerics: str = ""
+    """What a simulator computes with, such as `x86-64-v3/1a2b3c4d, motions 4`: equal ones lead to equal states."""
 
 
 class RewardTerm(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -33,6 +33,11 @@ class ComputedWith(NamedTuple):
         return f"other numerics: recorded with {self.numerics or 'numerics that were not noted'}, here {here}"
 
 
+def computing_with() -> str:
+    """Return what this process computes with, in words: equal ones lead equal motions to equal states."""
+    return f"{current().name}, {MOTIONS} {MOTION_VERSION}"
+
+
 def computed_with(versions: Mapping[str, str | None]) -> ComputedWith:
     """Return what the versions of a report, journal or training say."""
     return ComputedWith(versions.get(MOTIONS), versions.get(NUMERICS))

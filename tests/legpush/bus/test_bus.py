@@ -136,6 +136,16 @@ def test_a_token_that_names_no_process_is_counted(network: MemoryNetwork, strang
         assert sim.liveliness.live() == []
 
 
+def test_a_peer_of_another_version_is_named_and_cannot_be_asked(
+    network: MemoryNetwork, stranger: MemorySession, caplog: pytest.LogCaptureFixture
+) -> None:
+    with network.bus("agent") as agent:
+        stranger.show_token(f"legpush/v{PROTOCOL_VERSION - 1}/{RUN}/live/sim/main/a")
+        assert agent.liveliness.live() == []
+        assert agent.liveliness.describe("sim", "main").startswith("of another version")
+    assert f"sim/main speaks protocol {PROTOCOL_VERSION - 1}, this process {PROTOCOL_VERSION}" in caplog.text
+
+
 def test_what_a_peer_says_of_itself_is_known_once_its_status_is_followed(network: MemoryNetwork) -> None:
     with network.bus("agent") as agent, network.bus("sim") as sim:
         telling = sim.publisher(channels.statuses(RUN, "sim", "main"))

@@ -22,7 +22,13 @@ def test_no_two_kinds_of_messages_share_a_key() -> None:
 
 def test_a_liveliness_key_names_its_process() -> None:
     token = keys.parse_token(keys.liveliness("r", "sim", "main", "0a1b2c"))
-    assert (token.role, token.name, token.incarnation) == ("sim", "main", "0a1b2c")
+    assert (token.protocol, token.role, token.name, token.incarnation) == (PROTOCOL_VERSION, "sim", "main", "0a1b2c")
+
+
+@pytest.mark.parametrize("key", ["legpush/v/r/live/sim/main/a", "legpush/vx/r/live/sim/main/a", "sim/main/a", "a"])
+def test_a_key_of_no_token_is_refused(key: str) -> None:
+    with pytest.raises(MessageError):
+        keys.parse_token(key)
 
 
 @pytest.mark.parametrize(("role", "name"), [("ghost", "main"), ("sim", "a b"), ("sim", "*")])

@@ -1,9 +1,12 @@
 """Who is there, and in which state, as liveliness tokens and messages tell it."""
 
 import pytest
+from msgspec.structs import replace
 
 from legpush.bus.liveliness import KEEP_GONE, LEASE_S, Liveliness
-from legpush.messages.common import Role
+from legpush.messages.common import PROTOCOL_VERSION, Role
+from legpush.messages.telemetry import Status
+from tests.legpush.examples import MESSAGES
 from tests.legpush.fakes import Clock
 
 
@@ -19,6 +22,14 @@ def liveliness(clock: Clock) -> Liveliness:
     return Liveliness(clock)
 
 
+def status_of(incarnation: str, phase: str, numerics: str = "") -> Status:
+    """What the simulator `main` says of itself."""
+    status = MESSAGES["status"]
+    assert isinstance(status, Status)
+    header = replace(status.header, role="sim", name="main", incarnation=incarnation)
+    return replace(status, header=header, phase=phase, numerics=numerics)
+
+
 def test_a_peer_that_never_came_is_not_there(liveliness: Liveliness) -> None:
     assert liveliness.describe("sim", "main") == "not there: it has not been seen yet"
     assert liveliness.live("sim", "main") == []
@@ -27,7 +38,8 @@ def test_a_peer_that_never_came_is_not_there(liveliness: Liveliness) -> None:
 def test_a_live_peer_that_does_not_answer_is_slow(liveliness: Liveliness, clock: Clock) -> None:
     liveliness.note_token("sim", "main", "a", alive=True)
     assert liveliness.describe("sim", "main") == "slow: it is alive, no message from it yet"
-    liveliness.note_message("sim", "main", "a", "stepping")
+    liveliness.note_message("sim", "main", "a")
+    liveliness.note_status(status_of("a", "stepping"))
     clock.now_s += 1.5
     assert liveliness.describe("sim", "main") == 'slow: it is alive, last heard 1.5 s ago, it says "stepping"'
 
@@ -82,3 +94,22 @@ def test_a_token_of_another_role_or_name_says_nothing_about_an_incarnation(livel
         assert not liveliness.is_live(role, name, "a")
     assert liveliness.is_live("agent", "main", "a")
     assert not liveliness.is_live("agent", "main", "b")
+
+
+def test_a_peer_of_another_version_is_named_but_not_there(liveliness: Liveliness) -> None:
+    liveliness.note_other_version("sim", "main", "a", PROTOCOL_VERSION + 1, alive=True)
+    assert liveliness.live() == []
+    assert liveliness.other_versions("sim") == {"main": PROTOCOL_VERSION + 1}
+    words = f"of another version: it speaks protocol {PROTOCOL_VERSION + 1}, expected {PROTOCOL_VERSION}"
+    assert liveliness.describe("sim", "main") == liveliness.describe("sim") == words
+    assert liveliness.describe("sim", "other") == "not there: it has not been seen yet"
+
+    liveliness.note_other_version("sim", "main", "a", PROTOCOL_VERSION + 1, alive=False)
+    assert liveliness.describe("sim", "main") == "not there: it has not been seen yet"
+
+
+def test_what_a_simulator_computes_with_is_known_from_its_status(liveliness: Liveliness) -> None:
+    liveliness.note_token("sim", "main", "a", alive=True)
+    assert [peer.numerics for peer in liveliness.live("sim")] == [None]
+    liveliness.note_status(status_of("a", "idle", "x86-64-v3/1a2b3c4d, motions 4"))
+    assert [peer.numerics for peer in liveliness.live("sim")] == ["x86-64-v3/1a2b3c4d, motions 4"]

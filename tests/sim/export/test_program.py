@@ -72,9 +72,10 @@ def empty(_: bytes) -> bytes:
 
 def other_version(data: bytes) -> bytes:
     """The length of the words stays; the MCAP reader looks at no CRC of them."""
-    protocol = b"protocol\x01\x00\x00\x00" + str(PROTOCOL_VERSION).encode()
-    assert data.count(protocol) == 1
-    return data.replace(protocol, protocol[:-1] + b"4")
+    here, before = str(PROTOCOL_VERSION), "04"
+    written, changed = (b"protocol" + len(here).to_bytes(4, "little") + text.encode() for text in (here, before))
+    assert data.count(written) == 1
+    return data.replace(written, changed)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +84,7 @@ def other_version(data: bytes) -> bytes:
         (cut, "expected a whole recording, got one that is cut off or damaged at byte"),
         (foreign, "expected a recording, an MCAP file, got one that begins with"),
         (empty, "expected a recording, an MCAP file, got an empty file"),
-        (other_version, "expected a recording of protocol version 6, 7, 8 or 9, got one of 4"),
+        (other_version, "expected a recording of protocol version 6, 7, 8, 9 or 10, got one of 04"),
     ],
 )
 @pytest.mark.parametrize("made", ["foxglove", "csv", "mp4"])

@@ -36,7 +36,7 @@ def _own(role: Role) -> tuple[str, str]:
 
 
 def _live(role: Role, name: str = ANY) -> str:
-    return keys.liveliness(ANY, role, name, ANY)
+    return keys.liveliness_of_any_version(ANY, role, name, ANY)
 
 
 RIGHTS: Final[Mapping[CertificateRole, Rights]] = {
@@ -86,8 +86,8 @@ RIGHTS: Final[Mapping[CertificateRole, Rights]] = {
 """What each role may say and hear."""
 OF_ALL: Final = (keys.status(ANY, ANY, ANY), keys.copies(ANY, ANY, ANY))
 """What a launcher and a recorder ask for: keys of all roles at once, so no rule for one role includes them."""
-EVERYBODY: Final = keys.liveliness(ANY, ANY, ANY, ANY)
-"""All tokens: every process sees who is there."""
+EVERYBODY: Final = keys.liveliness_of_any_version(ANY, ANY, ANY, ANY)
+"""All tokens: every process sees who is there, and who of another version is."""
 
 
 def access_control(names: Mapping[CertificateRole, Sequence[str]], own: CertificateRole = OF_ROUTERS) -> dict[str, Any]:

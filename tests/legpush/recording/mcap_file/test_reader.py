@@ -61,7 +61,7 @@ def test_an_mcap_file_of_another_program_is_refused(tmp_path: Path) -> None:
 def test_a_recording_of_another_protocol_version_is_refused(tmp_path: Path) -> None:
     file = RecordingFile(tmp_path / "a.mcap", {**ABOUT, "protocol": "5"})
     file.finish({})
-    with pytest.raises(RecordingError, match="expected a recording of protocol version 6, 7, 8 or 9, got one of 5"):
+    with pytest.raises(RecordingError, match="expected a recording of protocol version 6, 7, 8, 9 or 10, got one of 5"):
         read_recording(file.parts)
 
 
