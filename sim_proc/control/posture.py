@@ -79,8 +79,10 @@ class Posture:
         other.measure()
         return other
 
-    def require_reach(self, what: str, leg: int, trunk_xy_m: Floats, yaw_rad: Floats, curve_m: Floats) -> None:
-        """Check that a leg follows a curve (n, 3) to a radius of the foot from trunks (n, 2) and (n,).
+    def require_reach(
+        self, what: str, leg: int, trunk_xy_m: Floats, yaw_rad: Floats, curve_m: Floats, within_m: Floats
+    ) -> None:
+        """Check that a leg follows a curve (n, 3), to distances (n,), from trunks (n, 2) and (n,).
 
         `what` names the curve in the error.
 
@@ -96,7 +98,7 @@ class Posture:
             tips_h,
             float(SIDE[leg]),
             margin_deg=self.plant.robot.pushing.reach_margin_deg,
-            within_m=self.plant.robot.legs.foot_radius_m,
+            within_m=within_m,
         )
 
     def stand(self, n_ticks: int) -> TickLog:

@@ -6,7 +6,7 @@ corner of the foot rectangle of a robot that stands ready for the next push.
 A heavy box is pushed more slowly along the same curve, and the force that it takes is fed forward to all feet.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import cos, hypot, radians, sin, sqrt
 from typing import Final
@@ -38,6 +38,8 @@ RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", 
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
 MIRRORED: Final = np.array([1.0, -1.0, 1.0])
 """Signs by which a vector becomes its mirror image."""
+ON_ITS_WAY_M: Final = 0.05
+"""A folded leg may pass this far from the curve of a push before its foot comes to the box: it touches nothing."""
 CURVE: Final = np.linspace(0.0, 1.0, 201)
 """Parameters at which a curve is searched for the place where the foot meets the box."""
 
@@ -98,7 +100,8 @@ class Pusher:
             *self._return_steps(push.leg, behind_box(box, pose @ expected, robot.station_m))[:2],
         ]
         swing = self._bezier_swing(push, weights, goal, None if force is None else pose.yaw_rad)
-        planned = self._steps.require_reach("the curve of a push", ahead, swing)
+        within = self._may_be_off(goal, pose.yaw_rad, push.depth_m)
+        planned = self._steps.require_reach("the curve of a push", ahead, swing, within)
         logs = [self._steps.take_step(ahead, swing, lands=False, planned=planned)]
         peak = float(np.linalg.norm(logs[0].box_forces_n[:, leg], axis=1).max())
         if not plant.fallen and not self._steps.captured:
@@ -246,6 +249,16 @@ class Pusher:
             return bezier(points, heavy_way(motion, float(meets)))
 
         return curve
+
+    def _may_be_off(self, goal_m: Floats, yaw_rad: float, depth_m: float) -> Callable[[Floats], Floats]:
+        """How far from its curve a foot may be: at the box by its radius, and farther where it is still on its way."""
+        radius_m = self._robot.legs.foot_radius_m
+
+        def within_m(curve_m: Floats) -> Floats:
+            to_goal_m = _turned(goal_m - curve_m, -yaw_rad)[:, 0]
+            return np.where(to_goal_m > depth_m + radius_m, ON_ITS_WAY_M, radius_m)
+
+        return within_m
 
     def _return_swing(self, target_m: Floats) -> Swing:
         """A swing from the box back and down to the marker."""

@@ -1,6 +1,6 @@
 """The motion of one step: the centre of mass is planned over the steps ahead, and trunk and feet follow."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
@@ -113,10 +113,12 @@ class StepMotion:
         posture.yaw_rate_rad_s = float(yaw_rate[last])
         return log
 
-    def require_reach(self, what: str, ahead: Sequence[Step], swing: Swing) -> Planned:
+    def require_reach(
+        self, what: str, ahead: Sequence[Step], swing: Swing, within_m: Callable[[Floats], Floats]
+    ) -> Planned:
         """Plan `ahead[0]`, and check that its leg follows its whole swing, with the trunk moving so. Nothing moves.
 
-        `what` names the swing in the error.
+        `what` names the swing in the error, and `within_m` says how far from its points (n, 3) the foot may be, (n,).
 
         Raises:
             MotionError: It does not.
@@ -127,7 +129,8 @@ class StepMotion:
         leg, air = LEGS.index(step.leg or LEGS[0]), slice(step.shift_ticks, step.n_ticks)
         yaw, _ = turn(posture.yaw_rad, posture.yaw_rate_rad_s, step.end_yaw_rad, step.n_ticks)
         trunk = plan.position_m[air] - posture.com_offset_m
-        posture.require_reach(what, leg, trunk, yaw[air], swing(posture.feet_m[leg]))
+        curve_m = swing(posture.feet_m[leg])
+        posture.require_reach(what, leg, trunk, yaw[air], curve_m, within_m(curve_m))
         return step, plan
 
     def _touchdown(

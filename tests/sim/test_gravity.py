@@ -10,6 +10,7 @@ from legpush.arrays import Floats
 from legpush.geometry import Pose2
 from legpush.messages.poses import planar_pose
 from legpush.messages.stepping import Follow, Push, Reset, Trace, Walk
+from legpush.scene.conventions import BOX_QPOS
 from legpush.scene.scenario import Room, Scenario
 from sim_proc.gravity import GRAVITY_M_S2, gravity_m_s2
 from sim_proc.model.world import build_model
@@ -49,6 +50,13 @@ def test_on_a_slope_the_com_stands_uphill_of_where_it_stands_on_the_level(at_the
     assert 0.02 < shift_m < 0.06
 
 
+def test_deep_pushes_up_a_steep_slope_fold_the_leg_on_its_way_and_are_carried_out(at_the_box: Scenario) -> None:
+    scenario = replace(at_the_box, room=replace(at_the_box.room, slope_deg=10.0))
+    for trace in pushed(scenario, depth_m=0.1):
+        box_x_m = np.array(trace.qpos)[:, BOX_QPOS][:, 0]
+        assert box_x_m[-1] - box_x_m[0] > 0.05
+
+
 @pytest.mark.parametrize("uphill_deg", [0.0, 90.0, 270.0])
 def test_after_a_push_on_a_slope_the_trunk_is_where_it_would_be_on_the_level_although_it_leans_uphill(
     at_the_box: Scenario, uphill_deg: float
@@ -86,13 +94,13 @@ def after_a_push(scenario: Scenario) -> Floats:
     return (planar_pose(world.box).inverse() @ planar_pose(world.trunk)).xy()
 
 
-def pushed(scenario: Scenario) -> list[Trace]:
+def pushed(scenario: Scenario, depth_m: float = 0.05) -> list[Trace]:
     """What happens in a few push cycles."""
     simulator = Simulator()
     simulator.perform(Reset(scenario=scenario, seed=0), with_trace=False)
     traces = []
     for leg in ("FL", "FR", "FL"):
-        outcome = simulator.perform(Push(w1=0.5, w2=0.5, leg=leg, depth_m=0.05), with_trace=True)
+        outcome = simulator.perform(Push(w1=0.5, w2=0.5, leg=leg, depth_m=depth_m), with_trace=True)
         assert outcome.trace is not None
         traces.append(outcome.trace)
     return traces

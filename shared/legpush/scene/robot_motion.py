@@ -146,8 +146,8 @@ class PushMotion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tip_share: Unit = 0.8
     """Greatest height of the contact point, as a share of the height above which a box tips instead of sliding."""
     reach_margin_deg: ReachMargin = 1.0
-    """A push is refused if the pushing leg, with all its joints this far from their limits, would leave the curve by
-    more than the radius of its foot."""
+    """A push is refused if the pushing leg, with all its joints this far from their limits, would leave the curve at
+    the box by more than the radius of its foot."""
     contact_side_share: SideShare = 0.3
     """Distance of the contact point from the middle of the face, to the left (FL) or right (FR), as a share of the
     width of the box."""
