@@ -227,5 +227,5 @@ class SimLink:
             except PeerGoneError as gone:
                 spare = self._spares.take(self.sim)
                 if spare is not None:
-                    log.warning("%s Its place takes sim/%s.", gone, spare)
+                    log.warning("%s. Its place takes sim/%s.", gone, spare)
                     self._ask_from_now_on(spare)
