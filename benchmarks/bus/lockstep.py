@@ -7,7 +7,7 @@ is one of blocks of the same round. CPU is that of both ends. The numbers go to 
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,7 +20,7 @@ import tyro
 from agent_proc.statistics.intervals import median
 from agent_proc.statistics.paired import paired_ratio
 from benchmarks.bus import payloads
-from benchmarks.bus.transports import TRANSPORTS, Ask
+from benchmarks.bus.transports import ROUTED, TRANSPORTS, Ask, router_at
 from benchmarks.report import write_report
 from experiments.tables.parts import plain
 from legpush.authority.carry_out import begin
@@ -29,6 +29,8 @@ from legpush.bus.links.configuration import configuration
 from legpush.bus.session import publisher_settings
 
 SECURE: Final = ("legpush tcp", "legpush tls")
+PAIRS: Final = {"tls_over_tcp": ("legpush tls", "legpush tcp"), "over_zenoh_by_router": ROUTED}
+"""Further ratios, of which both ends differ from the lockstep between peers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,12 +106,23 @@ def opened(name: str, n_bytes: int) -> Iterator[tuple[Ask, int]]:
             begin(folder / "authority", ("host=127.0.0.1",), 90, 90)
             (folder / "host").symlink_to(folder / "authority" / "host")
         argv = [sys.executable, "-m", "benchmarks.bus.transports", name, scratch, str(n_bytes)]
-        with subprocess.Popen(argv) as answering:
+        with routing(folder) if name in ROUTED else nullcontext(), subprocess.Popen(argv) as answering:
             try:
                 with ask(name, folder) as asking:
                     yield asking, answering.pid
             finally:
                 answering.kill()
+
+
+@contextmanager
+def routing(folder: Path) -> Iterator[None]:
+    """Run a router; its ends wait for it."""
+    legpush = "import sys; from legpush.cli import main; sys.exit(main())"
+    with subprocess.Popen([sys.executable, "-c", legpush, "router", "-q", "--listen", router_at(folder)]) as router:
+        try:
+            yield
+        finally:
+            router.kill()
 
 
 def warmed_up(ask: Ask, seconds: float) -> int:
@@ -152,13 +165,12 @@ def reported(blocks: Mapping[str, list[Block]], n_bytes: int) -> dict[str, Any]:
     }
     for measure, values in by_round.items():
         for name in blocks:
-            if name != "legpush" and "legpush" in blocks and name not in SECURE:
+            if name != "legpush" and "legpush" in blocks and name not in (*SECURE, *ROUTED):
                 key = f"{measure.removesuffix('_us')}_over_{name}"
                 numbers[key] = plain(paired_ratio(values["legpush"], values[name]), 3)
-        if set(SECURE) <= set(blocks):
-            numbers[f"{measure.removesuffix('_us')}_tls_over_tcp"] = plain(
-                paired_ratio(values[SECURE[1]], values[SECURE[0]]), 3
-            )
+        for key, (above, below) in PAIRS.items():
+            if {above, below} <= set(blocks):
+                numbers[f"{measure.removesuffix('_us')}_{key}"] = plain(paired_ratio(values[above], values[below]), 3)
     return numbers
 
 

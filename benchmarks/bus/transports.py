@@ -17,7 +17,7 @@ from typing import Any, Final
 from benchmarks.bus import payloads
 from legpush.bus.bus import Bus
 from legpush.bus.channels import Quality
-from legpush.bus.endpoints import Endpoints, in_directory
+from legpush.bus.endpoints import Endpoints, by_router, in_directory
 from legpush.bus.secure.host_folder import read_credentials
 from legpush.bus.session import ZenohSession
 from legpush.lockstep.bus_world import BusWorld
@@ -29,14 +29,23 @@ from legpush.messages.stepping import Walk
 RUN: Final = "bench"
 LOCKSTEP: Final[Quality] = "lockstep"
 PORTS: Final = {"tcp": 17881, "tls": 17882}
+ROUTED: Final = ("legpush router", "zenoh router")
+"""Both ends of these are clients of a router."""
 GRPC_METHOD: Final = "/bench/step"
 
 Ask = Callable[[], int]
 """Asks once, waits for the answer, and returns its size; 0 if it is a record by then."""
 
 
+def router_at(folder: Path) -> str:
+    """Return the endpoint of the router."""
+    return f"unixsock-stream/{folder}/router.sock"
+
+
 def endpoints(name: str, folder: Path, role: Role) -> Endpoints:
     """Return where the two ends of legpush's or Zenoh's transport meet."""
+    if name in ROUTED:
+        return by_router((router_at(folder),))
     if name in ("legpush", "zenoh"):
         own = in_directory(folder, "sim").listen
         return Endpoints(listen=own) if role == "sim" else Endpoints(connect=own)
@@ -70,8 +79,8 @@ def answer_legpush(name: str, folder: Path, n_bytes: int) -> None:
 class ZenohEnd:
     """One end of Zenoh alone, with the settings of legpush's session: its publisher, its callback, a queue."""
 
-    def __init__(self, folder: Path, role: Role) -> None:
-        session: Any = ZenohSession(endpoints("zenoh", folder, role), role)
+    def __init__(self, name: str, folder: Path, role: Role) -> None:
+        session: Any = ZenohSession(endpoints(name, folder, role), role)
         said, heard = ("answer", "question") if role == "sim" else ("question", "answer")
         self._inbox: queue.Queue[bytes] = queue.Queue()
         self._publisher = session.declare_publisher(f"bench/{said}", LOCKSTEP)
@@ -92,8 +101,7 @@ class ZenohEnd:
 @contextmanager
 def ask_zenoh(name: str, folder: Path) -> Iterator[Ask]:
     """Zenoh alone."""
-    del name
-    end, question = ZenohEnd(folder, "agent"), payloads.question()
+    end, question = ZenohEnd(name, folder, "agent"), payloads.question()
 
     def ask() -> int:
         end.put(question)
@@ -112,8 +120,7 @@ def ask_zenoh(name: str, folder: Path) -> Iterator[Ask]:
 
 def answer_zenoh(name: str, folder: Path, n_bytes: int) -> None:
     """Answer with bytes."""
-    del name
-    end, payload = ZenohEnd(folder, "sim"), payloads.answer(n_bytes)
+    end, payload = ZenohEnd(name, folder, "sim"), payloads.answer(n_bytes)
     while True:
         end.get()
         end.put(payload)
@@ -222,7 +229,9 @@ TRANSPORTS: Final = {
     "legpush": (ask_legpush, answer_legpush, None),
     "legpush tcp": (ask_legpush, answer_legpush, None),
     "legpush tls": (ask_legpush, answer_legpush, None),
+    "legpush router": (ask_legpush, answer_legpush, None),
     "zenoh": (ask_zenoh, answer_zenoh, None),
+    "zenoh router": (ask_zenoh, answer_zenoh, None),
     "zeromq": (ask_zeromq, answer_zeromq, "zmq"),
     "grpc": (ask_grpc, answer_grpc, "grpc"),
     "pipe": (ask_pipe, answer_pipe, None),
