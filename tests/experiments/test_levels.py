@@ -78,6 +78,11 @@ def test_only_an_episode_that_the_policy_ended_within_the_tolerances_is_a_succes
     assert found["script"]["loss"]["value"] == pytest.approx((2 * 1 / 3 + 2 / 3 + 10.0) / 4, abs=1e-6)
 
 
+def test_a_start_is_solved_if_any_policy_succeeds_from_it() -> None:
+    assert levels.numbers_of(RIVALS, GOAL)["n_solved"] == 4
+    assert levels.numbers_of([row for row in RIVALS if row["policy"] in ("zero", "script")], GOAL)["n_solved"] == 3
+
+
 def test_a_policy_with_fewer_starts_is_compared_on_those() -> None:
     found = levels.numbers_of(RIVALS, GOAL)
 

@@ -139,12 +139,16 @@ def episodes_of(trainings: Sequence[Row]) -> list[Row]:
 
 
 def numbers_of(rows: Sequence[Row], goal: Goal) -> dict[str, Any]:
-    """Numbers of every policy on its starts, and what it has less than the best rival on the starts of both."""
+    """Numbers of every policy on its starts, and what it has less than the best rival on the starts of both.
+
+    A start is solved if any policy succeeded from it: of the others nobody knows whether they can be.
+    """
     contestants = {each.label: each for each in _contestants(rows)}
     entries = {label: _entry(rows, each, goal) for label, each in contestants.items()}
     best = contestants[_best_rival(list(entries.values()))]
     return {
         "n": _n_starts(rows),
+        "n_solved": _n_starts([row for row in rows if row["success"]]),
         "best_rival": best.label,
         "policies": {
             label: {**_of_entry(entry), "endings": _endings(rows, contestants[label])}
