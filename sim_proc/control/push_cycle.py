@@ -38,8 +38,9 @@ RESTEP_ORDER: Final[dict[FrontLeg, tuple[Leg, Leg, Leg]]] = {"FL": ("RR", "FR", 
 """Legs that step after the pushing one: the lateral sequence of the crawl, mirrored for the right side."""
 MIRRORED: Final = np.array([1.0, -1.0, 1.0])
 """Signs by which a vector becomes its mirror image."""
-ON_ITS_WAY_M: Final = 0.05
-"""A folded leg may pass this far from the curve of a push before its foot comes to the box: it touches nothing."""
+ON_ITS_WAY_RADII: Final = 2.5
+"""A folded leg may pass this many radii of its foot from the curve of a push before the foot comes to the box, where it
+touches nothing."""
 CURVE: Final = np.linspace(0.0, 1.0, 201)
 """Parameters at which a curve is searched for the place where the foot meets the box."""
 
@@ -256,7 +257,7 @@ class Pusher:
 
         def within_m(curve_m: Floats) -> Floats:
             to_goal_m = _turned(goal_m - curve_m, -yaw_rad)[:, 0]
-            return np.where(to_goal_m > depth_m + radius_m, ON_ITS_WAY_M, radius_m)
+            return np.where(to_goal_m > depth_m + radius_m, ON_ITS_WAY_RADII * radius_m, radius_m)
 
         return within_m
 

@@ -16,7 +16,7 @@ OF_NO_ROBOT = {
     "control/feedback/terrain.py": {"ALONG_FROM", "ALONG_UNTIL", "SLOW_TICKS"},
     "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
-    "control/push_cycle.py": {"MIRRORED", "CURVE"},
+    "control/push_cycle.py": {"MIRRORED", "ON_ITS_WAY_RADII", "CURVE"},
     "control/resistance.py": {"GAIN", "STRUCK_TICKS"},
     "control/step_motion.py": {"SHIFT_WEIGHT", "LAST_SHARE", "LIFTED_SHARE", "CAUTION", "TOLD_TICKS"},
     "control/steps.py": {"MOST_AGAIN", "UNLEVELLED"},
