@@ -36,7 +36,7 @@ Number = inspect.IntType | inspect.FloatType
 
 MESSAGE_SIZE_SUFFICES: Final = {
     # Texts for people, keys, and bytes: a process hands them on and does no work that grows with them.
-    *("Plan.reason", "Refusal.reason", "Status.phase", "Status.detail", "Status.waiting_for"),
+    *("Plan.reason", "Refusal.reason", "Status.phase", "Status.detail", "Status.waiting_for", "Status.numerics"),
     *("Copy.key", "Copy.payload", "Published.key", "Fact.media_type", "Fact.data"),
     # Batches for recorders, which pass over each entry once.
     *("Copies.copies", "Copies.published", "Copies.facts", "Reward.terms"),

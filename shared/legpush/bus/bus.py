@@ -197,6 +197,9 @@ class Bus:
             return
         if token.protocol != PROTOCOL_VERSION:
             self.liveliness.note_other_version(token.role, token.name, token.incarnation, token.protocol, alive)
+            if alive:
+                other = f"{token.role}/{token.name} speaks protocol {token.protocol}"
+                self.tally.add("version", f"{other}, this process {PROTOCOL_VERSION}")
             return
         self.liveliness.note_token(token.role, token.name, token.incarnation, alive)
         if token.role == "recorder" and self.role != "recorder":

@@ -93,5 +93,6 @@ def parse_token(key: str) -> Token:
     """
     match = TOKEN_KEY.fullmatch(key)
     if match is None:
-        raise MessageError(f"expected {TOKEN_KEY.pattern}, got {key}")
+        words = f"{APPLICATION}/v<protocol>/<run>/live/<role>/<name>/<incarnation>"
+        raise MessageError(f"expected {words}, got {key}")
     return codec.convert({**match.groupdict(), "protocol": int(match["protocol"])}, Token)

@@ -1,6 +1,5 @@
 """Who is there: the incarnations of every peer, whether they live, and when each was last heard."""
 
-import logging
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,12 +9,12 @@ from typing import Final
 from legpush.messages.common import PROTOCOL_VERSION, Role
 from legpush.messages.telemetry import Status
 
-log = logging.getLogger(__name__)
-
 LEASE_S: Final = 2.0
 """A link on which nothing came for this long is given up."""
 KEEP_GONE: Final = 16
 """How many incarnations that are gone are remembered, for error messages."""
+MOST_OTHERS: Final = 64
+"""How many processes that speak another protocol are remembered, for error messages."""
 
 
 @dataclass
@@ -70,11 +69,10 @@ class Liveliness:
     def note_other_version(self, role: Role, name: str, incarnation: str, protocol: int, alive: bool) -> None:
         """Note that a process came or went that speaks another protocol, so that nobody here can talk to it."""
         with self._lock:
-            if alive:
-                log.warning("%s/%s speaks protocol %d, this process %d", role, name, protocol, PROTOCOL_VERSION)
-                self._other_versions[role, name, incarnation] = protocol
-            else:
+            if not alive:
                 self._other_versions.pop((role, name, incarnation), None)
+            elif len(self._other_versions) < MOST_OTHERS:
+                self._other_versions[role, name, incarnation] = protocol
 
     def other_versions(self, role: Role, name: str | None = None) -> dict[str, int]:
         """Return the protocols that live processes speak to which nobody here can talk, by their names."""

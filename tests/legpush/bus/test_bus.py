@@ -143,6 +143,7 @@ def test_a_peer_of_another_version_is_named_and_cannot_be_asked(
         stranger.show_token(f"legpush/v{PROTOCOL_VERSION - 1}/{RUN}/live/sim/main/a")
         assert agent.liveliness.live() == []
         assert agent.liveliness.describe("sim", "main").startswith("of another version")
+        assert agent.tally.as_dict() == {"version": 1}
     assert f"sim/main speaks protocol {PROTOCOL_VERSION - 1}, this process {PROTOCOL_VERSION}" in caplog.text
 
 

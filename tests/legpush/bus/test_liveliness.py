@@ -3,7 +3,7 @@
 import pytest
 from msgspec.structs import replace
 
-from legpush.bus.liveliness import KEEP_GONE, LEASE_S, Liveliness
+from legpush.bus.liveliness import KEEP_GONE, LEASE_S, MOST_OTHERS, Liveliness
 from legpush.messages.common import PROTOCOL_VERSION, Role
 from legpush.messages.telemetry import Status
 from tests.legpush.examples import MESSAGES
@@ -113,3 +113,9 @@ def test_what_a_simulator_computes_with_is_known_from_its_status(liveliness: Liv
     assert [peer.numerics for peer in liveliness.live("sim")] == [None]
     liveliness.note_status(status_of("a", "idle", "x86-64-v3/1a2b3c4d, motions 4"))
     assert [peer.numerics for peer in liveliness.live("sim")] == ["x86-64-v3/1a2b3c4d, motions 4"]
+
+
+def test_a_flood_of_peers_of_another_version_does_not_fill_the_memory(liveliness: Liveliness) -> None:
+    for index in range(2 * MOST_OTHERS):
+        liveliness.note_other_version("sim", f"s{index}", "a", PROTOCOL_VERSION + 1, alive=True)
+    assert len(liveliness.other_versions("sim")) == MOST_OTHERS
