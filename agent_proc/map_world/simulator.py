@@ -1,19 +1,17 @@
 """A simulator without physics: a push moves the box as the response map says, and the robot stands at its station."""
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from math import cos, sin
 from pathlib import Path
 from struct import Struct
 from typing import Final
 from zlib import crc32
 
-import numpy as np
-from msgspec.structs import asdict, replace
-
+from agent_proc.map_world.effects import DrawnEffects, Effects, MeasuredEffects
 from agent_proc.map_world.random_pushes import Stance
 from agent_proc.map_world.response_map import ResponseMap, load_response_map
-from agent_proc.push_model.model import MIRROR
-from legpush.errors import ConfigError, MotionError, ScenarioError
+from legpush.errors import MotionError, ScenarioError
 from legpush.geometry import Point3, Pose2, wrap_angle
 from legpush.messages.stepping import (
     BoxState,
@@ -44,8 +42,6 @@ WALK_S: Final = 6.8
 WALK_S_PER_M: Final = 3.84
 """Duration of a walk around the box, and for each metre of its path, turns included: in the simulator, walks to a face
 beside the present one take 21.5 s and those to the opposite face 29 to 31 s."""
-RESIDUALS_KEY: Final = 1
-"""Sets the residuals of a seed apart from the offsets that the same seed draws."""
 NO_TICKS: Final = Trace(
     tick=(), qpos=(), roll_pitch_rad=(), tips_m=(), contact_forces_n=(), com_m=(), zmp_m=(), support_margin_m=()
 )
@@ -54,7 +50,7 @@ REST: Final = (0.0, 0.0, 0.0)
 
 
 class MapSimulator:
-    """Pushes the box of a response map. Nothing stops the box, and the robot never falls.
+    """Pushes a box without physics. Nothing stops the box, and the robot never falls.
 
     A walk ends after one gait cycle exactly at the end of its path, with the time that such walks take. What stands in
     the way is not noticed.
@@ -62,8 +58,13 @@ class MapSimulator:
     Start poses and residuals follow from the seed of the reset, so equal motions lead to equal states.
     """
 
-    def __init__(self, response_map: ResponseMap | Path | None = None, *, residuals: bool = True) -> None:
-        """Use a map, the one in a file, or the one of the default box; without `residuals`, pushes are mean ones.
+    def __init__(
+        self,
+        response_map: ResponseMap | Path | None = None,
+        *,
+        effects: Callable[[ResponseMap], Effects] = MeasuredEffects,
+    ) -> None:
+        """Use a map, the one in a file, or the one of the default box; `effects` makes what pushes do of it.
 
         Raises:
             ConfigError: The file cannot be used.
@@ -71,7 +72,7 @@ class MapSimulator:
         if not isinstance(response_map, ResponseMap):
             response_map = _default_map() if response_map is None else load_response_map(response_map)
         self._map = response_map
-        self._residuals = residuals
+        self._effects = effects(response_map)
         self._checked: Scenario | None = None
         self._scenario: Scenario | None = None
         self._seed = 0
@@ -109,7 +110,12 @@ class MapSimulator:
     def _reset(self, reset: Reset) -> None:
         scenario = reset.scenario
         if scenario is not self._checked:
-            self._require_described(scenario)
+            if n_obstacles := len(scenario.room.obstacles):
+                raise ScenarioError(
+                    f"{scenario.name}: expected a floor without obstacles for a world without physics, got "
+                    f"{n_obstacles} of them"
+                )
+            self._effects.require_described(scenario)
             self._checked = scenario
         self._scenario, self._seed = scenario, reset.seed
         if not drawn_reality(scenario.realism, reset.seed).ideal:
@@ -118,12 +124,13 @@ class MapSimulator:
                 f"`realism` with {', '.join(realism_table(scenario.realism))}"
             )
         self._trunk, self._box = drawn_poses(scenario, reset.seed)
+        self._box_height_m = scenario.box.size_m[2]
         self._stance = self._map.stances.start
         self._tick, self._n_pushes, self._n_footsteps = 0, 0, 0
         self._way, self._path = (), None
         self._is_fresh = True
         self._last_push: Push | None = None
-        self._normal = np.random.default_rng(np.random.SeedSequence(reset.seed, spawn_key=(RESIDUALS_KEY,)))
+        self._effects.begin(scenario, reset.seed)
 
     def _walk(self) -> None:
         """Come to the end of the path.
@@ -141,53 +148,13 @@ class MapSimulator:
         self._tick += round((WALK_S + WALK_S_PER_M * length_m) / CONTROL_PERIOD_S)
         self._n_footsteps += 4
 
-    def _require_described(self, scenario: Scenario) -> None:
-        """Require what the map was measured with (`ScenarioError`)."""
-        box, mine = replace(scenario.box, pose=self._map.box.pose), self._map.box
-        if box != mine:
-            was, expected = asdict(box), asdict(mine)
-            differing = [name for name in was if was[name] != expected[name]]
-            raise ScenarioError(
-                f"{scenario.name}: expected the box of the response map, "
-                f"{', '.join(f'{name} {expected[name]}' for name in differing)}, got "
-                f"{', '.join(f'{name} {was[name]}' for name in differing)}; `legpush calibrate --random-pushes` "
-                "measures another box"
-            )
-        if scenario.robot != self._map.robot:
-            raise ScenarioError(f"{scenario.name}: expected the robot of the response map, got another one")
-        if scenario.room.slope_deg != 0.0 or scenario.room.obstacles:
-            raise ScenarioError(
-                f"{scenario.name}: expected a level floor without obstacles for a world without physics, got a slope "
-                f"of {scenario.room.slope_deg:g}° and {len(scenario.room.obstacles)} obstacles"
-            )
-
     def _push(self, scenario: Scenario, push: Push) -> None:
         robot, before = scenario.robot, pushed_pose(self._box, push.face)
         box = pushed_box(scenario.box, push.face)
         if not at_station(robot, self._trunk, box, before):
             raise MotionError(f"Expected the robot at its station behind the {push.face} face, got it at {self._trunk}")
-        try:
-            surface = self._map.surface(push.face)
-        except ConfigError as error:
-            raise MotionError(str(error)) from error
-        if push.depth_m > surface.deepest_m or push.locus != "swing":
-            raise MotionError(
-                f"Expected a push of at most {surface.deepest_m:g} m with the locus `swing`, which the map describes, "
-                f"got {push.depth_m:g} m with the locus `{push.locus}`"
-            )
-        after = self._map.push(
-            np.array([[before.x_m, before.y_m, before.yaw_rad]]),
-            np.array([MIRROR[push.leg]]),
-            np.array([push.depth_m]),
-            np.array([push.w1]),
-            np.array([push.w2]),
-            face=push.face,
-            first=self._is_fresh,
-            normal=self._normal.standard_normal((1, 3)) if self._residuals else None,
-        )
-        x_m, y_m, yaw_rad = after[0].tolist()
-        pushed = Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
-        self._box = Pose2(x_m=x_m, y_m=y_m, yaw_rad=wrap_angle(yaw_rad - TURN_RAD[push.face]))
+        pushed = self._effects.after(before, push, first=self._is_fresh)
+        self._box = Pose2(x_m=pushed.x_m, y_m=pushed.y_m, yaw_rad=wrap_angle(pushed.yaw_rad - TURN_RAD[push.face]))
         self._stance = getattr(self._map.stances, push.leg)
         self._trunk = station(robot, box, pushed) @ self._stance.trunk
         self._n_pushes += 1
@@ -203,8 +170,7 @@ class MapSimulator:
     def _world(self) -> WorldState:
         response_map, stance, trunk, box = self._map, self._stance, self._trunk, self._box
         orientation = _turned(trunk.yaw_rad)
-        robot, scenario_box = response_map.robot, response_map.box
-        push = self._last_push
+        robot, push = response_map.robot, self._last_push
         return WorldState(
             tick=self._tick,
             trunk=TrunkState(
@@ -222,9 +188,7 @@ class MapSimulator:
                 angular_velocity_rad_s=REST,
                 linear_acceleration_m_s2=(0.0, 0.0, GRAVITY_M_S2),
             ),
-            box=BoxState(
-                position_m=(box.x_m, box.y_m, scenario_box.size_m[2] / 2), orientation_wxyz=_turned(box.yaw_rad)
-            ),
+            box=BoxState(position_m=(box.x_m, box.y_m, self._box_height_m / 2), orientation_wxyz=_turned(box.yaw_rad)),
             n_footsteps=self._n_footsteps,
             fallen=False,
             path=self._path,
@@ -237,7 +201,12 @@ class MapSimulator:
 
 def mean_map_simulator() -> MapSimulator:
     """A simulator of the default box whose pushes have no residuals."""
-    return MapSimulator(residuals=False)
+    return MapSimulator(effects=partial(MeasuredEffects, residuals=False))
+
+
+def unknown_box_simulator() -> MapSimulator:
+    """A simulator of boxes of any size, of which each episode draws another one."""
+    return MapSimulator(effects=DrawnEffects)
 
 
 _default_map = cache(load_response_map)

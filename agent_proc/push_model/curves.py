@@ -61,43 +61,54 @@ class Spread:
 class Curves:
     """One quantity by the depth of a push of FL, and of a push of FR whose mirror image is taken.
 
-    Sums are elementwise and in order, without BLAS, so that they have the same bits everywhere.
+    There are several fits to the same pushes, which may differ in how deep each push was. Sums are elementwise and in
+    order, without BLAS, so that they have the same bits everywhere.
     """
 
-    def __init__(self, depth_m: Floats, expected: Floats, spread: Spread) -> None:
-        """Begin with what is expected of both legs at `depth_m`, which begin at 0."""
+    def __init__(self, depth_m: Floats, expected: Floats, spread: Spread, n_fits: int = 1) -> None:
+        """Begin every fit with what is expected of both legs at `depth_m`, which begin at 0."""
         self._depth_m = depth_m
         self._spread = spread
         common, opposite = spread.common.covariance(depth_m), spread.opposite.covariance(depth_m)
-        self._values = np.concatenate([expected, expected])
-        self._covariance = np.block([[common + opposite, common - opposite], [common - opposite, common + opposite]])
-        self._walk = WALK_SHARE**2 * self._covariance
+        covariance = np.block([[common + opposite, common - opposite], [common - opposite, common + opposite]])
+        self._values = np.tile(np.concatenate([expected, expected]), (n_fits, 1))
+        self._covariance = np.tile(covariance, (n_fits, 1, 1))
+        self._walk = WALK_SHARE**2 * covariance
+        self._fits = np.arange(n_fits)
 
-    @property
-    def values(self) -> Floats:
+    def values(self, fit: int = 0) -> Floats:
         """The curves of both legs, (2, n)."""
-        return self._values.reshape(2, -1)
+        values: Floats = self._values[fit].reshape(2, -1)
+        return values
 
-    @property
-    def sd(self) -> Floats:
+    def sd(self, fit: int = 0) -> Floats:
         """Standard deviations of pushes around them, with what is not known of the curves, (2, n)."""
-        known = np.diagonal(self._covariance).reshape(2, -1)
+        known = np.diagonal(self._covariance[fit]).reshape(2, -1)
         sd: Floats = np.sqrt(np.maximum(known, 0.0) + self._spread.variance(self._depth_m))
         return sd
 
-    def learn(self, leg: int, depth_m: float, measured: float) -> float:
-        """Fit the curves to one push, of the first leg or the second; return how likely it was, as a logarithm."""
-        seen = np.zeros(len(self._values))
-        n = len(self._depth_m)
-        after = min(int(np.searchsorted(self._depth_m, depth_m, side="right")), n - 1)
-        low_m, high_m = self._depth_m[[after - 1, after]].tolist()
-        share = min((depth_m - low_m) / (high_m - low_m), 1.0)
-        seen[leg * n + after - 1], seen[leg * n + after] = 1.0 - share, share
+    def learn(self, leg: int, depth_m: Floats, measured: float) -> Floats:
+        """Fit the curves to one push, of the first leg or the second; return how likely it was, as a logarithm.
+
+        `depth_m` has the depth for each fit, (n_fits,), as the likelihoods.
+        """
+        seen = self._seen(leg, depth_m)
         covariance = self._covariance + self._walk
-        spread = (covariance * seen).sum(axis=1)
-        variance = float((seen * spread).sum() + self._spread.variance(np.array([depth_m]))[0])
-        gain = spread / variance
-        beyond = measured - float((seen * self._values).sum())
-        self._values = self._values + gain * beyond
-        self._covariance = covariance - gain[:, None] * spread
-        return float(-0.5 * (beyond**2 / variance + np.log(variance)))
+        spread = (covariance * seen[:, None, :]).sum(axis=2)
+        variance = (seen * spread).sum(axis=1) + self._spread.variance(depth_m)
+        gain = spread / variance[:, None]
+        beyond = measured - (seen * self._values).sum(axis=1)
+        self._values = self._values + gain * beyond[:, None]
+        self._covariance = covariance - gain[:, :, None] * spread[:, None, :]
+        likelihood: Floats = -0.5 * (beyond**2 / variance + np.log(variance))
+        return likelihood
+
+    def _seen(self, leg: int, depth_m: Floats) -> Floats:
+        """The share that each value has in the effect of a push, (n_fits, 2 n)."""
+        n = len(self._depth_m)
+        seen = np.zeros((len(self._fits), 2 * n))
+        after = np.minimum(np.searchsorted(self._depth_m, depth_m, side="right"), n - 1)
+        low_m, high_m = self._depth_m[after - 1], self._depth_m[after]
+        share = np.minimum((depth_m - low_m) / (high_m - low_m), 1.0)
+        seen[self._fits, leg * n + after - 1], seen[self._fits, leg * n + after] = 1.0 - share, share
+        return seen

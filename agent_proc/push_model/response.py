@@ -22,6 +22,7 @@ from legpush.scene.scenario import Box
 
 LOST_STEP_M: Final = 0.0025
 MOST_LOST_M: Final = 0.07
+LOST_M: Final[Floats] = LOST_STEP_M * np.arange(round(MOST_LOST_M / LOST_STEP_M) + 1, dtype=np.float64)
 """Lost depths that are compared."""
 
 
@@ -135,20 +136,35 @@ class Response:
 class ResponseEstimate:
     """Fits a response to pushes, beginning with what is expected of a box; it has its size in the pushed frame."""
 
-    def __init__(self, box: Box, model: PushModel) -> None:
-        n = round(MOST_LOST_M / LOST_STEP_M)
-        self._fits = [_Fit(box, model, LOST_STEP_M * index) for index in range(n + 1)]
-        self._model = model
+    def __init__(self, box: Box, model: PushModel, *, lost_m: Floats = LOST_M) -> None:
+        """Compare the lost depths `lost_m`, (n,)."""
+        self._model, self._lost_m = model, lost_m
+        depth_m, kind = np.array(model.depth_m), kind_of(box)
+        self._forward, self._left, self._turn = (
+            Curves(depth_m, expected, spread, len(lost_m))
+            for expected, spread in zip(expected_curves(box, model), (kind.forward, kind.left, kind.turn), strict=True)
+        )
+        self._likelihoods = -lost_m / kind.lost_mean_m
 
     @property
     def response(self) -> Response:
-        """The present estimate."""
-        return max(self._fits, key=lambda fit: fit.likelihood).response(self._model)
+        """The present estimate: that of the most likely lost depth."""
+        fit = int(self._likelihoods.argmax())
+        rows = (*(each.values(fit) for each in (self._forward, self._left, self._turn)), self._turn.sd(fit))
+        fl, fr = (
+            Curve(forward_m=tuple(f), left_m=tuple(left), turn_rad=tuple(turn), turn_sd_rad=tuple(sd))
+            for f, left, turn, sd in zip(*(row.tolist() for row in rows), strict=True)
+        )
+        model, lost_m = self._model, float(self._lost_m[fit])
+        return Response(depth_m=model.depth_m, curves=(fl, fr), w1=model.w1, w2=model.w2, lost_depth_m=lost_m)
 
     def learn(self, push: Push, moved: Pose2) -> None:
         """Update the curves with what a push did, in the pushed frame before it."""
-        for fit in self._fits:
-            fit.learn(push, moved)
+        leg, mirror = FRONT_LEGS.index(push.leg), MIRROR[push.leg]
+        depth_m = np.maximum(push.depth_m - self._lost_m, 0.0)
+        self._likelihoods += self._forward.learn(leg, depth_m, moved.x_m)
+        self._left.learn(leg, depth_m, mirror * moved.y_m)
+        self._turn.learn(leg, depth_m, mirror * wrap_angle(moved.yaw_rad))
 
 
 def expected_response(box: Box, model: PushModel | None = None) -> Response:
@@ -157,7 +173,7 @@ def expected_response(box: Box, model: PushModel | None = None) -> Response:
     `box` has its size in the pushed frame.
     """
     model = nearest_model(box) if model is None else model
-    return _Fit(box, model, 0.0).response(model)
+    return ResponseEstimate(box, model, lost_m=np.zeros(1)).response
 
 
 def expected_turn_scale(box: Box, model: PushModel) -> float:
@@ -165,38 +181,16 @@ def expected_turn_scale(box: Box, model: PushModel) -> float:
     return _turn_per_travel(box) / _turn_per_travel(model.box)
 
 
-class _Fit:
-    """The curves of a box that loses a certain depth."""
-
-    def __init__(self, box: Box, model: PushModel, lost_m: float) -> None:
-        self._lost_m = lost_m
-        depth_m, kind = np.array(model.depth_m), _kind(box)
-        forward, left, turn = kind.scale
-        turn_scale = expected_turn_scale(box, model)
-        self._forward = Curves(depth_m, forward * np.array(model.forward_m), kind.forward)
-        self._left = Curves(depth_m, left * np.array(model.left_m), kind.left)
-        self._turn = Curves(depth_m, turn * turn_scale * np.radians(model.turn_deg), kind.turn)
-        self.likelihood = -lost_m / kind.lost_mean_m
-
-    def learn(self, push: Push, moved: Pose2) -> None:
-        leg, mirror = FRONT_LEGS.index(push.leg), MIRROR[push.leg]
-        depth_m = max(push.depth_m - self._lost_m, 0.0)
-        self.likelihood += self._forward.learn(leg, depth_m, moved.x_m)
-        self._left.learn(leg, depth_m, mirror * moved.y_m)
-        self._turn.learn(leg, depth_m, mirror * wrap_angle(moved.yaw_rad))
-
-    def response(self, model: PushModel) -> Response:
-        rows = (self._forward.values, self._left.values, self._turn.values, self._turn.sd)
-        fl, fr = (
-            Curve(forward_m=tuple(f), left_m=tuple(left), turn_rad=tuple(turn), turn_sd_rad=tuple(sd))
-            for f, left, turn, sd in zip(*(row.tolist() for row in rows), strict=True)
-        )
-        return Response(depth_m=model.depth_m, curves=(fl, fr), w1=model.w1, w2=model.w2, lost_depth_m=self._lost_m)
-
-
-def _kind(box: Box) -> Kind:
-    """A box may be round if both sides are equal: what its shape is, nobody tells."""
+def kind_of(box: Box) -> Kind:
+    """The kind of a box by its size: it may be round if both sides are equal. What its shape is, nobody tells."""
     return ROUND if box.size_m[0] == box.size_m[1] else CORNERED
+
+
+def expected_curves(box: Box, model: PushModel) -> tuple[Floats, Floats, Floats]:
+    """Forward [m], left [m] and turn [rad] by the depths of `model`, (n,) each, of a box before its first push."""
+    forward, left, turn = kind_of(box).scale
+    turn_scale = turn * expected_turn_scale(box, model)
+    return forward * np.array(model.forward_m), left * np.array(model.left_m), turn_scale * np.radians(model.turn_deg)
 
 
 def _turn_per_travel(box: Box) -> float:

@@ -96,6 +96,10 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Seed of the first of these starts."""
     final_ending: str | None = None
     """Task whose rules end the episodes of that evaluation, in place of those that the policy was trained with."""
+    final_scenario: str | None = None
+    """Scenario of that evaluation, in place of the one that the policy was trained in."""
+    final_world: str | None = None
+    """Simulator of that evaluation, in place of the one that the policy was trained in."""
     n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
     """Simulators to learn with, all in the process of the cell; the result depends on their number."""
     mass_kg: Interval | None = None
@@ -131,7 +135,8 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     final_episodes: int
     final_first_seed: Seed
     final_task: TaskConfig
-    """The task of the further evaluation: the same but for its rules."""
+    """The task of the further evaluation: the same but for its rules and its scenario."""
+    final_world: str
     n_simulators: int
     world: str
     init: str | None
@@ -150,7 +155,9 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
         PolicyError: The policy to begin with cannot be used.
         ScenarioError: The scenario or a change cannot be used.
     """
-    require_simulator(cell.world)
+    final_world = cell.world if cell.final_world is None else cell.final_world
+    for world in (cell.world, final_world):
+        require_simulator(world)
     require_seeds(cell.final_first_seed, cell.final_episodes, "final_first_seed")
     require_tools(cell.loggers, cell.callbacks, allowed)
     profile = _profile(cell)
@@ -159,14 +166,14 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     scenario = override(scenario, cell.changes, "the scenario with the changes of the study")
     task = _task(cell, name, scenario)
     refuse_missions(task.random_room)
-    ending = None if cell.final_ending is None else load_task(cell.final_ending, scenario).ending
     return ResolvedTraining(
         seed=cell.seed,
         profile=msgspec.to_builtins(profile),
         task=task,
         final_episodes=cell.final_episodes,
         final_first_seed=cell.final_first_seed,
-        final_task=task if ending is None else replace(task, ending=ending),
+        final_task=_final_task(cell, task),
+        final_world=final_world,
         n_simulators=cell.n_simulators,
         world=cell.world,
         init=cell.init,
@@ -196,6 +203,18 @@ def _task(cell: TrainingCell, name: str, scenario: Scenario) -> TaskConfig:
     domain = task.domain if cell.starts is None else load_task(cell.starts, scenario).domain
     drawn = {"mass_kg": cell.mass_kg, "friction": cell.friction, "distance_m": cell.distance_m}
     return replace(task, domain=replace(domain, **{part: value for part, value in drawn.items() if value is not None}))
+
+
+def _final_task(cell: TrainingCell, task: TaskConfig) -> TaskConfig:
+    """The task of the further evaluation.
+
+    Raises:
+        ConfigError: The task whose rules it has cannot be used.
+        ScenarioError: Its scenario cannot be used.
+    """
+    if cell.final_ending is not None:
+        task = replace(task, ending=load_task(cell.final_ending, task.scenario).ending)
+    return task if cell.final_scenario is None else replace(task, scenario=load_scenario(cell.final_scenario))
 
 
 def _profile(cell: TrainingCell) -> AnyProfile:
@@ -232,6 +251,8 @@ def run_in(cell: ResolvedTraining, folder: Path) -> Mapping[str, Any]:
     worlds = [LocalWorld(new_simulator(cell.world)) for _ in range(cell.n_simulators)]
     best = train_in(folder, _plan(cell), worlds)
     packed, last = pack(folder / BEST), read_policy(folder / LAST)
+    if cell.final_world != cell.world:
+        worlds = [LocalWorld(new_simulator(cell.final_world)) for _ in range(cell.n_simulators)]
     return {
         "steps_done": last.card.steps,
         "best_step": best.step,

@@ -61,6 +61,8 @@ class RecurrentTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """Steps of each simulator between two updates."""
     final_episodes: Annotated[int, Meta(ge=1, le=10_000)] = 100
     final_first_seed: Seed = FIRST_FINAL_SEED
+    final_world: str | None = None
+    """Simulator of the held-out starts, in place of the one that the policy was trained in."""
 
 
 class ResolvedRecurrent(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -74,6 +76,7 @@ class ResolvedRecurrent(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     n_steps: int
     final_episodes: int
     final_first_seed: Seed
+    final_world: str
 
 
 def resolve(cell: RecurrentTraining, _: Collection[str]) -> ResolvedRecurrent:
@@ -82,7 +85,9 @@ def resolve(cell: RecurrentTraining, _: Collection[str]) -> ResolvedRecurrent:
     Raises:
         ConfigError: There is no such task or world.
     """
-    require_simulator(cell.world)
+    final_world = cell.world if cell.final_world is None else cell.final_world
+    for world in (cell.world, final_world):
+        require_simulator(world)
     require_seeds(cell.final_first_seed, cell.final_episodes, "final_first_seed")
     return ResolvedRecurrent(
         task=load_task(cell.task),
@@ -93,6 +98,7 @@ def resolve(cell: RecurrentTraining, _: Collection[str]) -> ResolvedRecurrent:
         n_steps=cell.n_steps,
         final_episodes=cell.final_episodes,
         final_first_seed=cell.final_first_seed,
+        final_world=final_world,
     )
 
 
@@ -120,7 +126,7 @@ def run(cell: ResolvedRecurrent) -> Mapping[str, Any]:
     environments.close()
     normalizer.training = False
     last: deque[StepRecord | PlanRecord] = deque(maxlen=1)
-    environment = PushEnv(cell.task, LocalWorld(new_simulator(cell.world), on_record=last.append))
+    environment = PushEnv(cell.task, LocalWorld(new_simulator(cell.final_world), on_record=last.append))
     seeds = range(cell.final_first_seed, cell.final_first_seed + cell.final_episodes)
     ends = [{**_end(model, normalizer, environment, cell.task, seed), **_time(last)} for seed in seeds]
     environment.close()

@@ -39,7 +39,7 @@ def test_a_plug_in_and_the_file_of_a_map_are_stepped_in_this_process(tmp_path: P
 def test_a_world_that_there_is_not_is_refused(tmp_path: Path) -> None:
     require_world("mujoco")
     require_world("map_mean")
-    with pytest.raises(PluginError, match=r"Expected a simulator \(map, map_mean, mujoco\), got 'magic'"):
+    with pytest.raises(PluginError, match=r"Expected a simulator \(map, map_mean, map_unknown, mujoco\), got 'magic'"):
         require_world("magic")
     with pytest.raises(ConfigError, match=r"none\.json: expected a map that"):
         require_world(f"{tmp_path}/none.json")

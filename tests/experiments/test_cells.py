@@ -146,7 +146,10 @@ def test_a_recurrent_training_gives_the_same_ends_again() -> None:
     fields = {"task": "push-l1", "world": "map", "steps": 64, "n_simulators": 2, "n_steps": 16, "final_episodes": 2}
     first, again = result(RECURRENT, **fields), result(RECURRENT, **fields)
 
+    there = result(RECURRENT, **fields, final_world="map_mean")
+
     assert first == again
+    assert there["final_position_error_m"] != first["final_position_error_m"]
     assert len(first["final_success"]) == 2
     assert min(first["final_simulated_s"]) > 0.0
     assert set(first["final_ended"]) <= {"done", "fell", "astray", "refused", "max_cycles"}

@@ -92,7 +92,11 @@ yaw_deg = 0.0
         ({"changes": {"box.mass_kg": -1.0}}, ScenarioError, "at `box.mass_kg`: expected a number from 0.001 to 1000"),
         ({"changes": {"bocks.mass_kg": 1.0}}, ScenarioError, "expected the path of a field, .* got bocks.mass_kg"),
         ({"planner_program": "none_such"}, PluginError, r"Expected a planner \(ompl\), got 'none_such'"),
-        ({"simulator": "none_such"}, PluginError, r"Expected a simulator \(map, map_mean, mujoco\), got 'none_such'"),
+        (
+            {"simulator": "none_such"},
+            PluginError,
+            r"Expected a simulator \(map, map_mean, map_unknown, mujoco\), got 'none_such'",
+        ),
         ({"mission": "none_such"}, PluginError, r"Expected a mission \(push\), got 'none_such'"),
         (
             {"policy": "none_such"},

@@ -34,8 +34,9 @@ class SimulatorOptions:
 
     world: Annotated[str, arg("NAME|FILE")] = DEFAULT_WORLD
     """What is pushed in: `mujoco`, the simulators; `map`, a map of the default box without physics, about a hundred
-    times as fast; `map_mean`, the same without its scatter; another plug-in; or the path of a map that `legpush
-    calibrate --random-pushes` wrote. All but `mujoco` run in the process of the command."""
+    times as fast; `map_mean`, the same without its scatter; `map_unknown`, a box without physics that each episode
+    draws; another plug-in; or the path of a map that `legpush calibrate --random-pushes` wrote. All but `mujoco` run in
+    the process of the command."""
     simulators: Annotated[int | None, arg("N")] = None
     """Number of simulators or other worlds; if not given, one per core, 8 at most."""
     join: Annotated[str | None, arg("RUN")] = None

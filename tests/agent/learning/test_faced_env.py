@@ -6,7 +6,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.learning.env import PushEnv
-from agent_proc.map_world.simulator import MapSimulator
+from agent_proc.map_world.simulator import MapSimulator, mean_map_simulator
 from agent_proc.task.elements import observation_elements
 from agent_proc.task.file import load_task
 from legpush.lockstep.local import LocalWorld
@@ -43,7 +43,7 @@ def test_the_mirror_image_of_an_action_with_a_face_does_the_mirror_image() -> No
         task = load_task("push-l1")
         goal = PoseDeg(x_m=7.0, y_m=6.0 - sign * 0.5, yaw_deg=-sign * 40.0)
         scenario = replace(task.scenario, goal=replace(task.scenario.goal, pose=goal))
-        env = PushEnv(task, LocalWorld(MapSimulator(residuals=False)))
+        env = PushEnv(task, LocalWorld(mean_map_simulator()))
         env.reset(seed=1, options={"scenario": scenario})
         observation, *_ = env.step(faced(1))
         places.append((observation, env.view.face))

@@ -21,9 +21,9 @@ def new() -> Curves:
 
 def test_before_the_first_push_both_legs_do_what_is_expected_and_shallow_pushes_are_known_best() -> None:
     curves = new()
-    np.testing.assert_allclose(curves.values, [EXPECTED, EXPECTED])
-    assert (np.diff(curves.sd) > 0.0).all()
-    np.testing.assert_allclose(curves.sd[:, 0], SPREAD.noise)
+    np.testing.assert_allclose(curves.values(), [EXPECTED, EXPECTED])
+    assert (np.diff(curves.sd()) > 0.0).all()
+    np.testing.assert_allclose(curves.sd()[:, 0], SPREAD.noise)
 
 
 @given(
@@ -35,30 +35,48 @@ def test_pushes_at_all_depths_show_any_curves(first: list[float], second: list[f
     for _ in range(40):
         for leg, measured in enumerate((first, second)):
             for depth_m, value in zip(DEPTH_M[1:].tolist(), measured, strict=True):
-                curves.learn(leg, depth_m, value)
+                curves.learn(leg, np.array([depth_m]), value)
 
-    np.testing.assert_allclose(curves.values[:, 1:], [first, second], atol=0.004)
+    np.testing.assert_allclose(curves.values()[:, 1:], [first, second], atol=0.004)
 
 
 def test_a_push_says_more_of_near_depths_and_of_its_own_leg() -> None:
     curves = new()
-    curves.learn(0, 0.05, 0.02)
-    less: Floats = 1.0 - curves.values[:, 1:] / EXPECTED[1:]
+    curves.learn(0, np.array([0.05]), 0.02)
+    less: Floats = 1.0 - curves.values()[:, 1:] / EXPECTED[1:]
 
-    assert curves.values[0, 2] == pytest.approx(0.02, abs=0.002)
+    assert curves.values()[0, 2] == pytest.approx(0.02, abs=0.002)
     assert (less > 0.0).all()
     assert (less[0] > less[1]).all()
-    assert curves.sd[0, 2] < curves.sd[0, 3] < new().sd[0, 3]
-    assert curves.sd[0, 2] < curves.sd[1, 2]
+    assert curves.sd()[0, 2] < curves.sd()[0, 3] < new().sd()[0, 3]
+    assert curves.sd()[0, 2] < curves.sd()[1, 2]
 
 
 @given(depth_m=st.floats(0.001, 0.15), off=st.floats(0.005, 0.05))
 def test_what_is_expected_is_most_likely(depth_m: float, off: float) -> None:
     expected = float(np.interp(depth_m, DEPTH_M, EXPECTED))
-    assert new().learn(0, depth_m, expected) > new().learn(0, depth_m, expected + off)
+    depths_m = np.array([depth_m])
+    assert new().learn(0, depths_m, expected) > new().learn(0, depths_m, expected + off)
 
 
 def test_a_push_of_no_depth_says_nothing() -> None:
     curves = new()
-    curves.learn(1, 0.0, 0.03)
-    np.testing.assert_allclose(curves.values, [EXPECTED, EXPECTED])
+    curves.learn(1, np.array([0.0]), 0.03)
+    np.testing.assert_allclose(curves.values(), [EXPECTED, EXPECTED])
+
+
+def test_fits_with_other_depths_are_those_of_curves_of_their_own() -> None:
+    depths_m = np.array([0.01, 0.04, 0.09])
+    together = Curves(DEPTH_M, EXPECTED, SPREAD, len(depths_m))
+    alone = [new() for _ in depths_m]
+    for leg, deeper_m, measured in ((0, 0.0, 0.03), (1, 0.01, 0.02), (0, 0.02, 0.05)):
+        found = together.learn(leg, depths_m + deeper_m, measured)
+        expected = [
+            each.learn(leg, np.array([depth_m]), measured)
+            for each, depth_m in zip(alone, (depths_m + deeper_m).tolist(), strict=True)
+        ]
+        assert found.tolist() == [float(each[0]) for each in expected]
+
+    for fit, each in enumerate(alone):
+        assert together.values(fit).tolist() == each.values().tolist()
+        assert together.sd(fit).tolist() == each.sd().tolist()

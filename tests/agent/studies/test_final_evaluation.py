@@ -1,6 +1,6 @@
 from msgspec.structs import replace
 
-from agent_proc.map_world.simulator import MapSimulator
+from agent_proc.map_world.simulator import mean_map_simulator
 from agent_proc.policies.folder import policy_path, read_policy
 from agent_proc.studies.final_evaluation import FINAL_COLUMNS, final_columns
 from agent_proc.task.file import load_task
@@ -14,7 +14,7 @@ def test_without_starts_nothing_is_evaluated() -> None:
 
 
 def test_the_rules_of_the_evaluation_end_its_episodes() -> None:
-    policy, world = read_policy(policy_path("fixed")), LocalWorld(MapSimulator(residuals=False))
+    policy, world = read_policy(policy_path("fixed")), LocalWorld(mean_map_simulator())
     task = policy.card.task
     published = replace(task, ending=load_task("release").ending)
 
@@ -30,7 +30,7 @@ def test_the_rules_of_the_evaluation_end_its_episodes() -> None:
 
 
 def test_a_policy_that_gets_nowhere_fails_when_its_pushes_are_used_up() -> None:
-    policy, world = read_policy(policy_path("fixed")), LocalWorld(MapSimulator(residuals=False))
+    policy, world = read_policy(policy_path("fixed")), LocalWorld(mean_map_simulator())
     scenario = policy.card.task.scenario
     short = replace(policy.card.task, scenario=replace(scenario, mission=replace(scenario.mission, max_push_cycles=2)))
 

@@ -25,7 +25,7 @@ def test_an_episode_runs_in_the_world_that_the_cell_names() -> None:
 
     assert {each["ending"] for each in columns.values()} == {"done"}
     assert columns["map"]["state_crc"] != columns["map_mean"]["state_crc"]
-    with pytest.raises(ConfigError, match="Expected a world among map, map_mean, mujoco, got 'magic'"):
+    with pytest.raises(ConfigError, match="Expected a world among map, map_mean, map_unknown, mujoco, got 'magic'"):
         resolve(PushCell(world="magic"), ())
 
 

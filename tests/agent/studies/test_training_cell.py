@@ -9,10 +9,11 @@ from msgspec.structs import replace
 from safetensors.numpy import load
 
 from agent_proc.policies.folder import policy_path, read_card, read_policy
-from agent_proc.studies.training_cell import TRAINING, TrainingCell, resolve
+from agent_proc.studies.training_cell import TRAINING, TrainingCell, resolve, run
 from agent_proc.studies.training_run import of_last, pack
 from agent_proc.task.file import load_task
 from legpush.errors import ConfigError, PolicyError
+from legpush.scenarios.file import load_scenario
 from legpush.study.cells import columns_of
 
 
@@ -103,6 +104,26 @@ def test_a_task_may_be_put_together_of_parts_of_others() -> None:
     assert task.domain == replace(learns.domain, mass_kg=(0.1, 0.2))
     assert (task.entry, task.action_form, task.scenario) == (text.entry, text.action_form, text.scenario)
     assert resolved.final_task == replace(task, ending=learns.ending)
+
+
+def test_the_last_policy_may_be_judged_in_another_scenario_and_another_simulator() -> None:
+    cell = TrainingCell(profile="tuned", task="push-l3", scenario="open", world="map", steps=256, final_episodes=2)
+    here = resolve(cell, ())
+    there = resolve(replace(cell, final_scenario="open_real", final_world="mujoco"), ())
+
+    assert here.final_task == there.task == here.task
+    assert there.final_task == replace(there.task, scenario=load_scenario("open_real"))
+    assert (here.final_world, there.world, there.final_world) == ("map", "map", "mujoco")
+    with pytest.raises(ConfigError, match=r"Expected a world among .* got 'magic'"):
+        resolve(replace(cell, final_world="magic"), ())
+
+
+def test_the_other_simulator_is_used() -> None:
+    cell = TrainingCell(world="map", steps=256, final_episodes=1, changes={"mission.max_push_cycles": 2})
+    columns = {world: run(resolve(replace(cell, final_world=world), ())) for world in ("map", "map_mean")}
+
+    assert columns["map"]["last_position_error_m"] == columns["map_mean"]["last_position_error_m"]
+    assert columns["map"]["final_position_error_m"] != columns["map_mean"]["final_position_error_m"]
 
 
 def test_parts_that_do_not_fit_one_another_are_refused() -> None:
