@@ -6,11 +6,9 @@ import numpy as np
 from msgspec.structs import asdict, replace
 
 from agent_proc.map_world.response_map import ResponseMap
-from agent_proc.map_world.surface import curve_terms
 from agent_proc.push_model.drawn_response import drawn_response
-from agent_proc.push_model.model import MIRROR
+from agent_proc.push_model.model import MIRROR, nearest_model
 from agent_proc.push_model.response import Response, kind_of
-from legpush.arrays import Floats
 from legpush.errors import ConfigError, MotionError, ScenarioError
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
@@ -100,7 +98,7 @@ class DrawnEffects:
     """Those of a box of which only the size is known: each episode draws what it does.
 
     It draws from what the estimate of a mission expects of such boxes. A slope is one of the reasons for which boxes
-    differ, so the floor may have any. How w1 and w2 change a push is that of the response map.
+    differ, so the floor may have any.
     """
 
     def __init__(self, response_map: ResponseMap) -> None:
@@ -118,21 +116,15 @@ class DrawnEffects:
 
     def after(self, before: Pose2, push: Push, *, first: bool) -> Pose2:
         """The pose by the response that was drawn for the face, with a residual."""
-        response, surface = self._response(push.face), self._map.surface("rear")
+        response, box = self._response(push.face), pushed_box(self._scenario.box, push.face)
         _require_push(push, response.depth_m[-1])
-        mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([max(push.depth_m - response.lost_depth_m, 0.0)])
-        mean = np.concatenate(response.displacement(mirror, depth_m))
-        here = curve_terms(np.array([push.w1]), np.array([push.w2]))
-        usual = curve_terms(np.array([response.w1]), np.array([response.w2]))
-        slopes = [
-            sum(c * float(a[0] - b[0]) for c, a, b in zip(coefficients, here, usual, strict=True))
-            for coefficients in surface.curve
-        ]
-        turned = np.array([1.0, mirror[0], mirror[0]])
-        forward_m, left_m, turn_rad = (
-            mean + turned * depth_m * np.array(slopes) + self._sds(push.face, depth_m) * self._normal.standard_normal(3)
-        ).tolist()
-        return before @ Pose2(x_m=forward_m, y_m=left_m, yaw_rad=turn_rad)
+        depth_m = np.array([max(push.depth_m - response.lost_depth_m, 0.0)])
+        mean = np.concatenate(response.displacement(np.array([MIRROR[push.leg]]), depth_m))
+        by_curve = np.concatenate(nearest_model(box).beyond_usual_curve(push, depth_m))
+        kind = kind_of(box)
+        sds = np.sqrt(np.concatenate([each.variance(depth_m) for each in (kind.forward, kind.left, kind.turn)]))
+        x_m, y_m, yaw_rad = (mean + by_curve + sds * self._normal.standard_normal(3)).tolist()
+        return before @ Pose2(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
 
     def _response(self, face: Face) -> Response:
         if face not in self._responses:
@@ -140,12 +132,6 @@ class DrawnEffects:
             box = pushed_box(self._scenario.box, face)
             self._responses[face] = drawn_response(box, np.random.default_rng(sequence))
         return self._responses[face]
-
-    def _sds(self, face: Face, depth_m: Floats) -> Floats:
-        """Standard deviations of forward, left and turn around the curves, (3,)."""
-        kind = kind_of(pushed_box(self._scenario.box, face))
-        sds: Floats = np.sqrt(np.concatenate([s.variance(depth_m) for s in (kind.forward, kind.left, kind.turn)]))
-        return sds
 
 
 def _residuals_of(seed: int) -> np.random.Generator:

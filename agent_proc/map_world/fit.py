@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agent_proc.map_world.random_pushes import DEEPEST_M, LEAST_DEPTH_M, MeasuredSeries
-from agent_proc.map_world.surface import Quality, Residuals, ResponseSurface, curve_terms
+from agent_proc.map_world.surface import Quality, Residuals, ResponseSurface
+from agent_proc.push_model.curve_terms import curve_terms
 from agent_proc.push_model.model import MIRROR
 from legpush.arrays import Floats
 from legpush.errors import ConfigError

@@ -1,24 +1,18 @@
 """The response surface of a face: displacement of the box by one push, by leg, depth and curve, with residuals."""
 
 from functools import cached_property
-from typing import Annotated, Final
+from typing import Annotated
 
 import numpy as np
 from msgspec import Meta, Struct
 from numpy.typing import ArrayLike
 
+from agent_proc.push_model.curve_terms import Terms, curve_terms
 from legpush.arrays import Floats
 from legpush.scene.names import Face
 
-CENTRE: Final = 0.5
-"""The value of w1 and w2 at which the rows of a surface hold."""
-TERMS: Final = ("w1", "w2", "w1 w1", "w1 w2", "w2 w2")
-"""The terms of the curve, with w1 and w2 measured from the centre; each is multiplied by the depth."""
-
 Triple = tuple[float, float, float]
 """Forward [m], left [m] and turn [rad], in the pushed frame before the push; of FL, and of FR the mirror image."""
-Terms = tuple[float, float, float, float, float]
-"""One number for each of `TERMS`."""
 Rows = Annotated[tuple[float, ...], Meta(min_length=2)]
 
 
@@ -71,7 +65,7 @@ class ResponseSurface(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """The same to the left of it."""
     turn_rad: Rows
     curve: tuple[Terms, Terms, Terms]
-    """Coefficients of `TERMS` for forward, left and turn."""
+    """Coefficients of `CURVE_TERMS` for forward, left and turn."""
     first: Triple
     """Further displacement by the first push after a reset, when box and foot have another gap."""
     residuals: Annotated[tuple[Residuals, ...], Meta(min_length=1)]
@@ -130,9 +124,3 @@ class ResponseSurface(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     @cached_property
     def _factors(self) -> Floats:
         return np.array([part.factor for part in self.residuals])
-
-
-def curve_terms(w1: Floats, w2: Floats) -> tuple[Floats, ...]:
-    """The values of `TERMS`, (n,) each."""
-    a, b = np.asarray(w1) - CENTRE, np.asarray(w2) - CENTRE
-    return a, b, a * a, a * b, b * b

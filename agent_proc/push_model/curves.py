@@ -87,10 +87,10 @@ class Curves:
         sd: Floats = np.sqrt(np.maximum(known, 0.0) + self._spread.variance(self._depth_m))
         return sd
 
-    def learn(self, leg: int, depth_m: Floats, measured: float) -> Floats:
+    def learn(self, leg: int, depth_m: Floats, measured: Floats) -> Floats:
         """Fit the curves to one push, of the first leg or the second; return how likely it was, as a logarithm.
 
-        `depth_m` has the depth for each fit, (n_fits,), as the likelihoods.
+        `depth_m` and `measured` have the depth and the effect for each fit, (n_fits,), as the likelihoods.
         """
         seen = self._seen(leg, depth_m)
         covariance = self._covariance + self._walk

@@ -170,17 +170,17 @@ class PushEstimate:
     def learn(self, before: Pose2, push: Push, after: Pose2) -> None:
         """Update the estimates with the effect of a push.
 
-        Scales and response ignore a push with another curve than the model's: it turns the box differently. `before`
-        and `after` are poses of the pushed frame.
+        Scales ignore a push with another curve than the model's: it turns the box differently. `before` and `after` are
+        poses of the pushed frame.
         """
         moved = before.inverse() @ after
         self._n_pushes[FRONT_LEGS.index(push.leg)] += 1
         yielded_m = max(0.0, push.depth_m - self.lost_depth_m)
         self._learn_drift(push, yielded_m, moved)
         self._learn_lost_depth(push.depth_m, moved.x_m)
+        self._response.learn(push, moved)
         if (push.w1, push.w2) != self.curve:
             return
-        self._response.learn(push, moved)
         row = np.zeros((1, 3))
         mirror, depth_m = np.array([MIRROR[push.leg]]), np.array([push.depth_m])
         ((x_m, _, yaw_rad),) = self._model.push(row, mirror, depth_m, turn_scale=self._turn_prior).tolist()

@@ -6,9 +6,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from agent_proc.push_model.curve_terms import Terms, curve_terms
 from legpush.arrays import Floats
+from legpush.messages.stepping import Push
 from legpush.scene.scenario import Box, PoseDeg
 
+MIRROR: Final = {"FL": 1.0, "FR": -1.0}
 NOMINAL: Final = Box(pose=PoseDeg(x_m=0.0, y_m=0.0, yaw_deg=0.0))
 """The default box."""
 
@@ -32,6 +35,13 @@ class PushModel:
     left_m: tuple[float, ...] = (0.0, -0.0001, -0.0011, -0.0033, -0.0059, -0.0104, -0.0151, -0.0215, -0.0268)
     """The same along its y axis."""
     turn_deg: tuple[float, ...] = (0.0, -0.21, -0.62, -1.43, -2.31, -4.07, -6.77, -8.41, -10.04)
+    curve: tuple[Terms, Terms, Terms] = (
+        (0.0058, 0.016, -0.0465, -0.031, -0.1204),
+        (0.0289, -0.0108, 0.0694, 0.0041, 0.1785),
+        (-0.004, 0.1731, -0.4427, -0.221, -0.933),
+    )
+    """How other values of w1 and w2 change forward [m], left [m] and turn [rad] of FL, per metre of depth: coefficients
+    of `CURVE_TERMS`, those of the response map of the default box."""
 
     def push(
         self,
@@ -52,6 +62,18 @@ class PushModel:
         after: Floats = pose + np.stack([c * forward - s * left, s * forward + c * left, turn], axis=1)
         return after
 
+    def beyond_usual_curve(self, push: Push, depth_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """How much further a push moves the box forward and left [m], and turns it [rad], than one with w1 and w2 of
+        the model, (n,) each; `depth_m` is the part of its depth that moves the box, (n,).
+        """
+        theirs, mine = (curve_terms(np.array(w1), np.array(w2)) for w1, w2 in ((push.w1, push.w2), (self.w1, self.w2)))
+        more = [float(b) - float(a) for a, b in zip(mine, theirs, strict=True)]
+        forward, left, turn = (
+            depth_m * sum(c * each for c, each in zip(terms, more, strict=True)) for terms in self.curve
+        )
+        mirror = MIRROR[push.leg]
+        return forward, mirror * left, mirror * turn
+
     def depth_for(self, forward_m: Floats) -> Floats:
         """The depth that moves the box by `forward_m`, limited to the deepest measured one, (n,)."""
         depth: Floats = np.interp(forward_m, self.forward_m, self.depth_m)
@@ -63,6 +85,11 @@ ON_ITS_SIDE: Final = PushModel(
     forward_m=(0.0, 0.0022, 0.0066, 0.0158, 0.0248, 0.0423, 0.0685, 0.0846, 0.1016),
     left_m=(0.0, -0.0004, -0.0019, -0.0049, -0.008, -0.0143, -0.0248, -0.0289, -0.0353),
     turn_deg=(0.0, -0.14, -0.37, -0.78, -1.26, -2.36, -3.93, -5.63, -6.7),
+    curve=(
+        (-0.0022, 0.0064, -0.039, -0.0348, -0.1062),
+        (0.0419, -0.012, 0.083, 0.0317, 0.1504),
+        (-0.0605, 0.1287, -0.4088, -0.3124, -0.8622),
+    ),
 )
 """Model of the default box, pushed at its left or right face."""
 
@@ -72,6 +99,3 @@ def nearest_model(box: Box) -> PushModel:
     slenderness = np.log(box.size_m[1] / box.size_m[0])
     models = (PushModel(), ON_ITS_SIDE)
     return min(models, key=lambda model: abs(np.log(model.box.size_m[1] / model.box.size_m[0]) - slenderness))
-
-
-MIRROR: Final = {"FL": 1.0, "FR": -1.0}

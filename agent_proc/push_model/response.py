@@ -159,12 +159,16 @@ class ResponseEstimate:
         return Response(depth_m=model.depth_m, curves=(fl, fr), w1=model.w1, w2=model.w2, lost_depth_m=lost_m)
 
     def learn(self, push: Push, moved: Pose2) -> None:
-        """Update the curves with what a push did, in the pushed frame before it."""
+        """Update the curves with what a push did, in the pushed frame before it.
+
+        What w1 and w2 other than those of the model are expected to add is taken away.
+        """
         leg, mirror = FRONT_LEGS.index(push.leg), MIRROR[push.leg]
         depth_m = np.maximum(push.depth_m - self._lost_m, 0.0)
-        self._likelihoods += self._forward.learn(leg, depth_m, moved.x_m)
-        self._left.learn(leg, depth_m, mirror * moved.y_m)
-        self._turn.learn(leg, depth_m, mirror * wrap_angle(moved.yaw_rad))
+        forward, left, turn = self._model.beyond_usual_curve(push, depth_m)
+        self._likelihoods += self._forward.learn(leg, depth_m, moved.x_m - forward)
+        self._left.learn(leg, depth_m, mirror * (moved.y_m - left))
+        self._turn.learn(leg, depth_m, mirror * (wrap_angle(moved.yaw_rad) - turn))
 
 
 def expected_response(box: Box, model: PushModel | None = None) -> Response:

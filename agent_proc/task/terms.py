@@ -7,7 +7,7 @@ import msgspec
 
 from agent_proc.task.ending.aborts import Astray
 from agent_proc.task.ending.arrivals import NoPushHelps, PastGoal, Release, Tolerance
-from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift
+from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift, PushEffect
 from agent_proc.task.observation.goal_frame import BoxPlace, BoxPlaceNear, BoxYaw, Heading, HeadingNear
 from agent_proc.task.observation.world_frame import Body, BoxCorner, FootForces, GoalCorner, Tip
 from agent_proc.task.reward.corners import AngleError, CornerDistance, CornersWithin
@@ -55,6 +55,7 @@ OBSERVATION: Final[dict[str, type[ObservationTerm]]] = {
     "box_sides": BoxSides,
     "lost_depth": LostDepth,
     "drift": PushDrift,
+    "effect": PushEffect,
 }
 REWARD: Final[dict[str, type[RewardTerm]]] = {
     "corner_distance": CornerDistance,

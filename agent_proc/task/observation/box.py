@@ -8,10 +8,11 @@ from agent_proc.frames.push_view import PushView
 from agent_proc.task.term import ObservationTerm
 from legpush.arrays import Floats
 from legpush.bounds import MAX_BOX_SIDE_M, MAX_DEPTH_M
+from legpush.messages.common import USUAL_DEPTH_M
 from legpush.scene.scenario import Scenario
 
 MOST_DRIFT: Final = 1.0
-"""Bound of each element of a drift, far beyond what a push does."""
+"""Bound of each element of a drift or an effect, far beyond what a push does."""
 
 
 class BoxSides(ObservationTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -53,6 +54,34 @@ class LostDepth(ObservationTerm, frozen=True, kw_only=True, forbid_unknown_field
     def limits(self, scenario: Scenario) -> tuple[Floats, Floats]:
         """From nothing to the deepest push."""
         return np.zeros(1), np.full(1, MAX_DEPTH_M)
+
+
+class PushEffect(ObservationTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a push of the usual depth would do to this box, by its pushes up to now: all that a fit of them says."""
+
+    AXES: ClassVar[tuple[str, ...]] = ("forward", "forward_other", "turn", "turn_other")
+    UNIT: ClassVar[str] = "m, m, rad, rad"
+    FRAME: ClassVar[str] = "pushed"
+    HAS_MIRROR_IMAGE: ClassVar[bool] = True
+    FEELS_BOX: ClassVar[bool] = True
+
+    def meaning(self) -> str:
+        """What the elements are."""
+        return (
+            "how far a push of 5 cm moves and turns the box, by its pushes up to now: one with the left leg, and the "
+            "mirror image of one with the right leg"
+        )
+
+    def read(self, view: PushView, mirror_sign: float) -> Floats:
+        """Forward of both legs and turn of both legs, (4,); what is lost of the depth is not counted."""
+        response = view.response
+        legs = response.curves if mirror_sign > 0.0 else response.curves[::-1]
+        rows = (*(leg.forward_m for leg in legs), *(leg.turn_rad for leg in legs))
+        return np.array([np.interp(USUAL_DEPTH_M, response.depth_m, row) for row in rows])
+
+    def limits(self, scenario: Scenario) -> tuple[Floats, Floats]:
+        """Far beyond what a push does."""
+        return np.full(4, -MOST_DRIFT), np.full(4, MOST_DRIFT)
 
 
 class PushDrift(ObservationTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -35,14 +35,14 @@ def test_pushes_at_all_depths_show_any_curves(first: list[float], second: list[f
     for _ in range(40):
         for leg, measured in enumerate((first, second)):
             for depth_m, value in zip(DEPTH_M[1:].tolist(), measured, strict=True):
-                curves.learn(leg, np.array([depth_m]), value)
+                curves.learn(leg, np.array([depth_m]), np.array([value]))
 
     np.testing.assert_allclose(curves.values()[:, 1:], [first, second], atol=0.004)
 
 
 def test_a_push_says_more_of_near_depths_and_of_its_own_leg() -> None:
     curves = new()
-    curves.learn(0, np.array([0.05]), 0.02)
+    curves.learn(0, np.array([0.05]), np.array([0.02]))
     less: Floats = 1.0 - curves.values()[:, 1:] / EXPECTED[1:]
 
     assert curves.values()[0, 2] == pytest.approx(0.02, abs=0.002)
@@ -56,12 +56,13 @@ def test_a_push_says_more_of_near_depths_and_of_its_own_leg() -> None:
 def test_what_is_expected_is_most_likely(depth_m: float, off: float) -> None:
     expected = float(np.interp(depth_m, DEPTH_M, EXPECTED))
     depths_m = np.array([depth_m])
-    assert new().learn(0, depths_m, expected) > new().learn(0, depths_m, expected + off)
+    near, far = (new().learn(0, depths_m, np.array([effect])) for effect in (expected, expected + off))
+    assert near > far
 
 
 def test_a_push_of_no_depth_says_nothing() -> None:
     curves = new()
-    curves.learn(1, np.array([0.0]), 0.03)
+    curves.learn(1, np.array([0.0]), np.array([0.03]))
     np.testing.assert_allclose(curves.values(), [EXPECTED, EXPECTED])
 
 
@@ -70,9 +71,9 @@ def test_fits_with_other_depths_are_those_of_curves_of_their_own() -> None:
     together = Curves(DEPTH_M, EXPECTED, SPREAD, len(depths_m))
     alone = [new() for _ in depths_m]
     for leg, deeper_m, measured in ((0, 0.0, 0.03), (1, 0.01, 0.02), (0, 0.02, 0.05)):
-        found = together.learn(leg, depths_m + deeper_m, measured)
+        found = together.learn(leg, depths_m + deeper_m, np.full(3, measured))
         expected = [
-            each.learn(leg, np.array([depth_m]), measured)
+            each.learn(leg, np.array([depth_m]), np.array([measured]))
             for each, depth_m in zip(alone, (depths_m + deeper_m).tolist(), strict=True)
         ]
         assert found.tolist() == [float(each[0]) for each in expected]

@@ -7,8 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agent_proc.map_world.response_map import load_response_map
 from agent_proc.push_model.model import MIRROR, NOMINAL, ON_ITS_SIDE, PushModel, nearest_model
+from legpush.messages.stepping import Push
+from legpush.scene.conventions import FRONT_LEGS
 from legpush.scene.faces import pushed_box
+from legpush.scene.names import Face
 
 MODEL = PushModel()
 
@@ -61,6 +65,22 @@ def test_a_push_model_holds_what_was_measured(model: PushModel) -> None:
     for name in ("depth_m", "forward_m", "left_m", "turn_deg"):
         least = 0.05 if name == "turn_deg" else 0.0005
         assert getattr(model, name) == pytest.approx((0.0, *(row[name] for row in measured)), rel=0.02, abs=least)
+
+
+@pytest.mark.parametrize(("model", "face"), [(PushModel(), "rear"), (ON_ITS_SIDE, "right")])
+def test_the_effect_of_w1_and_w2_is_that_of_the_response_map(model: PushModel, face: Face) -> None:
+    surface = load_response_map().surface(face)
+    assert np.array(model.curve) == pytest.approx(np.array(surface.curve), abs=5e-5)
+    depth_m = np.array([0.02, 0.09])
+    for leg in FRONT_LEGS:
+        mirror, usual = np.full(2, MIRROR[leg]), np.full(2, 0.5)
+        for w1, w2 in ((0.5, 0.5), (0.1, 0.9), (1.0, 0.2)):
+            there, here = (
+                surface.displacement(mirror, depth_m, *each)
+                for each in ((np.full(2, w1), np.full(2, w2)), (usual, usual))
+            )
+            found = np.stack(model.beyond_usual_curve(Push(w1=w1, w2=w2, leg=leg, depth_m=0.1), depth_m), axis=1)
+            assert found == pytest.approx(there - here, abs=1e-5)
 
 
 def test_the_model_of_a_box_is_the_one_that_was_measured_with_the_same_side() -> None:

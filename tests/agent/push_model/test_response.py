@@ -92,15 +92,26 @@ def test_a_box_that_may_be_round_is_expected_to_yield_less_and_to_turn_more_and_
     assert (square.turn_sd_rad(mirror, depth_m) > oblong.turn_sd_rad(mirror, depth_m)).all()
 
 
-def test_a_box_is_felt_by_pushes_with_the_curve_of_the_model() -> None:
-    start, after = Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), Pose2(x_m=0.03, y_m=0.02, yaw_rad=0.1)
-    other, same = PushEstimate(NOMINAL), PushEstimate(NOMINAL)
-    other.learn(start, Push(w1=0.2, w2=0.2, leg="FR", depth_m=0.05), after)
-    same.learn(start, push("FR", 0.05), after)
+def test_a_box_is_felt_by_pushes_with_any_curve_less_what_the_curve_adds() -> None:
+    after = Pose2(x_m=0.03, y_m=0.02, yaw_rad=0.1)
+    usual, other = push("FR", 0.05), Push(w1=0.2, w2=0.2, leg="FR", depth_m=0.05)
+    forward, left, turn = (float(each[0]) for each in MODEL.beyond_usual_curve(other, np.array([0.05])))
+    with_curve = Pose2(x_m=after.x_m + forward, y_m=after.y_m + left, yaw_rad=after.yaw_rad + turn)
+    assert abs(turn) > 0.001
 
-    assert other.felt.response == expected_response(NOMINAL)
-    assert same.felt.response != expected_response(NOMINAL)
-    assert other.felt.drift != (0.0, 0.0, 0.0)
+    found = [fitted_to(each, moved) for each, moved in ((usual, after), (other, with_curve), (other, after))]
+    turns = [displaced(each, "FR", 0.05).yaw_rad for each in found]
+    assert turns[0] == pytest.approx(turns[1], abs=1e-4)
+    assert turns[0] != pytest.approx(turns[2], abs=1e-3)
+
+
+def fitted_to(push: Push, moved: Pose2) -> Response:
+    """The response that ten equal pushes show."""
+    estimate = PushEstimate(NOMINAL)
+    for _ in range(10):
+        estimate.learn(Pose2(x_m=0.0, y_m=0.0, yaw_rad=0.0), push, moved)
+    assert estimate.felt.response is not None
+    return estimate.felt.response
 
 
 def test_a_longer_box_is_expected_to_turn_less() -> None:

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from agent_proc.frames.push_view import push_view
 from agent_proc.push_model.estimate import FeltBox, PushEstimate
 from agent_proc.task.file import load_task
-from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift
+from agent_proc.task.observation.box import BoxSides, LostDepth, PushDrift, PushEffect
 from legpush.geometry import Pose2
 from legpush.messages.stepping import Push
 from legpush.scenarios.file import load_scenario
@@ -38,6 +38,26 @@ def test_a_drift_is_what_pushes_do_beyond_the_model_and_has_a_mirror_image() -> 
     assert PushDrift().read(view, 1.0) == pytest.approx([0.001, -0.004, 0.02], abs=1e-4)
     assert PushDrift().read(view, -1.0) == pytest.approx([0.001, 0.004, -0.02], abs=1e-4)
     assert LostDepth().read(view, 1.0).tolist() == [estimate.lost_depth_m]
+
+
+def test_an_effect_is_what_the_fit_says_of_both_legs_and_a_mirror_image_swaps_them() -> None:
+    estimate = PushEstimate(SCENARIO.box)
+    for _ in range(20):
+        for leg, turn_rad in (("FL", -0.02), ("FR", 0.09)):
+            estimate.learn(START, replace(PUSH, leg=leg), Pose2(x_m=0.03, y_m=0.0, yaw_rad=turn_rad))
+    view = push_view(STATE, SCENARIO, estimate.felt)
+    assert view.response.lost_depth_m == pytest.approx(0.0075, abs=0.0026)
+
+    usual_m = 0.05 - view.response.lost_depth_m
+    per_metre = np.array([0.03, 0.03, -0.02, -0.09]) / usual_m
+    assert PushEffect().read(view, 1.0) == pytest.approx(0.05 * per_metre, rel=0.1)
+    assert PushEffect().read(view, -1.0).tolist() == PushEffect().read(view, 1.0)[[1, 0, 3, 2]].tolist()
+
+
+def test_before_the_first_push_an_effect_is_what_is_expected_of_such_a_box() -> None:
+    forward, other_forward, turn, other_turn = PushEffect().read(push_view(STATE, SCENARIO), 1.0)
+    after = PushEstimate(SCENARIO.box).after(START, PUSH)
+    assert (forward, turn) == (other_forward, other_turn) == pytest.approx((after.x_m, after.yaw_rad))
 
 
 def test_the_last_pushes_count_most_for_the_drift() -> None:
