@@ -18,6 +18,8 @@ from legpush.scene.scenario import Goal
 
 LEVELS: Final = {"l0": "tuned", "l1": "push-l1", "l2": "push-l2", "l3": "push-l3"}
 """The tasks of the levels."""
+TABLES: Final = {**LEVELS, "l1_physics": "push-l1"}
+"""The tasks of the tables: level 1 has a second one, in the simulator."""
 EPISODES: Final = ("level_{}", "level_{}_oracle")
 """Studies of a level whose rows are episodes."""
 TRAININGS: Final = ("level_{}_learned", "level_{}_recurrent")
@@ -68,7 +70,7 @@ def texts() -> dict[str, str]:
     made: dict[str, Made] = {}
     numbers: dict[str, Any] = {}
     episodes: list[Row] = []
-    for level, task in LEVELS.items():
+    for level, task in TABLES.items():
         if rows := _read(level, made):
             numbers[level] = numbers_of(rows, load_task(task).scenario.goal)
             episodes += [{"level": level, **{name: row[name] for name in COLUMNS[1:]}} for row in rows]
