@@ -10,12 +10,13 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Normalizer
 from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
 from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.policies.reach import Reach
 from agent_proc.policies.sb3.layers import actor_layers
 from legpush.lockstep.world import SteppingWorld
 
 
 def build_policy(
-    plan: TrainingPlan, learner: Learner, curve: Sequence[CurvePoint], check: Check | None
+    plan: TrainingPlan, learner: Learner, curve: Sequence[CurvePoint], reach: Reach, check: Check | None
 ) -> PolicyFolder:
     """Build the present policy of the learner; `check` is its evaluation, None before there is one."""
     card = Card(
@@ -28,6 +29,7 @@ def build_policy(
         versions=plan.versions,
         check=check,
         curve=tuple(curve),
+        reach=reach,
     )
     normalizer = None
     if (moments := observation_moments(learner.normalizer)) is not None:

@@ -10,12 +10,13 @@ from msgspec import Struct
 
 from agent_proc.learning.learner_state import LearnerState
 from agent_proc.policies.folder import Check, CurvePoint
+from agent_proc.policies.reach import Reach
 from legpush.errors import LegpushError
 from legpush.files import write_whole
 
 CHECKPOINT_FILE: Final = "checkpoint"
 """In the folder of a training."""
-FORMAT: Final = 3
+FORMAT: Final = 4
 """To be raised when a field of a checkpoint changes."""
 MAGIC: Final = b"legpush training checkpoint %d\n" % FORMAT
 HEADER: Final = re.compile(rb"legpush training checkpoint (\d{1,9})\n")
@@ -38,6 +39,8 @@ class Checkpoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     checks: tuple[Check, ...]
     """Evaluations up to now."""
     best: Check | None
+    reach: Reach
+    """How far off the box was up to now."""
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:

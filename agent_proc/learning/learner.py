@@ -32,6 +32,9 @@ class Rewindable(Protocol):
     def num_envs(self) -> int:
         """Number of environments."""
 
+    def get_attr(self, attr_name: str) -> list[Any]:
+        """The attribute of each environment."""
+
     def snapshot(self) -> tuple[EnvSnapshot, ...]:
         """The present state as plain data."""
 

@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from agent_proc.policies.actor import Actor, Layer, Normalizer
 from agent_proc.policies.folder_files import decode_file, read_file
+from agent_proc.policies.reach import Reach
 from agent_proc.policies.weights_file import decode_weights, encode_weights
 from agent_proc.profiles.profile import AnyProfile, read_profile
 from agent_proc.task.action import CHOICES, n_actions
@@ -87,6 +88,8 @@ class Card:
     check: Check | None
     """The evaluation for which it was kept."""
     curve: tuple[CurvePoint, ...]
+    reach: Reach | None = None
+    """How far off it was trained; None for policies of versions that did not note it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -249,6 +252,7 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
     "versions": dict[str, str],
     "check": Check | None,
     "curve": tuple[CurvePoint, ...],
+    "reach": Reach | None,
 }
 """Types of all fields but the profile and the task, which have readers of their own."""
 
@@ -269,6 +273,7 @@ def readme(card: Card) -> str:
         f"- reward: {', '.join(_weighted(task))}; an episode ends by {', '.join(task.ending) or 'its length alone'}",
         f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
         f"- evaluation that it was kept for: {card.check or 'none'}",
+        *([] if card.reach is None else [f"- trained with the box up to {card.reach}; it stops beyond that"]),
         f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",
         "",
         "| observation | unit | frame | meaning |",

@@ -1,5 +1,6 @@
 """Runs a trained policy: it decides about pushes as in training, but without exploring."""
 
+import logging
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
@@ -7,12 +8,15 @@ from numpy.typing import NDArray
 from agent_proc.frames.push_view import PushView
 from agent_proc.policies.actor import Float32s, Normalizer
 from agent_proc.policies.folder import PolicyFolder, policy_path, read_policy
+from agent_proc.policies.reach import Reach, reach_of
 from agent_proc.task.action import to_push
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import has_arrived
 from agent_proc.task.observed import n_observed, observe
 from legpush.errors import PolicyError
 from legpush.messages.stepping import Push
+
+log = logging.getLogger(__name__)
 
 
 class Network(Protocol):
@@ -25,8 +29,15 @@ class Network(Protocol):
 class NetworkPolicy:
     """A policy whose network was trained on a task."""
 
-    def __init__(self, task: TaskConfig, network: Network, normalizer: Normalizer | None, origin: str) -> None:
-        """Make the policy; its error messages begin with `origin`.
+    def __init__(
+        self,
+        task: TaskConfig,
+        network: Network,
+        normalizer: Normalizer | None,
+        origin: str,
+        reach: Reach | None = None,
+    ) -> None:
+        """Make the policy; its error messages begin with `origin`. It stops beyond `reach`, if that is known.
 
         Raises:
             PolicyError: The normalizer does not fit the observation of the task.
@@ -40,10 +51,24 @@ class NetworkPolicy:
         self.task = task
         self._network = network
         self._normalizer = normalizer
+        self._origin = origin
+        self._reach = reach
+        self._level = logging.WARNING
+        """Of the next message: only the first one is a warning."""
 
     def decide(self, view: PushView) -> Push | None:
-        """The next push, or None if an episode of training would have ended here."""
+        """The next push, or None if an episode of training would have ended here, or it was never trained here."""
         if has_arrived(self.task, view):
+            return None
+        if self._reach is not None and not self._reach.covers(view):
+            log.log(
+                self._level,
+                "%s stops: the box is %s, and it was trained up to %s",
+                self._origin,
+                reach_of(view),
+                self._reach,
+            )
+            self._level = logging.INFO
             return None
         observation = observe(self.task, view)
         if self._normalizer is not None:
@@ -57,7 +82,7 @@ class LearnedPolicy(NetworkPolicy):
     def __init__(self, folder: PolicyFolder, name: str) -> None:
         """Make the policy of a folder that messages call `name`."""
         self.card = folder.card
-        super().__init__(folder.card.task, folder.actor(), folder.normalizer, name)
+        super().__init__(folder.card.task, folder.actor(), folder.normalizer, name, folder.card.reach)
 
 
 def require_single_face(policy: object) -> None:

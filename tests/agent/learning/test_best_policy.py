@@ -13,6 +13,7 @@ from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Check, CurvePoint, PolicyFolder, read_policy, write_policy
 from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.policies.reach import Reach
 from agent_proc.policies.weights_file import encode_weights
 from agent_proc.profiles.profile import AnyProfile
 from agent_proc.task.file import load_task
@@ -22,6 +23,7 @@ from tests.agent.learning.small_training import small_profile
 
 CHECK = Check(step=64, seeds=(1, 2), success_rate=0.5, position_error_m=0.02, angle_error_deg=1.5, falls=0, cycles=20.0)
 POINT = CurvePoint(step=3, episode_return=-1.5, length=3, success=False, position_error_m=0.4, angle_error_deg=9.0)
+REACH = Reach(beside_m=3.0, turned_deg=180.0)
 SCENARIO = scenario_at_station()
 
 
@@ -33,7 +35,7 @@ def built(profile: AnyProfile, check: Check | None = None) -> PolicyFolder:
     )
     env = PushVecEnv(task, [FakeWorld()])
     try:
-        return build_policy(plan, make_learner(profile, env, plan.seed), [POINT], check)
+        return build_policy(plan, make_learner(profile, env, plan.seed), [POINT], REACH, check)
     finally:
         env.close()
 

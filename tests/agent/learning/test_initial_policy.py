@@ -45,7 +45,7 @@ def test_a_policy_gives_its_actor_and_its_moments(trained: tuple[Path, str]) -> 
     learner, plan = fresh(name)
     policy = read_policy(folder / "last")
 
-    begin_with(learner, plan, str(folder / "last"))
+    assert begin_with(learner, plan, str(folder / "last")) == policy.card.reach
     layers = actor_layers(plan.profile.algorithm, learner.model.policy.state_dict())
     for mine, theirs in zip(layers, policy.layers, strict=True):
         assert np.array_equal(mine.weight, theirs.weight)
@@ -66,7 +66,7 @@ def test_a_training_gives_its_critics_too(trained: tuple[Path, str]) -> None:
     learner, plan = fresh(name)
     other, _ = fresh(name, seed=4)
 
-    begin_with(learner, plan, str(folder))
+    assert begin_with(learner, plan, str(folder)) == load_checkpoint(folder / "checkpoint").reach
     begin_with(other, plan, str(folder))
     assert weights(learner.model) == weights(other.model)
     state = load_checkpoint(folder / "checkpoint").learner

@@ -13,6 +13,7 @@ from agent_proc.frames.push_view import push_view
 from agent_proc.learning.checkpoint import CHECKPOINT_FILE, CheckpointError, load_checkpoint
 from agent_proc.learning.training import BEST, LAST, Training
 from agent_proc.learning.training_plan import Progress, TrainingResult
+from agent_proc.policies.folder import read_card
 from agent_proc.policies.learned import load_learned
 from agent_proc.profiles.profile import AnyProfile, PpoProfile, load_profile
 from agent_proc.task.file import load_task
@@ -73,6 +74,9 @@ def test_an_interrupted_training_ends_with_the_weights_of_an_uninterrupted_one(
     assert len(ends[0].curve) > 5
     assert ends[0].checks == ends[1].checks
     assert len(ends[0].checks) >= 2
+    assert ends[0].reach == ends[1].reach
+    assert read_card(tmp_path / "parts" / LAST).reach == ends[0].reach
+    assert ends[0].reach.beside_m > 0.0
 
 
 @pytest.mark.parametrize("name", ["tuned", "sac"])
