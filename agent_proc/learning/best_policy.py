@@ -53,7 +53,7 @@ def check_policy(
         worlds,
         {"": card.task.scenario},
         seeds,
-        LearnedPolicy(policy, "the policy in training"),
+        LearnedPolicy(policy, "the policy in training", warns=False),
         on_row=lambda _: on_episode(),
         stop=stop,
         drawn=starts_of(card.task),

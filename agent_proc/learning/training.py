@@ -235,7 +235,13 @@ class Training:
         """Keep an episode of the present policy for a film."""
         self._tell("pushing for a film")
         folder = build_policy(self._plan, self._learner, self._curve, self._reach, None)
-        keep_episode(self._plan, self._folder, step, LearnedPolicy(folder, "the policy in training"), self._worlds[0])
+        keep_episode(
+            self._plan,
+            self._folder,
+            step,
+            LearnedPolicy(folder, "the policy in training", warns=False),
+            self._worlds[0],
+        )
 
     def _write(self, name: str, check: Check) -> None:
         write_policy(self._folder / name, build_policy(self._plan, self._learner, self._curve, self._reach, check))

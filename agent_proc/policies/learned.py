@@ -36,8 +36,12 @@ class NetworkPolicy:
         normalizer: Normalizer | None,
         origin: str,
         reach: Reach | None = None,
+        *,
+        warns: bool = True,
     ) -> None:
-        """Make the policy; its error messages begin with `origin`. It stops beyond `reach`, if that is known.
+        """Make the policy; its error messages begin with `origin`.
+
+        It stops beyond `reach`, if that is known; the first time, it `warns`.
 
         Raises:
             PolicyError: The normalizer does not fit the observation of the task.
@@ -53,8 +57,8 @@ class NetworkPolicy:
         self._normalizer = normalizer
         self._origin = origin
         self._reach = reach
-        self._level = logging.WARNING
-        """Of the next message: only the first one is a warning."""
+        self._level = logging.WARNING if warns else logging.INFO
+        """Of the next message."""
 
     def decide(self, view: PushView) -> Push | None:
         """The next push, or None if an episode of training would have ended here, or it was never trained here."""
@@ -79,10 +83,10 @@ class NetworkPolicy:
 class LearnedPolicy(NetworkPolicy):
     """The policy of a folder."""
 
-    def __init__(self, folder: PolicyFolder, name: str) -> None:
-        """Make the policy of a folder that messages call `name`."""
+    def __init__(self, folder: PolicyFolder, name: str, *, warns: bool = True) -> None:
+        """Make the policy of a folder that messages call `name`; arguments as above."""
         self.card = folder.card
-        super().__init__(folder.card.task, folder.actor(), folder.normalizer, name, folder.card.reach)
+        super().__init__(folder.card.task, folder.actor(), folder.normalizer, name, folder.card.reach, warns=warns)
 
 
 def require_single_face(policy: object) -> None:
