@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from agent_proc.learning.learner_state import LearnerState
 from agent_proc.policies.folder import Check, CurvePoint
-from agent_proc.policies.reach import Reach
+from agent_proc.policies.reach import Visits
 from legpush.errors import LegpushError
 from legpush.files import write_whole
 
@@ -39,7 +39,7 @@ class Checkpoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     checks: tuple[Check, ...]
     """Evaluations up to now."""
     best: Check | None
-    reach: Reach
+    visits: Visits
     """How far off the box was up to now."""
 
 

@@ -13,19 +13,19 @@ from agent_proc.learning.learner_state import restore_moments, restore_networks
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Layer
 from agent_proc.policies.folder import PolicyFolder, policy_path, read_policy
-from agent_proc.policies.reach import NOWHERE, Reach
+from agent_proc.policies.reach import Visits
 from agent_proc.policies.sb3.layers import layer_names
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.elements import action_elements
 from legpush.errors import PolicyError
 
 
-def begin_with(learner: Learner, plan: TrainingPlan, name_or_path: str) -> Reach:
+def begin_with(learner: Learner, plan: TrainingPlan, name_or_path: str) -> Visits:
     """Give a new learner what a trained policy has, or a training whose folder is named.
 
     A policy has an actor, and mean and variance of its observations. The last checkpoint of a training also has the
     critics, the spread of exploration and the variance of the rewards. Optimizers and random numbers stay new. Returns
-    how far off it was trained, as far as that is known.
+    how far off it decided in its training, if there is a checkpoint.
 
     Raises:
         PolicyError: There is no such policy, or it was trained with another algorithm, network, observation or action.
@@ -33,9 +33,8 @@ def begin_with(learner: Learner, plan: TrainingPlan, name_or_path: str) -> Reach
     """
     checkpoint = Path(name_or_path) / CHECKPOINT_FILE
     if not checkpoint.is_file():
-        policy = read_policy(policy_path(name_or_path))
-        _take(learner, plan, policy, name_or_path)
-        return policy.card.reach or NOWHERE
+        _take(learner, plan, read_policy(policy_path(name_or_path)), name_or_path)
+        return Visits()
     held = load_checkpoint(checkpoint)
     state = held.learner
     try:
@@ -43,7 +42,7 @@ def begin_with(learner: Learner, plan: TrainingPlan, name_or_path: str) -> Reach
         restore_moments(learner.normalizer, state)
     except ValueError as error:
         raise PolicyError(f"{name_or_path}: expected a training with the networks of this one: {error}") from error
-    return held.reach
+    return held.visits
 
 
 def _take(learner: Learner, plan: TrainingPlan, policy: PolicyFolder, where: str) -> None:

@@ -32,7 +32,7 @@ from agent_proc.learning.loggers.registry import make_callbacks, make_loggers
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Check, CurvePoint, write_policy
 from agent_proc.policies.learned import LearnedPolicy
-from agent_proc.policies.reach import NOWHERE, reach_of
+from agent_proc.policies.reach import Visits
 from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
 from legpush.lockstep.world import SteppingWorld
@@ -73,7 +73,7 @@ class Training:
         self._curve: list[CurvePoint] = []
         self._checks: list[Check] = []
         self._best: Check | None = None
-        self._reach = NOWHERE
+        self._visits = Visits()
         self._held: Checkpoint | None = None
         """The last checkpoint that was captured, whether saved or not."""
         self._saved_step = 0
@@ -96,7 +96,7 @@ class Training:
         except ValueError as error:
             raise CheckpointError(f"{path}: expected a checkpoint of this training: {error}") from error
         self._curve, self._checks = list(held.curve), list(held.checks)
-        self._best, self._reach = held.best, held.reach
+        self._best, self._visits = held.best, held.visits
         self._held, self._saved_step = held, held.step
 
     def run(self) -> TrainingResult:
@@ -116,7 +116,7 @@ class Training:
     def _run(self, *, fresh: bool) -> TrainingResult:
         steps, model = self._plan.profile.steps, self._learner.model
         if fresh and self._plan.init is not None:
-            self._reach = begin_with(self._learner, self._plan, self._plan.init)
+            self._visits = begin_with(self._learner, self._plan, self._plan.init)
         try:
             if model.num_timesteps < steps:
                 model.learn(
@@ -145,7 +145,8 @@ class Training:
 
     def begin_rollout(self) -> None:
         """Evaluate and capture a checkpoint if due, and set the exploration of the next rollout."""
-        self._note_reach()
+        if self._learner.model.num_timesteps == 0:
+            self._note_views()
         self._check_if_due()
         step = self._learner.model.num_timesteps
         due = step - self._saved_step >= self._plan.profile.checkpoint_every
@@ -157,7 +158,7 @@ class Training:
 
     def take_step(self, infos: Sequence[dict[str, Any]], dones: Sequence[bool]) -> bool:
         """Record the episodes that ended in a step of all environments; returns whether to go on."""
-        self._note_reach()
+        self._note_views()
         step = self._learner.model.num_timesteps
         for info, done in zip(infos, dones, strict=True):
             if done:
@@ -179,9 +180,9 @@ class Training:
 
     # -- parts ---------------------------------------------------------------------------------------------------------
 
-    def _note_reach(self) -> None:
+    def _note_views(self) -> None:
         """Note where the boxes are about which the next decisions are made."""
-        self._reach = self._reach.widened(reach_of(view) for view in self._learner.env.get_attr("view"))
+        self._visits = self._visits.with_views(self._learner.env.get_attr("view"))
 
     def _hold(self) -> None:
         self._held = Checkpoint(
@@ -190,7 +191,7 @@ class Training:
             curve=tuple(self._curve),
             checks=tuple(self._checks),
             best=self._best,
-            reach=self._reach,
+            visits=self._visits,
         )
 
     def _save_held(self) -> None:
@@ -228,13 +229,13 @@ class Training:
             self._tell(f"evaluating, episode {next(n_done)} of {n}")
 
         tell()
-        policy = build_policy(self._plan, self._learner, self._curve, self._reach, None)
+        policy = build_policy(self._plan, self._learner, self._curve, self._visits.reach, None)
         return check_policy(policy, self._worlds, on_episode=tell, stop=self._stop)
 
     def _keep_film(self, step: int) -> None:
         """Keep an episode of the present policy for a film."""
         self._tell("pushing for a film")
-        folder = build_policy(self._plan, self._learner, self._curve, self._reach, None)
+        folder = build_policy(self._plan, self._learner, self._curve, self._visits.reach, None)
         keep_episode(
             self._plan,
             self._folder,
@@ -244,7 +245,9 @@ class Training:
         )
 
     def _write(self, name: str, check: Check) -> None:
-        write_policy(self._folder / name, build_policy(self._plan, self._learner, self._curve, self._reach, check))
+        write_policy(
+            self._folder / name, build_policy(self._plan, self._learner, self._curve, self._visits.reach, check)
+        )
 
     def _tell(self, doing: str) -> None:
         recent = self._curve[-WINDOW:]

@@ -273,7 +273,7 @@ def readme(card: Card) -> str:
         f"- reward: {', '.join(_weighted(task))}; an episode ends by {', '.join(task.ending) or 'its length alone'}",
         f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
         f"- evaluation that it was kept for: {card.check or 'none'}",
-        *([] if card.reach is None else [f"- trained with the box up to {card.reach}; it stops beyond that"]),
+        *([] if card.reach is None else [f"- trained with the box up to {card.reach}, where it stops"]),
         f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",
         "",
         "| observation | unit | frame | meaning |",

@@ -12,14 +12,14 @@ from agent_proc.learning.checkpoint import FORMAT, MAGIC, Checkpoint, Checkpoint
 from agent_proc.learning.learner_state import capture
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import Check, CurvePoint
-from agent_proc.policies.reach import Reach
+from agent_proc.policies.reach import Visits
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 from tests.agent.learning.small_training import learned, small_profile
 from tests.agent.tasks import tuned
 
 CHECK = Check(step=64, seeds=(1, 2), success_rate=0.5, position_error_m=0.02, angle_error_deg=1.5, falls=0, cycles=20.0)
 POINT = CurvePoint(step=3, episode_return=-1.5, length=3, success=False, position_error_m=0.4, angle_error_deg=9.0)
-REACH = Reach(beside_m=0.1, turned_deg=20.0)
+VISITS = Visits(turned=(3,) * 180)
 TASK = tuned(scenario=scenario_at_station(), max_steps=5)
 
 
@@ -29,7 +29,7 @@ def checkpoint() -> Checkpoint:
     env = PushVecEnv(TASK, [FakeWorld()])
     state = capture(learned(small_profile(), env, 32))
     env.close()
-    return Checkpoint(step=70, learner=state, curve=(POINT,), checks=(CHECK,), best=CHECK, reach=REACH)
+    return Checkpoint(step=70, learner=state, curve=(POINT,), checks=(CHECK,), best=CHECK, visits=VISITS)
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from agent_proc.learning.training import Training
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
 from agent_proc.policies.folder import read_policy
+from agent_proc.policies.reach import Visits
 from agent_proc.policies.sb3.layers import actor_layers
 from agent_proc.task.file import load_task
 from legpush.errors import PolicyError
@@ -45,7 +46,7 @@ def test_a_policy_gives_its_actor_and_its_moments(trained: tuple[Path, str]) -> 
     learner, plan = fresh(name)
     policy = read_policy(folder / "last")
 
-    assert begin_with(learner, plan, str(folder / "last")) == policy.card.reach
+    assert begin_with(learner, plan, str(folder / "last")) == Visits()
     layers = actor_layers(plan.profile.algorithm, learner.model.policy.state_dict())
     for mine, theirs in zip(layers, policy.layers, strict=True):
         assert np.array_equal(mine.weight, theirs.weight)
@@ -66,7 +67,7 @@ def test_a_training_gives_its_critics_too(trained: tuple[Path, str]) -> None:
     learner, plan = fresh(name)
     other, _ = fresh(name, seed=4)
 
-    assert begin_with(learner, plan, str(folder)) == load_checkpoint(folder / "checkpoint").reach
+    assert begin_with(learner, plan, str(folder)) == load_checkpoint(folder / "checkpoint").visits
     begin_with(other, plan, str(folder))
     assert weights(learner.model) == weights(other.model)
     state = load_checkpoint(folder / "checkpoint").learner
