@@ -25,6 +25,7 @@ from legpush.messages.poses import as_seen, planar_pose
 from legpush.messages.stepping import Motion, Outcome, Reset
 from legpush.scene.conventions import CONTROL_PERIOD_S
 from legpush.scene.faces import FACES, pushed_box, pushed_pose
+from legpush.scene.names import Face
 from legpush.scene.scenario import Scenario
 
 EPISODE_CYCLES: Final = 200
@@ -63,18 +64,20 @@ def run_episode(
     policy: Policy,
     case: str = "",
     stop: threading.Event | None = None,
+    known: Mapping[Face, PushEstimate] | None = None,
 ) -> Row:
     """Reset and push until the policy is done, the robot falls, the box is out of its reach, or no cycles are left.
 
     A push that the legs cannot follow, as on a steep slope, is refused by the simulator, and ends the episode too.
 
-    To push another face than the last one, the robot walks around the box first.
+    To push another face than the last one, the robot walks around the box first. What is `known` of the box by earlier
+    pushes at a face goes on to be learned.
 
     Raises:
         StopRequestedError: `stop` was set; checked before each cycle.
     """
     outcome = world.step(Reset(scenario=scenario, seed=seed))
-    estimates = {face: PushEstimate(pushed_box(scenario.box, face)) for face in FACES}
+    estimates = {face: PushEstimate(pushed_box(scenario.box, face)) for face in FACES} | dict(known or {})
     n_most, n_cycles, face, posture = scenario.mission.max_push_cycles or EPISODE_CYCLES, 0, FACES[0], _Posture()
 
     def step(motion: Motion) -> Outcome:

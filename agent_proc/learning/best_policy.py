@@ -9,7 +9,7 @@ from agent_proc.learning.learner import Learner, observation_moments
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Normalizer
 from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
-from agent_proc.policies.learned import LearnedPolicy
+from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.policies.reach import Reach
 from agent_proc.policies.sb3.layers import actor_layers
 from legpush.lockstep.world import SteppingWorld
@@ -53,7 +53,7 @@ def check_policy(
         worlds,
         {"": card.task.scenario},
         seeds,
-        LearnedPolicy(policy, "the policy in training", warns=False),
+        policy_in_training(policy),
         on_row=lambda _: on_episode(),
         stop=stop,
         drawn=starts_of(card.task),
@@ -68,6 +68,11 @@ def check_policy(
         falls=summary.n_falls,
         cycles=summary.n_cycles.value,
     )
+
+
+def policy_in_training(policy: PolicyFolder) -> NetworkPolicy:
+    """The policy as it is judged: it stops nowhere, so that all that it does shows."""
+    return NetworkPolicy(policy.card.task, policy.actor(), policy.normalizer, "the policy in training")
 
 
 def is_better(check: Check, best: Check | None) -> bool:

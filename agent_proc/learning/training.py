@@ -16,7 +16,7 @@ from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecEnv
 
-from agent_proc.learning.best_policy import build_policy, check_policy, is_better
+from agent_proc.learning.best_policy import build_policy, check_policy, is_better, policy_in_training
 from agent_proc.learning.checkpoint import (
     CHECKPOINT_FILE,
     Checkpoint,
@@ -31,7 +31,6 @@ from agent_proc.learning.learner_state import capture, restore
 from agent_proc.learning.loggers.registry import make_callbacks, make_loggers
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
 from agent_proc.policies.folder import Check, CurvePoint, write_policy
-from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.reach import Visits
 from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError
@@ -236,13 +235,7 @@ class Training:
         """Keep an episode of the present policy for a film."""
         self._tell("pushing for a film")
         folder = build_policy(self._plan, self._learner, self._curve, self._visits.reach, None)
-        keep_episode(
-            self._plan,
-            self._folder,
-            step,
-            LearnedPolicy(folder, "the policy in training", warns=False),
-            self._worlds[0],
-        )
+        keep_episode(self._plan, self._folder, step, policy_in_training(folder), self._worlds[0])
 
     def _write(self, name: str, check: Check) -> None:
         write_policy(

@@ -36,12 +36,10 @@ class NetworkPolicy:
         normalizer: Normalizer | None,
         origin: str,
         reach: Reach | None = None,
-        *,
-        warns: bool = True,
     ) -> None:
         """Make the policy; its error messages begin with `origin`.
 
-        It stops beyond `reach`, if that is known; the first time, it `warns`.
+        It stops beyond `reach`, if one is given, with a warning the first time.
 
         Raises:
             PolicyError: The normalizer does not fit the observation of the task.
@@ -57,7 +55,7 @@ class NetworkPolicy:
         self._normalizer = normalizer
         self._origin = origin
         self._reach = reach
-        self._level = logging.WARNING if warns else logging.INFO
+        self._level = logging.WARNING
         """Of the next message."""
 
     def decide(self, view: PushView) -> Push | None:
@@ -83,10 +81,10 @@ class NetworkPolicy:
 class LearnedPolicy(NetworkPolicy):
     """The policy of a folder."""
 
-    def __init__(self, folder: PolicyFolder, name: str, *, warns: bool = True) -> None:
-        """Make the policy of a folder that messages call `name`; arguments as above."""
+    def __init__(self, folder: PolicyFolder, name: str) -> None:
+        """Make the policy of a folder that messages call `name`."""
         self.card = folder.card
-        super().__init__(folder.card.task, folder.actor(), folder.normalizer, name, folder.card.reach, warns=warns)
+        super().__init__(folder.card.task, folder.actor(), folder.normalizer, name, folder.card.reach)
 
 
 def require_single_face(policy: object) -> None:

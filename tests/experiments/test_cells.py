@@ -9,10 +9,12 @@ import pytest
 from experiments.cells.circle import closing_m, fit_circle, fit_sine
 from experiments.cells.close_up import CLOSE_UP
 from experiments.cells.heavy_push import HEAVY_PUSH, STILL_CYCLES
+from experiments.cells.informed import INFORMED
 from experiments.cells.own_estimate import OWN_ESTIMATE
 from experiments.cells.push_curve import PUSH_CURVE
 from experiments.cells.recurrent import RECURRENT
 from experiments.cells.straight_push import STRAIGHT_PUSH
+from experiments.cells.turns import CURVES, TURNS
 from experiments.cells.walk import WALK, path_of
 from legpush.study.cells import CellKind, columns_of
 
@@ -140,6 +142,22 @@ def test_the_known_friction_is_fed_forward_whatever_the_foot_feels() -> None:
     assert known["within"]
     assert felt["within"]
     assert known["state_crc"] != felt["state_crc"]
+
+
+def test_a_box_is_turned_from_its_start_with_each_leg_and_curve() -> None:
+    found = result(TURNS, task="push-l2", seed=6018, n_pushes=1)
+
+    assert found["leg"] == ["FL"] * 5 + ["FR"] * 5
+    assert list(zip(found["w1"], found["w2"], strict=True))[:5] == list(CURVES)
+    assert max(found["turn_deg"][:5]) < -2.0
+    assert min(found["turn_deg"][5:]) > 2.0
+
+
+def test_an_oracle_has_pushed_the_box_before() -> None:
+    found = result(INFORMED, task="push-l2", seed=6018, n_series=1)
+
+    assert (found["policy"], found["n_known"], found["ending"], found["success"]) == ("informed", 8, "done", True)
+    assert list(found) == [column.name for column in INFORMED.columns]
 
 
 def test_a_recurrent_training_gives_the_same_ends_again() -> None:

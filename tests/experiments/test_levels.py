@@ -119,3 +119,8 @@ def test_an_episode_of_a_training_has_the_columns_of_the_others() -> None:
 def test_every_policy_of_a_level_has_a_line_of_its_own() -> None:
     assert len(set(levels.STYLES.values())) == len(levels.STYLES)
     assert set(levels.LEARNERS.values()) <= levels.STYLES.keys()
+
+
+def test_a_box_turns_both_ways_if_some_pushes_turn_it_to_either_side() -> None:
+    rows: list[Row] = [{"turn_deg": turns} for turns in ([-3.0, 2.0], [4.0, 9.0], [-4.0, 0.2], [-9.0, -1.0, 0.6])]
+    assert levels.turns_of(rows) == {"n_turned": 4, "n_turned_both_ways": 2}

@@ -20,13 +20,18 @@ LEVELS: Final = {"l0": "tuned", "l1": "push-l1", "l2": "push-l2", "l3": "push-l3
 """The tasks of the levels."""
 TABLES: Final = {**LEVELS, "l1_physics": "push-l1"}
 """The tasks of the tables: level 1 has a second one, in the simulator."""
-EPISODES: Final = ("level_{}", "level_{}_oracle")
+EPISODES: Final = ("level_{}", "level_{}_oracle", "level_{}_informed")
 """Studies of a level whose rows are episodes."""
 TRAININGS: Final = ("level_{}_learned", "level_{}_recurrent")
 """Studies of a level whose rows are trainings, with an episode from each of the same starts."""
+TURNS: Final = "level_{}_turns"
+"""The study of a level whose rows say which way its boxes can be turned."""
+LEAST_TURN_DEG: Final = 0.5
+"""A box turns to a side if some push turns it there by this much."""
 ORACLE: Final = "look_ahead_by_physics"
-NO_RIVALS: Final = (ORACLE, "variable")
-"""Not the best rival: the oracle knows what no policy knows, and the shipped policy was learned."""
+INFORMED: Final = "informed"
+NO_RIVALS: Final = (ORACLE, INFORMED, "variable")
+"""Not the best rival: oracles know what no policy knows, and the shipped policy was learned."""
 COLUMNS: Final = (
     "level",
     "policy",
@@ -56,6 +61,7 @@ STYLES: Final[Mapping[str, tuple[str, str]]] = {
     ORACLE: ("#56B4E9", ":"),
     "search": ("#009E73", "-"),
     "dynamic_programming": ("#0072B2", "-"),
+    INFORMED: ("#0072B2", ":"),
     "variable": ("#CC79A7", "-"),
     "ppo": ("#D55E00", "-"),
     "recurrent_ppo": ("#D55E00", "--"),
@@ -72,7 +78,7 @@ def texts() -> dict[str, str]:
     episodes: list[Row] = []
     for level, task in TABLES.items():
         if rows := _read(level, made):
-            numbers[level] = numbers_of(rows, load_task(task).scenario.goal)
+            numbers[level] = {**numbers_of(rows, load_task(task).scenario.goal), **_turns(level, made)}
             episodes += [{"level": level, **{name: row[name] for name in COLUMNS[1:]}} for row in rows]
     return {"levels.csv": as_csv(episodes), "levels.json": as_json(made, numbers)}
 
@@ -107,6 +113,22 @@ def _draw(axis: Axes, entries: Mapping[str, Entry]) -> None:
     axis.set_ylabel("share of starts [%]")
     axis.grid(alpha=0.3)
     axis.label_outer()
+
+
+def _turns(level: str, made: dict[str, Made]) -> dict[str, int]:
+    """Which way the boxes of a level turn, if that was kept; `made` gets how it was made."""
+    name = TURNS.format(level)
+    if not has_rows(name):
+        return {}
+    study = read_rows(name)
+    made[name] = study.made
+    return turns_of(study.rows)
+
+
+def turns_of(rows: Sequence[Row]) -> dict[str, int]:
+    """How many boxes there are, and how many of them some push turns to the left and another one to the right."""
+    both = [min(row["turn_deg"]) < -LEAST_TURN_DEG and max(row["turn_deg"]) > LEAST_TURN_DEG for row in rows]
+    return {"n_turned": len(both), "n_turned_both_ways": sum(both)}
 
 
 def _read(level: str, made: dict[str, Made]) -> list[Row]:

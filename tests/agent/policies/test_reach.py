@@ -82,12 +82,5 @@ def test_a_policy_stops_beyond_its_reach_and_says_so_once(caplog: pytest.LogCapt
     assert len(caplog.records) == 2
 
 
-def test_a_policy_in_training_does_not_warn(caplog: pytest.LogCaptureFixture) -> None:
-    policy = NetworkPolicy(tuned(), Straight(), None, "mine", Reach(beside_m=0.1, turned_deg=10.0), warns=False)
-
-    assert policy.decide(view_of(0.2, 0.0)) is None
-    assert "WARNING" not in {record.levelname for record in caplog.records}
-
-
 def test_a_policy_of_unknown_reach_does_not_stop() -> None:
     assert NetworkPolicy(tuned(), Straight(), None, "mine").decide(view_of(0.4, 60.0)) is not None
