@@ -11,7 +11,9 @@ from agent_proc.statistics.paired import paired_difference
 from experiments.rows import Row, has_rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
 
-POLICIES: Final = ("constant", "scripted", "variable", "wide", "dynamic_programming")
+POLICIES: Final = ("random", "alternate", "constant", "scripted", "variable", "wide", "dynamic_programming")
+WIDE: Final = ("wide_starts", "wide_starts_blind")
+"""Studies of starts that are drawn; the second one has the first of them alone."""
 BOX_M: Final = (6.0, 6.0)
 """Where the box of the scenario `open` stands, with the heading 0."""
 MEASURES: Final = ("position_error_m", "angle_error_deg", "n_cycles")
@@ -25,8 +27,8 @@ MOST_CM: Final = 5.0
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    studies = {name: read_rows(name) for name in ("start_map", "wide_starts") if has_rows(name)}
-    wide = studies["wide_starts"].rows if "wide_starts" in studies else []
+    studies = {name: read_rows(name) for name in ("start_map", *WIDE) if has_rows(name)}
+    wide = [row for name in WIDE if name in studies for row in studies[name].rows]
     starts = _map()
     numbers = {
         "wide": {policy: _of_policy(wide, policy) for policy in POLICIES if any(r["policy"] == policy for r in wide)},
@@ -110,7 +112,7 @@ def _of_policy(rows: list[Row], policy: str) -> dict[str, Any]:
             name: plain(
                 paired_difference(
                     {row["seed"]: float(row[name]) for row in here},
-                    {seed: float(row[name]) for seed, row in rival.items()},
+                    {row["seed"]: float(rival[row["seed"]][name]) for row in here},
                 ),
                 7,
             )
