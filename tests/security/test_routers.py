@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from threading import Event
 from time import monotonic
@@ -22,6 +23,7 @@ from legpush.bus.secure.certificate_names import PROCESS_ROLES, CertificateRole
 from legpush.bus.secure.host_folder import read_credentials
 from legpush.bus.session import ZenohSession
 from legpush.errors import CredentialsError
+from legpush.messages.common import PROTOCOL_VERSION
 from tests.legpush.fakes import eventually
 from tests.security.hosts import HOST, free_endpoint, made, raw_session
 from tests.security.test_access import MESSAGES, RUN, Heard, included, put_all, show, tokens_of
@@ -185,3 +187,22 @@ def test_a_refused_client_is_told_why_and_under_which_name(
             said = str(error)
     assert monotonic() - began_s < TOLD_S
     assert re.search(expected, said), said
+
+
+def test_a_peer_of_another_version_is_named_over_tls(host: Path, routers: Routers) -> None:
+    """Behind another router, and linked directly: its token comes through, whatever protocol it speaks."""
+    credentials, at = read_credentials(host, "agent"), free_endpoint()
+    direct, other = Endpoints(listen=(at,), credentials=credentials), PROTOCOL_VERSION - 1
+    for places, beside in ((by_router(routers[:1], credentials), routers[1]), (direct, at)):
+        with (
+            Bus(RUN, "agent", "main", places) as agent,
+            raw_session(host, "sim", connect=[beside], mode="client" if beside in routers else "peer") as peer,
+        ):
+            token = peer.liveliness().declare_token(f"legpush/v{other}/{RUN}/live/sim/main/a")
+            assert token, beside
+            assert eventually(partial(_says, agent, f"speaks protocol {other}, expected {PROTOCOL_VERSION}")), beside
+            assert agent.liveliness.live() == []
+
+
+def _says(agent: Bus, words: str) -> bool:
+    return words in agent.liveliness.describe("sim", "main")
