@@ -3,7 +3,7 @@
 from typing import Final
 
 from agent_proc.figures import Figure
-from experiments.rows import Row, Rows, read_rows
+from experiments.rows import Row, Rows, has_rows, read_rows
 from experiments.tables.parts import (
     as_csv,
     as_json,
@@ -20,11 +20,14 @@ LOOKS: Final = {
     "dynamic_programming": ("tab:green", "D"),
     "fixed": ("tab:orange", "s"),
     "scripted": ("tab:gray", "^"),
+    "constant": ("black", "v"),
 }
+"""Colour and mark of the policies in the picture."""
+POLICIES: Final = (*LOOKS, "alternate", "random")
 
 
 def _read() -> dict[str, Rows]:
-    return {name: read_rows(name) for name in ("mass_sweep", "mass_sweep_others")}
+    return {name: read_rows(name) for name in ("mass_sweep", "mass_sweep_others", "mass_sweep_blind") if has_rows(name)}
 
 
 def _table(studies: dict[str, Rows]) -> list[Row]:
@@ -56,7 +59,7 @@ def texts() -> dict[str, str]:
         "n_with_positive_margin": sum(margin_m > 0.0 for margin_m in margins_m),
         "policies": {
             policy: {f"{row['mass_kg']:g} kg": _errors(row) for row in table if row["policy"] == policy}
-            for policy in LOOKS
+            for policy in POLICIES
             if any(row["policy"] == policy for row in table)
         },
     }
