@@ -82,6 +82,8 @@ def test_what_pushes_have_shown_is_observed_where_a_task_asks_for_it() -> None:
     names = [element.name for element in observation_elements(task)]
     first, *_ = env.step(np.array([0.0, 0.0, -1.0, 1.0], dtype=np.float32))
 
-    assert names[-4:] == ["lost_depth.depth", "drift.forward", "drift.left", "drift.turn"]
-    assert (first[-3:] != 0.0).any()
+    effects = [f"effect.{name}" for name in ("forward", "forward_other", "turn", "turn_other")]
+    assert names[-8:] == ["lost_depth.depth", "drift.forward", "drift.left", "drift.turn", *effects]
+    assert (first[-7:-4] != 0.0).any()
+    assert first[-4:-2].min() > 0.0 > first[-2:].max()
     assert env.view.drift != (0.0, 0.0, 0.0)
