@@ -96,6 +96,8 @@ class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Seed of the first of these starts."""
     final_ending: str | None = None
     """Task whose rules end the episodes of that evaluation, in place of those that the policy was trained with."""
+    final_starts: str | None = None
+    """Task from whose domain that evaluation draws its starts, in place of that of the training."""
     final_scenario: str | None = None
     """Scenario of that evaluation, in place of the one that the policy was trained in."""
     final_world: str | None = None
@@ -135,7 +137,7 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     final_episodes: int
     final_first_seed: Seed
     final_task: TaskConfig
-    """The task of the further evaluation: the same but for its rules and its scenario."""
+    """The task of the further evaluation: the same but for its rules, its starts and its scenario."""
     final_world: str
     n_simulators: int
     world: str
@@ -206,14 +208,11 @@ def _task(cell: TrainingCell, name: str, scenario: Scenario) -> TaskConfig:
 
 
 def _final_task(cell: TrainingCell, task: TaskConfig) -> TaskConfig:
-    """The task of the further evaluation.
-
-    Raises:
-        ConfigError: The task whose rules it has cannot be used.
-        ScenarioError: Its scenario cannot be used.
-    """
+    """The task of the further evaluation; `ConfigError` or `ScenarioError` if a part of it cannot be used."""
     if cell.final_ending is not None:
         task = replace(task, ending=load_task(cell.final_ending, task.scenario).ending)
+    if cell.final_starts is not None:
+        task = replace(task, domain=load_task(cell.final_starts, task.scenario).domain)
     return task if cell.final_scenario is None else replace(task, scenario=load_scenario(cell.final_scenario))
 
 

@@ -22,7 +22,7 @@ TABLES: Final = {**LEVELS, "l1_physics": "push-l1"}
 """The tasks of the tables: level 1 has a second one, in the simulator."""
 EPISODES: Final = ("level_{}", "level_{}_oracle", "level_{}_informed")
 """Studies of a level whose rows are episodes."""
-TRAININGS: Final = ("level_{}_learned", "level_{}_recurrent")
+TRAININGS: Final = ("level_{}_learned", "level_{}_default_box", "level_{}_recurrent")
 """Studies of a level whose rows are trainings, with an episode from each of the same starts."""
 TURNS: Final = "level_{}_turns"
 """The study of a level whose rows say which way its boxes can be turned."""
@@ -47,6 +47,8 @@ COLUMNS: Final = (
 N_DIGITS: Final = 7
 LEARNERS: Final = {"tuned": "ppo", "sac": "sac", "td3": "td3", None: "recurrent_ppo"}
 """The learners by the profiles of their trainings; the recurrent one has none."""
+OF_DEFAULT_BOX: Final = "ppo_default_box"
+"""PPO whose trainings had other starts than those it is judged from: with the default box."""
 OF_SEED: Final = " of seed "
 """Between the name of a learner and the seed of one of its trainings."""
 STYLES: Final[Mapping[str, tuple[str, str]]] = {
@@ -64,6 +66,7 @@ STYLES: Final[Mapping[str, tuple[str, str]]] = {
     INFORMED: ("#0072B2", ":"),
     "variable": ("#CC79A7", "-"),
     "ppo": ("#D55E00", "-"),
+    OF_DEFAULT_BOX: ("#CC79A7", "--"),
     "recurrent_ppo": ("#D55E00", "--"),
     "sac": ("#D55E00", "-."),
     "td3": ("#D55E00", ":"),
@@ -147,7 +150,7 @@ def episodes_of(trainings: Sequence[Row]) -> list[Row]:
     """A row for each start from which the last policy of a training was judged; `policy` ends with its seed."""
     return [
         {
-            "policy": f"{LEARNERS[training.get('profile')]}{OF_SEED}{training['seed']}",
+            "policy": f"{_learner(training)}{OF_SEED}{training['seed']}",
             "seed": FIRST_HELD_OUT_SEED + start,
             "ending": ending,
             "success": training["final_success"][start],
@@ -160,6 +163,10 @@ def episodes_of(trainings: Sequence[Row]) -> list[Row]:
         for training in trainings
         for start, ending in enumerate(training["final_ended"])
     ]
+
+
+def _learner(training: Row) -> str:
+    return OF_DEFAULT_BOX if training.get("starts") is not None else LEARNERS[training.get("profile")]
 
 
 def numbers_of(rows: Sequence[Row], goal: Goal) -> dict[str, Any]:
