@@ -22,7 +22,7 @@ TABLES: Final = {**LEVELS, "l1_physics": "push-l1"}
 """The tasks of the tables: level 1 has a second one, in the simulator."""
 EPISODES: Final = ("level_{}", "level_{}_oracle", "level_{}_informed")
 """Studies of a level whose rows are episodes."""
-TRAININGS: Final = ("level_{}_learned", "level_{}_default_box", "level_{}_recurrent")
+TRAININGS: Final = ("level_{}_learned", "level_{}_sac", "level_{}_default_box", "level_{}_recurrent")
 """Studies of a level whose rows are trainings, with an episode from each of the same starts."""
 TURNS: Final = "level_{}_turns"
 """The study of a level whose rows say which way its boxes can be turned."""
