@@ -25,7 +25,7 @@ Start = tuple[str, int]
 """Case and seed."""
 LOSS: Final = "loss"
 MEASURES: Final = ("success", "position_error_m", "angle_error_deg", LOSS, "n_cycles", "simulated_s", "decision_cpu_s")
-COMPARED: Final = ("success", "position_error_m", "angle_error_deg", LOSS, "n_cycles")
+COMPARED: Final = ("success", "position_error_m", "angle_error_deg", LOSS, "n_cycles", "simulated_s")
 """Measures with paired differences."""
 THRESHOLDS: Final = tuple(np.geomspace(0.01, MOST * 0.99, 100).tolist())
 """Losses at which the profiles are computed."""

@@ -19,7 +19,7 @@ def test_the_tables_have_a_row_for_each_contestant_and_each_difference() -> None
 def test_csv_and_json_have_every_number_with_its_interval_and_kind() -> None:
     made = outcome()
     rows = list(csv.DictReader(io.StringIO(as_csv(made))))
-    assert len(rows) == 3 * (7 + 1) + 2 * (5 + 1)
+    assert len(rows) == 3 * (7 + 1) + 2 * (6 + 1)
     iqm = next(row for row in rows if (row["contestant"], row["statistic"]) == ("learned", "IQM of loss"))
     assert (iqm["trainings"], iqm["starts"]) == ("2", "24")
     assert float(iqm["low"]) <= float(iqm["value"]) <= float(iqm["high"])
