@@ -189,19 +189,21 @@ def test_a_refused_client_is_told_why_and_under_which_name(
     assert re.search(expected, said), said
 
 
-def test_a_peer_of_another_version_is_named_over_tls(host: Path, routers: Routers) -> None:
+@pytest.mark.parametrize("is_direct", [False, True])
+def test_a_peer_of_another_version_is_named_over_tls(host: Path, routers: Routers, is_direct: bool) -> None:
     """Behind another router, and linked directly: its token comes through, whatever protocol it speaks."""
-    credentials, at = read_credentials(host, "agent"), free_endpoint()
-    direct, other = Endpoints(listen=(at,), credentials=credentials), PROTOCOL_VERSION - 1
-    for places, beside in ((by_router(routers[:1], credentials), routers[1]), (direct, at)):
-        with (
-            Bus(RUN, "agent", "main", places) as agent,
-            raw_session(host, "sim", connect=[beside], mode="client" if beside in routers else "peer") as peer,
-        ):
-            token = peer.liveliness().declare_token(f"legpush/v{other}/{RUN}/live/sim/main/a")
-            assert token, beside
-            assert eventually(partial(_says, agent, f"speaks protocol {other}, expected {PROTOCOL_VERSION}")), beside
-            assert agent.liveliness.live() == []
+    credentials, other, at = read_credentials(host, "agent"), PROTOCOL_VERSION - 1, free_endpoint()
+    direct = Endpoints(listen=(at,), credentials=credentials)
+    with ExitStack() as stack:
+        places = direct if is_direct else by_router(routers[:1], credentials)
+        agent = stack.enter_context(Bus(RUN, "agent", "main", places))
+        beside = at if is_direct else routers[1]
+        peer = stack.enter_context(raw_session(host, "sim", connect=[beside], mode="peer" if is_direct else "client"))
+        assert eventually(lambda: bool(peer.info.links()))
+        token = peer.liveliness().declare_token(f"legpush/v{other}/{RUN}/live/sim/main/a")
+        assert token
+        assert eventually(partial(_says, agent, f"speaks protocol {other}, expected {PROTOCOL_VERSION}"))
+        assert agent.liveliness.live() == []
 
 
 def _says(agent: Bus, words: str) -> bool:
