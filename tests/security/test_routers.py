@@ -30,6 +30,8 @@ from tests.security.test_access import MESSAGES, RUN, Heard, included, put_all, 
 from tests.security.test_wrong_credentials import LINKED, REFUSED, SETTLE_S, TOLD, TOLD_S, MakeHost, of_a_viewer
 
 Routers = tuple[str, str]
+VERSIONS: Final = "versions"
+"""A run in which no other test shows a token."""
 
 
 @pytest.fixture(scope="module")
@@ -196,13 +198,14 @@ def test_a_peer_of_another_version_is_named_over_tls(host: Path, routers: Router
     direct = Endpoints(listen=(at,), credentials=credentials)
     with ExitStack() as stack:
         places = direct if is_direct else by_router(routers[:1], credentials)
-        agent = stack.enter_context(Bus(RUN, "agent", "main", places))
+        agent = stack.enter_context(Bus(VERSIONS, "agent", "main", places))
         beside = at if is_direct else routers[1]
         peer = stack.enter_context(raw_session(host, "sim", connect=[beside], mode="peer" if is_direct else "client"))
         assert eventually(lambda: bool(peer.info.links()))
-        token = peer.liveliness().declare_token(f"legpush/v{other}/{RUN}/live/sim/main/a")
+        token = peer.liveliness().declare_token(f"legpush/v{other}/{VERSIONS}/live/sim/main/a")
         assert token
-        assert eventually(partial(_says, agent, f"speaks protocol {other}, expected {PROTOCOL_VERSION}"))
+        words = f"speaks protocol {other}, expected {PROTOCOL_VERSION}"
+        assert eventually(partial(_says, agent, words)), agent.liveliness.describe("sim", "main")
         assert agent.liveliness.live() == []
 
 

@@ -104,9 +104,9 @@ class Liveliness:
             if living:
                 said = f', it says "{living[0].doing}"' if living[0].doing else ""
                 return f"slow: it is alive, {self._last_heard(living[0])}{said}"
+            for protocol in self._of_other_versions(role, name).values():
+                return f"of another version: it speaks protocol {protocol}, expected {PROTOCOL_VERSION}"
             if not matching:
-                for protocol in self._of_other_versions(role, name).values():
-                    return f"of another version: it speaks protocol {protocol}, expected {PROTOCOL_VERSION}"
                 return "not there: it has not been seen yet"
             return self._describe_gone(matching[-1])
 

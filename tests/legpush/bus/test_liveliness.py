@@ -108,6 +108,16 @@ def test_a_peer_of_another_version_is_named_but_not_there(liveliness: Liveliness
     assert liveliness.describe("sim", "main") == "not there: it has not been seen yet"
 
 
+def test_a_peer_that_comes_back_with_another_version_is_named_and_not_called_dead(liveliness: Liveliness) -> None:
+    for alive in (True, False):
+        liveliness.note_token("sim", "main", "a", alive=alive)
+    liveliness.note_other_version("sim", "main", "b", PROTOCOL_VERSION + 1, alive=True)
+    assert liveliness.describe("sim", "main").startswith("of another version")
+
+    liveliness.note_token("sim", "main", "c", alive=True)
+    assert liveliness.describe("sim", "main").startswith("slow: it is alive")
+
+
 def test_what_a_simulator_computes_with_is_known_from_its_status(liveliness: Liveliness) -> None:
     liveliness.note_token("sim", "main", "a", alive=True)
     assert [peer.numerics for peer in liveliness.live("sim")] == [None]
