@@ -145,7 +145,7 @@ def run(cell: ResolvedPush) -> Mapping[str, Any]:
         last[:] = [record]
 
     world = LocalWorld(new_simulator(cell.world), on_record=keep_last)
-    policy = _Timed(_policy(cell, lambda of: (of or world).fork()))
+    policy = Timed(_policy(cell, lambda of: (of or world).fork()))
     row = asdict(run_episode(world, cell.scenario, cell.seed, policy))
     outcome = next(record.outcome for record in last if isinstance(record, StepRecord))
     return {
@@ -161,7 +161,7 @@ def _policy(cell: ResolvedPush, fork: Callable[[LocalWorld | None], LocalWorld])
     return make_rival(cast(Rival, cell.policy), cell.task, cell.action, fork)
 
 
-class _Timed:
+class Timed:
     """A policy whose decisions are counted and timed."""
 
     def __init__(self, policy: Policy) -> None:

@@ -8,16 +8,15 @@ solved.
 from collections.abc import Collection, Mapping
 from dataclasses import asdict
 from itertools import product
-from time import thread_time
 from typing import Annotated, Any, Final
 
 from msgspec import Meta, Struct
 
 from agent_proc.evaluation.episodes import run_episode
-from agent_proc.frames.push_view import PushView
 from agent_proc.policies.dynamic_programming.policy import DynamicProgramming
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.studies.cell_parts import new_simulator
+from agent_proc.studies.push_cell import Timed
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import scenario_of_start
 from agent_proc.task.file import load_task
@@ -78,7 +77,7 @@ def run(cell: ResolvedInformed) -> Mapping[str, Any]:
     scenario, world = scenario_of_start(cell.task, cell.seed), LocalWorld(new_simulator())
     estimate = PushEstimate(scenario.box)
     n_known = sum(_learn(estimate, world, scenario, cell.seed) for _ in range(cell.n_series))
-    policy = _Timed()
+    policy = Timed(DynamicProgramming())
     row = asdict(run_episode(world, scenario, cell.seed, policy, known={"rear": estimate}))
     return {
         "policy": POLICY,
@@ -100,23 +99,6 @@ def _learn(estimate: PushEstimate, world: LocalWorld, scenario: Scenario, seed: 
         estimate.learn(before, push, planar_pose(as_seen(outcome.world).box))
         n_pushes += 1
     return n_pushes
-
-
-class _Timed:
-    """Dynamic programming whose decisions are counted and timed."""
-
-    def __init__(self) -> None:
-        self._policy = DynamicProgramming()
-        self.n = 0
-        self.cpu_s = 0.0
-
-    def decide(self, view: PushView) -> Push | None:
-        """Decide as without it."""
-        began_s = thread_time()
-        push = self._policy.decide(view)
-        self.cpu_s += thread_time() - began_s
-        self.n += 1
-        return push
 
 
 INFORMED: Final = CellKind(specification=Informed, run=run, resolved=ResolvedInformed, resolve=resolve, columns=COLUMNS)
