@@ -6,8 +6,11 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from legpush.bus.bundles.asking import AskingSession
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, listing
+from legpush.bus.session import ZenohSession
+from legpush.bus.transport import Session
 from legpush.errors import PeerError, StopRequestedError
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
@@ -23,13 +26,17 @@ def joined_simulators(
     """Give a world for each of the first `n` simulators, by name, of a running run.
 
     All of them compute with equal numerics. The others of the run are spare: one takes the place of a simulator that
-    is gone for a while, and goes on with its episode.
+    is gone for a while, and goes on with its episode. Simulators of one process are asked together.
 
     Raises:
         PeerError: Fewer than `n` simulators with equal numerics were found within the deadline.
         StopRequestedError: `stop` was set.
     """
-    with Bus(run, "agent", "main", endpoints, stop=stop) as bus:
+
+    def open_session(at: Endpoints, who: str) -> Session:
+        return AskingSession(ZenohSession(at, who, stop), run)
+
+    with Bus(run, "agent", "main", endpoints, stop=stop, open_session=open_session) as bus:
         roster = Roster(bus)
         names = roster.first(n, stop, (patience or Patience()).deadline_s)
         worlds = [BusWorld(SimLink(bus, name, stop=stop, patience=patience, spares=roster)) for name in names]

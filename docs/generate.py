@@ -25,19 +25,17 @@ from docs import (
     numbers,
     page_list,
     public_names,
-    realism_records,
     source_tree,
     study_list,
     term_tables,
 )
 from docs.field_texts import field_texts, flat, texts_below, tree_of
-from legpush import bounds, geometry
-from legpush.messages import common, measures, planning, stepping, telemetry
+from docs.protocol_records import SECTIONS
+from legpush import bounds
 from legpush.messages.common import PROTOCOL_VERSION
 from legpush.messages.schemas import MESSAGES, json_schema
 from legpush.realism import bounds as limits
 from legpush.runs.reasons import REASONS
-from legpush.scene import footprints, occupancy, plan_settings, reference, robot, robot_body, robot_motion, scenario
 
 DOCS: Final = Path(__file__).parent
 PROTOCOL: Final = DOCS / "protocol.md"
@@ -54,90 +52,6 @@ REALISM: Final = DOCS / "realism.md"
 SCALING: Final = DOCS / "scaling.md"
 EXPERIMENTS: Final = DOCS.parent / "experiments" / "README.md"
 SCHEMAS: Final = DOCS / "schemas"
-SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
-    "planning": (
-        planning.PlanRequest,
-        planning.TrunkPathQuery,
-        planning.BoxPathQuery,
-        planning.PushSide,
-        occupancy.OccupancyGrid,
-        planning.PlanCancel,
-        planning.PlanResult,
-        planning.Plan,
-        planning.Tree,
-    ),
-    "stepping": (
-        stepping.Action,
-        stepping.Reset,
-        stepping.Follow,
-        stepping.Walk,
-        stepping.Push,
-        stepping.Alter,
-        stepping.Observation,
-        stepping.Refusal,
-        stepping.Outcome,
-        stepping.WorldState,
-        stepping.TrunkState,
-        stepping.Imu,
-        stepping.BoxState,
-        stepping.PathProgress,
-        stepping.PushReport,
-        stepping.Appearance,
-        *realism_records.OUTCOME,
-        stepping.Trace,
-        measures.Measures,
-        measures.UnexpectedContact,
-    ),
-    "copies": (
-        telemetry.Copies,
-        telemetry.Origin,
-        telemetry.Copy,
-        telemetry.Published,
-        telemetry.Fact,
-        telemetry.Taken,
-    ),
-    "common": (
-        common.Header,
-        telemetry.Status,
-        telemetry.Reward,
-        telemetry.RewardTerm,
-        geometry.Pose2,
-        footprints.Footprint,
-    ),
-    "scenario": (
-        scenario.Scenario,
-        scenario.Room,
-        scenario.Rectangle,
-        scenario.PoseDeg,
-        scenario.Box,
-        scenario.Goal,
-        plan_settings.PlanSettings,
-        plan_settings.Smoothing,
-        plan_settings.Anytime,
-        scenario.MissionSettings,
-        scenario.PushSettings,
-        *realism_records.SCENARIO,
-        robot.RobotSpec,
-        robot_body.Trunk,
-        robot_body.Legs,
-        robot_body.Joints,
-        robot_body.HipX,
-        robot_body.HipY,
-        robot_body.Knee,
-        robot_motion.Stance,
-        robot_motion.Gait,
-        robot_motion.RoughGait,
-        robot_motion.PushMotion,
-        robot_motion.Capture,
-        robot_motion.FallLimits,
-        reference.Sine,
-        reference.Arcs,
-        reference.Straight,
-        reference.Left,
-        reference.Right,
-    ),
-}
-"""Records of each generated part of `protocol.md`, in the order of their tables."""
 TEMPLATES: Final = tuple(sorted(path.stem for path in numbers.TEMPLATES.glob("*.md")))
 """Names of the generated parts with numbers."""
 _BLOCK: Final = re.compile(r"(?<=<!-- generated: )(?P<name>\w+)(?P<open> -->\n).*?(?=<!-- end -->)", re.DOTALL)

@@ -1,19 +1,17 @@
 """The simulator as a process: its command line and its work."""
 
-import threading
-
 from legpush.bus.bus import Bus
-from legpush.lockstep.server import serve_actions
-from legpush.service import ServiceConfig, run_process
+from legpush.lockstep.sim_host import run_simulators
+from legpush.lockstep.simulator import Stepper
 
 
-def serve(_: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
-    """Carry out actions until `stop` is set."""
+def make(bus: Bus) -> Stepper:
+    """Make the simulator whose actions come over this bus."""
     from sim_proc.described_simulator import DescribedSimulator
 
-    serve_actions(bus, DescribedSimulator(bus), stop)
+    return DescribedSimulator(bus)
 
 
 def main() -> int:
     """Run the process; returns the exit code."""
-    return run_process("sim", ServiceConfig, serve)
+    return run_simulators(make)

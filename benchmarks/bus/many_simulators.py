@@ -1,21 +1,26 @@
 """`python -m benchmarks.bus.many_simulators`: one learner steps 200 simulators without physics, behind two routers.
 
-The simulators live in 20 processes, half of them at each router. For the bus each of them is a process of its own: a
-session with a link, subscriptions and a token. The learner is a client of the first router, and has as many threads as
-there are processes. The numbers go to `results/many_simulators.json`.
+The simulators live in 20 processes, half of them at each router. The learner is a client of the first router. It steps
+them in one of three ways:
+
+- `in_turn`: each simulator has a session and a link of its own, and those of a process are stepped one after the other;
+- `alone`: the same, but those of a process are stepped in the same moment, as the environments of a training are;
+- `bundles`: the simulators of a process share a session, and are asked by one message.
+
+The numbers go to `results/many_simulators.json`, those of another way than `in_turn` with its name.
 """
 
 import subprocess
 import sys
 import threading
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from time import perf_counter
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import psutil
 import tyro
@@ -24,12 +29,16 @@ from msgspec.structs import asdict
 from benchmarks.bus import payloads
 from benchmarks.bus.lockstep import cpu_of
 from benchmarks.report import write_report
+from legpush.bus.bundles.asking import AskingSession
 from legpush.bus.bus import Bus
-from legpush.bus.endpoints import by_router, free_ports
+from legpush.bus.endpoints import Endpoints, by_router, free_ports
+from legpush.bus.session import ZenohSession
+from legpush.bus.transport import Session
 from legpush.errors import PeerError
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
 from legpush.lockstep.server import serve_actions
+from legpush.lockstep.sim_host import SimConfig, buses, member_name, serve_each
 from legpush.messages.stepping import Motion, Walk
 from legpush.patience import Patience
 from legpush.soak.resources import Sample, growth, sample
@@ -53,8 +62,13 @@ class Config:
     """How long they are stepped."""
     find_s: float = 120.0
     """Longest time until all are found."""
-    name: str = "many_simulators"
-    """Of the file of results."""
+    way: Literal["in_turn", "alone", "bundles"] = "in_turn"
+    """How the simulators of a process are stepped."""
+
+    @property
+    def name(self) -> str:
+        """Of the file of results."""
+        return "many_simulators" if self.way == "in_turn" else f"many_simulators_{self.way}"
 
 
 @dataclass
@@ -74,7 +88,8 @@ def main(config: Config) -> None:
     """Measure and report the numbers."""
     with ExitStack() as stack:
         routers, processes = start_all(stack, config)
-        bus = stack.enter_context(Bus(RUN, "agent", "main", by_router(routers[:1])))
+        open_session = asking_session if config.way == "bundles" else None
+        bus = stack.enter_context(Bus(RUN, "agent", "main", by_router(routers[:1]), open_session=open_session))
         began = perf_counter()
         found = find(bus, config)
         found_s = perf_counter() - began
@@ -86,6 +101,7 @@ def main(config: Config) -> None:
         took_s = perf_counter() - began
         used_s = {name: cpu_of(process.pid) - cpu_s[name] for name, process in processes.items()}
     numbers = {
+        "way": config.way,
         "simulators": config.simulators,
         "processes": config.processes,
         "routers": len(routers),
@@ -107,12 +123,25 @@ def start_all(stack: ExitStack, config: Config) -> tuple[tuple[str, ...], dict[s
         others = ("--connect", routers[0]) if number else ()
         words = (*legpush, "router", "-q", "--listen", at, *others)
         processes[f"router {number}"] = psutil.Process(started(stack, words))
-    each = -(-config.simulators // config.processes)
-    for number, first in enumerate(range(0, config.simulators, each)):
-        n = min(each, config.simulators - first)
-        words = (sys.executable, "-m", "benchmarks.bus.many_simulators", HOST, routers[number % 2], str(first), str(n))
+    host = (sys.executable, "-m", "benchmarks.bus.many_simulators", HOST, config.way)
+    for number, names in enumerate(of_processes(config)):
+        words = (*host, routers[number % 2], f"p{number:02}", str(len(names)))
         processes[f"simulators {number}"] = psutil.Process(started(stack, words))
     return routers, processes
+
+
+def of_processes(config: Config) -> list[list[str]]:
+    """Return the names of the simulators of each process."""
+    each, more = divmod(config.simulators, config.processes)
+    return [
+        [member_name(f"p{number:02}", index + 1) for index in range(each + (number < more))]
+        for number in range(config.processes)
+    ]
+
+
+def asking_session(at: Endpoints, who: str) -> Session:
+    """Open a session that asks simulators of a process together."""
+    return AskingSession(ZenohSession(at, who), RUN)
 
 
 def started(stack: ExitStack, words: Sequence[str]) -> int:
@@ -143,10 +172,17 @@ def step_all(
     """Step all simulators for a while, some in turn on each thread, and look at the processes meanwhile."""
     stop, never, stepped = threading.Event(), threading.Event(), {name: Stepped() for name in names}
     worlds = {name: BusWorld(SimLink(bus, name, stop=never, patience=PATIENCE)) for name in names}
-    with ThreadPoolExecutor(config.processes) as threads:
+    together = config.way != "in_turn"
+    with ThreadPoolExecutor(config.processes) as threads, ThreadPoolExecutor(max(1, len(names))) as steppers:
         work = [
-            threads.submit(step_some, {name: worlds[name] for name in names[number :: config.processes]}, stepped, stop)
-            for number in range(config.processes)
+            threads.submit(
+                step_some,
+                {name: worlds[name] for name in group if name in worlds},
+                stepped,
+                stop,
+                steppers if together else None,
+            )
+            for group in of_processes(config)
         ]
         for _ in range(N_SAMPLES):
             stop.wait(config.seconds / N_SAMPLES)
@@ -158,24 +194,36 @@ def step_all(
     return stepped
 
 
-def step_some(worlds: Mapping[str, BusWorld], stepped: Mapping[str, Stepped], stop: threading.Event) -> None:
-    """Step these simulators in turn until `stop`, in episodes."""
+def step_some(
+    worlds: Mapping[str, BusWorld],
+    stepped: Mapping[str, Stepped],
+    stop: threading.Event,
+    steppers: ThreadPoolExecutor | None,
+) -> None:
+    """Step these simulators until `stop`, in episodes: in turn, or in the same moment by several threads."""
     crcs = dict.fromkeys(worlds, 0)
+
+    def step(name: str) -> None:
+        one = stepped[name]
+        if one.lost:
+            return
+        motion: Motion = Walk() if one.n_steps % EPISODE_STEPS else payloads.reset()
+        crcs[name] = chained(crcs[name], motion)
+        began = perf_counter()
+        try:
+            one.n_wrong += worlds[name].step(motion).state_crc != crcs[name]
+        except PeerError as error:
+            one.lost = str(error)
+            return
+        one.longest_s = max(one.longest_s, perf_counter() - began)
+        one.n_steps += 1
+
     while not stop.is_set():
-        for name, world in worlds.items():
-            one = stepped[name]
-            if stop.is_set() or one.lost:
-                continue
-            motion: Motion = Walk() if one.n_steps % EPISODE_STEPS else payloads.reset()
-            crcs[name] = chained(crcs[name], motion)
-            began = perf_counter()
-            try:
-                one.n_wrong += world.step(motion).state_crc != crcs[name]
-            except PeerError as error:
-                one.lost = str(error)
-                continue
-            one.longest_s = max(one.longest_s, perf_counter() - began)
-            one.n_steps += 1
+        if steppers is None:
+            for name in worlds:
+                step(name)
+        else:
+            wait([steppers.submit(step, name) for name in worlds])
 
 
 def reported(stepped: Sequence[Stepped], took_s: float, used_s: Mapping[str, float]) -> dict[str, Any]:
@@ -210,21 +258,25 @@ def grown(samples: Mapping[str, Sequence[Sample]]) -> dict[str, Any]:
     }
 
 
-def host(router: str, first: int, n: int) -> None:
+def host(way: str, router: str, name: str, n: int) -> None:
     """Be some simulators until this process is killed."""
-    for number in range(first, first + n):
-        threading.Thread(target=serve, args=(router, f"s{number:03}"), daemon=True).start()
+    at = by_router((router,))
+    if way == "bundles":
+        with buses(SimConfig(run=RUN, name=name, simulators=n), at, threading.Event()) as members:
+            serve_each(members, lambda _: StubSimulator(), threading.Event())
+    for number in range(1, n + 1):
+        threading.Thread(target=serve, args=(at, member_name(name, number)), daemon=True).start()
     threading.Event().wait()
 
 
-def serve(router: str, name: str) -> None:
-    """Be one simulator."""
-    with Bus(RUN, "sim", name, by_router((router,))) as bus:
+def serve(at: Endpoints, name: str) -> None:
+    """Be one simulator, with a session of its own."""
+    with Bus(RUN, "sim", name, at) as bus:
         serve_actions(bus, StubSimulator(), threading.Event())
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == [HOST]:
-        host(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+        host(sys.argv[2], sys.argv[3], sys.argv[4], int(sys.argv[5]))
     else:
         main(tyro.cli(Config))

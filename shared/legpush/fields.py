@@ -14,13 +14,16 @@ SEEDS: Final = 2**32
 MOST_SEEDS: Final = 10_000
 """Most seeds of a range on a command line."""
 
-Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_-]{1,64}$(?!\n)")]
+MAX_NAME: Final = 64
+"""Most characters of a name."""
+
+Name = Annotated[str, Meta(pattern=rf"^[A-Za-z0-9_-]{{1,{MAX_NAME}}}$(?!\n)")]
 """A part of keys on the bus, and of file names."""
 Seed = Annotated[int, Meta(ge=0, le=SEEDS - 1)]
 """Seed of a random generator."""
 
 _EXPECTED: Final = {
-    Name: "Expected 1 to 64 letters, digits, - or _",
+    Name: f"Expected 1 to {MAX_NAME} letters, digits, - or _",
     Seed: f"Expected a seed from 0 to {SEEDS - 1}",
 }
 

@@ -97,6 +97,10 @@ class ServiceConfig:
         """
         return Faults(probability=self.inject_faults, seed=self.fault_seed)
 
+    def bus(self, role: Role, at: Endpoints, stop: threading.Event) -> Bus:
+        """Return the bus of the process at these endpoints, to be entered."""
+        return Bus(self.run, role, self.name, at, self.faults(), recorded=self.recorded, stop=stop)
+
 
 C = TypeVar("C", bound=ServiceConfig)
 
@@ -130,7 +134,19 @@ def parse(role: Role, kind: type[C], argv: Sequence[str] | None = None, env: Map
 
 
 def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Event], int | None]) -> int:
-    """Parse, connect, `work`, disconnect; return the exit code. A `LegpushError` is one line on standard error.
+    """Parse, connect, `work`, disconnect; return the exit code, as `run_service` does."""
+
+    def connect_and_work(config: C, at: Endpoints, stop: threading.Event) -> int:
+        with config.bus(role, at, stop) as bus:
+            code = work(config, bus, stop) or 0
+            log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
+        return code
+
+    return run_service(role, kind, connect_and_work)
+
+
+def run_service(role: Role, kind: type[C], work: Callable[[C, Endpoints, threading.Event], int | None]) -> int:
+    """Parse and `work`, which connects; return the exit code. A `LegpushError` is one line on standard error.
 
     SIGINT and SIGTERM set the event that `work` gets; the same signal once more ends the process at once. The exit code
     is the result of `work`, where None means 0. Any other exception is a fault of this process: its traceback goes to
@@ -138,7 +154,7 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
     """
     stop = stop_on_signals()
 
-    def connect_and_work(output: Output) -> int:
+    def parse_and_work(output: Output) -> int:
         config = parse(role, kind)
         output.decides = False
         start_log(f"{role}/{config.name}", config.log_level)
@@ -146,14 +162,11 @@ def run_process(role: Role, kind: type[C], work: Callable[[C, Bus, threading.Eve
         at = config.endpoints(role)
         if at.credentials is not None:
             log_refused_links()
-        with Bus(config.run, role, config.name, at, config.faults(), recorded=config.recorded, stop=stop) as bus:
-            code = work(config, bus, stop) or 0
-            log.info("done; refused or dropped: %s", bus.tally.as_dict() or "nothing")
-        return code
+        return work(config, at, stop) or 0
 
     def end_well(output: Output) -> int:
         try:
-            return exit_code_of(lambda: connect_and_work(output))
+            return exit_code_of(lambda: parse_and_work(output))
         except Exception:  # noqa: BLE001 - whatever it is, the launcher has to learn of it
             with suppress(OSError):  # the log may be on a full disk
                 traceback.print_exc()

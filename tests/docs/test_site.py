@@ -11,6 +11,7 @@ import pytest
 
 import legpush
 from docs import command_table, generate, page_list, public_names
+from docs.protocol_records import SECTIONS
 from legpush.runs.reasons import REASONS
 
 ROOT = Path(__file__).parents[2]
@@ -118,7 +119,7 @@ def test_every_public_name_command_reason_and_message_has_its_entry(pages: dict[
         assert name.startswith("_") or re.search(rf'id="legpush\.{name}"', api), name
     for name in command_table.command_names():
         assert f"legpush-{name.replace(' ', '-')}" in pages[site / "commands.html"].anchors, name
-    for record in (record for records in generate.SECTIONS.values() for record in records):
+    for record in (record for records in SECTIONS.values() for record in records):
         assert record.__name__.lower() in pages[site / "protocol.html"].anchors, record
     assert [name for name in REASONS if f">{name}<" not in run] == []
     assert "--inject-faults" in commands

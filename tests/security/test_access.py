@@ -27,6 +27,7 @@ BUS_ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent", "launcher", "re
 MESSAGES: Final = (
     *(keys.plan_request(RUN, "main"), keys.plan_cancel(RUN, "main"), keys.plan_result(RUN, "main")),
     *(keys.action(RUN, "main"), keys.observation(RUN, "main"), keys.reward(RUN, "main")),
+    *(keys.bundled_actions(RUN, "main"), keys.bundled_answers(RUN, "main")),
     *(make(RUN, role, "main") for role in BUS_ROLES for make in (keys.status, keys.copies, keys.taken)),
     *("legpush/v0/r1/sim/main/action", "elsewhere"),
 )

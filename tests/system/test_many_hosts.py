@@ -1,4 +1,4 @@
-"""A training with simulators on other hosts, through a router and over TLS."""
+"""A training with simulators on other hosts, two of them in one process, through a router and over TLS."""
 
 import sys
 from contextlib import ExitStack
@@ -16,8 +16,8 @@ PORT: Final = 17470
 CUT_OFF_S: Final = 20.0
 
 
-def simulator(name: str, host: str, lab: Path) -> list[str]:
-    """The words that start a simulator of the training on a host."""
+def simulator(name: str, host: str, lab: Path, n: int = 1) -> list[str]:
+    """The words that start a process of `n` simulators of the training on a host."""
     at = f"tls/{HUB[host]}:{PORT}"
     return [
         sys.executable,
@@ -28,6 +28,8 @@ def simulator(name: str, host: str, lab: Path) -> list[str]:
         "learn",
         "--name",
         name,
+        "--simulators",
+        str(n),
         "--router",
         at,
         *secure(lab, host),
@@ -44,7 +46,7 @@ def test_a_training_on_two_hosts_of_which_one_is_cut_off_and_one_loses_a_simulat
     tmp_path: Path,
 ) -> None:
     lab = made(tmp_path / "lab", f"hub={','.join(HUB.values())}", *HUB, routers=("hub",)).parent
-    logs = {name: tmp_path / f"{name}.log" for name in ("alone", "router", "a", "b", "c", "d", "e", "learner")}
+    logs = {name: tmp_path / f"{name}.log" for name in ("alone", "router", "a", "c", "d", "e", "learner")}
     with ExitStack() as stack:
         stack.enter_context(three_machines())
         alone = on(stack, "hub", logs["alone"], LEARNER)
@@ -52,8 +54,8 @@ def test_a_training_on_two_hosts_of_which_one_is_cut_off_and_one_loses_a_simulat
         on(stack, "hub", logs["router"], routing)
         assert alone.wait(LIMIT_S) == 0, logs["alone"].read_text()
         running = {
-            name: on(stack, host, logs[name], simulator(name, host, lab))
-            for name, host in (("a", "robot"), ("b", "robot"), ("c", "desk"), ("d", "desk"))
+            name: on(stack, host, logs[name], simulator(name, host, lab, n))
+            for name, host, n in (("a", "robot", 2), ("c", "desk", 1), ("d", "desk", 1))
         }
         joining = ["--join", "learn", "--simulators", "4", "--router", f"tls/127.0.0.1:{PORT}", *secure(lab, "hub")]
         learner = on(stack, "hub", logs["learner"], [*LEARNER, *joining])
@@ -68,6 +70,7 @@ def test_a_training_on_two_hosts_of_which_one_is_cut_off_and_one_loses_a_simulat
         on(stack, "desk", logs["e"], simulator("e", "desk", lab))
 
         assert learner.wait(LIMIT_S) == 0, logs["learner"].read_text()
+    assert "is asked alone" not in logs["learner"].read_text()
     weights = logs["alone"].read_text().splitlines()[-1]
     assert weights.startswith("weights ")
     assert logs["learner"].read_text().splitlines()[-1] == weights

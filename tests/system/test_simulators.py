@@ -183,9 +183,9 @@ def listening(directory: Path) -> Endpoints:
 
 
 @contextmanager
-def simulator(name: str, endpoints: Endpoints) -> Iterator[subprocess.Popen[bytes]]:
-    """A simulator that somebody else runs."""
-    command = [sys.executable, "-P", "-m", "sim_proc", "--run", "joined", "--name", name]
+def simulator(name: str, endpoints: Endpoints, *more: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A process of one simulator, or more, that somebody else runs."""
+    command = [sys.executable, "-P", "-m", "sim_proc", "--run", "joined", "--name", name, *more]
     started = subprocess.Popen([*command, "--listen", "--connect", *endpoints.listen], stderr=subprocess.DEVNULL)
     try:
         yield started
@@ -221,3 +221,19 @@ def test_a_spare_simulator_takes_the_place_of_one_that_is_gone_even_if_it_comes_
         assert [world.name for world in worlds] == ["a", "later"]
     assert_equal(found, undisturbed)
     assert "Its place takes sim/later." in caplog.text
+
+
+def test_simulators_of_one_process_give_the_same_numbers_even_if_another_process_takes_its_place(
+    tmp_path: Path, undisturbed: Rollout
+) -> None:
+    endpoints = listening(tmp_path)
+    with ExitStack() as stack:
+        lost = stack.enter_context(simulator("a", endpoints, "--simulators", "2"))
+        worlds = stack.enter_context(joined_simulators(2, "joined", endpoints, Event()))
+        assert [world.name for world in worlds] == ["a-1", "a-2"]
+
+        def replace_it() -> None:
+            lost.kill()
+            stack.enter_context(simulator("a", endpoints, "--simulators", "2"))
+
+        assert_equal(rollout([*worlds], replace_it), undisturbed)

@@ -50,16 +50,18 @@ class Bus:
         recorded: bool = False,
         stop: threading.Event | None = None,
         open_session: Callable[[Endpoints, str], Session] | None = None,
+        incarnation: str | None = None,
     ) -> None:
         """With `recorded`, a later recorder gets everything from now on; `open_session` opens the network.
 
-        `stop` ends waiting for a router, by a `StopRequestedError`.
+        `stop` ends waiting for a router, by a `StopRequestedError`. An `incarnation` has to be a new one; without it,
+        the bus makes one.
         """
         self.run = run
         self.role = role
         self.name = name
         self.endpoints = endpoints
-        self.incarnation = secrets.token_hex(6)
+        self.incarnation = incarnation or secrets.token_hex(6)
         self.liveliness = Liveliness()
         self.tally = Tally()
         self._faults = faults if faults is not None and faults.probability > 0.0 else None

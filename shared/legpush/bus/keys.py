@@ -15,6 +15,9 @@ TOKEN_KEY: Final = re.compile(
     rf"{APPLICATION}/v(?P<protocol>\d{{1,9}})/[^/]+/live/(?P<role>[^/]+)/(?P<name>[^/]+)/(?P<incarnation>[^/]+)"
 )
 
+SIMULATOR_KEY: Final = re.compile(rf"{APPLICATION}/v\d{{1,9}}/[^/]+/sim/(?P<name>[^/*]+)/(action|observation)")
+MEMBER: Final = re.compile(r"(?P<process>bundle[0-9a-f]{12})-\d{1,3}")
+
 
 def prefix(run: str) -> str:
     """What every key of a run begins with."""
@@ -44,6 +47,36 @@ def action(run: str, sim: str) -> str:
 def observation(run: str, sim: str) -> str:
     """Where the simulator named `sim` answers with observations and refusals."""
     return f"{prefix(run)}/sim/{sim}/observation"
+
+
+def simulator_of(key: str) -> str | None:
+    """Name of the simulator that a key of actions or answers names; None for any other key."""
+    match = SIMULATOR_KEY.fullmatch(key)
+    return None if match is None else match["name"]
+
+
+def bundled_actions(run: str, process: str) -> str:
+    """Where several simulators of one `process` get actions together; `*` for all processes."""
+    return f"{prefix(run)}/bundle/{process}/action"
+
+
+def bundled_answers(run: str, process: str) -> str:
+    """Where several simulators of one `process` answer together; `*` for all processes."""
+    return f"{prefix(run)}/bundle/{process}/observation"
+
+
+def incarnation_of_member(process: str, number: int) -> str:
+    """Incarnation of a simulator that shares a process with others: it tells an agent that they can be asked together.
+
+    `process` is `bundle` and 12 hexadecimal digits.
+    """
+    return f"{process}-{number}"
+
+
+def process_of(incarnation: str) -> str | None:
+    """Process of a simulator that shares one; None if it does not."""
+    match = MEMBER.fullmatch(incarnation)
+    return None if match is None else match["process"]
 
 
 def reward(run: str, sim: str) -> str:

@@ -1,14 +1,11 @@
 """A simulator without physics: `python -m legpush.soak.stub_simulator`. Its state is the chain of its motions."""
 
 import sys
-import threading
 from zlib import crc32
 
-from legpush.bus.bus import Bus
-from legpush.lockstep.server import serve_actions
+from legpush.lockstep.sim_host import run_simulators
 from legpush.messages import codec
 from legpush.messages.stepping import BoxState, Imu, Motion, Outcome, Reset, TrunkState, WorldState
-from legpush.service import ServiceConfig, run_process
 
 _NOWHERE = (0.0, 0.0, 0.0)
 _LEVEL = (1.0, 0.0, 0.0, 0.0)
@@ -58,11 +55,5 @@ def _world(tick: int) -> WorldState:
     )
 
 
-def serve(config: ServiceConfig, bus: Bus, stop: threading.Event) -> None:
-    """Answer actions until `stop`."""
-    del config
-    serve_actions(bus, StubSimulator(), stop)
-
-
 if __name__ == "__main__":
-    sys.exit(run_process("sim", ServiceConfig, serve))
+    sys.exit(run_simulators(lambda _: StubSimulator()))

@@ -1,5 +1,7 @@
 """Keys: each channel of each peer has its own, and a liveliness key names its process."""
 
+from collections.abc import Callable
+
 import pytest
 
 from legpush.bus import keys
@@ -15,7 +17,8 @@ def test_keys_are_part_of_their_run_and_of_the_protocol_version() -> None:
 def test_no_two_kinds_of_messages_share_a_key() -> None:
     by_name = (keys.plan_request, keys.plan_cancel, keys.plan_result, keys.action, keys.observation, keys.reward)
     by_role = (keys.status, keys.copies, keys.taken)
-    made = [key("r", "main") for key in by_name] + [key("r", "sim", "main") for key in by_role]
+    together = (keys.bundled_actions, keys.bundled_answers)
+    made = [key("r", "main") for key in (*by_name, *together)] + [key("r", "sim", "main") for key in by_role]
     assert len(set(made)) == len(made)
     assert all(key.startswith(f"{keys.prefix('r')}/") for key in made)
 
@@ -35,3 +38,25 @@ def test_a_key_of_no_token_is_refused(key: str) -> None:
 def test_a_liveliness_key_that_names_no_process_is_refused(role: str, name: str) -> None:
     with pytest.raises(MessageError):
         keys.parse_token(keys.liveliness("r", role, name, "a"))
+
+
+@pytest.mark.parametrize("make", [keys.action, keys.observation])
+def test_a_key_of_actions_or_answers_names_its_simulator(make: Callable[[str, str], str]) -> None:
+    assert keys.simulator_of(make("r", "robot-1")) == "robot-1"
+
+
+@pytest.mark.parametrize("key", [keys.action("r", "*"), keys.reward("r", "a"), keys.bundled_actions("r", "a"), "a"])
+def test_any_other_key_names_none(key: str) -> None:
+    assert keys.simulator_of(key) is None
+
+
+def test_an_incarnation_tells_which_process_a_simulator_shares() -> None:
+    process = "bundle0123456789ab"
+    incarnation = keys.incarnation_of_member(process, 256)
+    assert keys.process_of(incarnation) == process
+    assert keys.parse_token(keys.liveliness("r", "sim", "a-1", incarnation)).incarnation == incarnation
+
+
+@pytest.mark.parametrize("other", ["0a1b2c", "550e8400-e29b-41d4", "bundle0123456789ab", "bundle0123456789ab-", ""])
+def test_a_simulator_in_a_process_of_its_own_shares_none(other: str) -> None:
+    assert keys.process_of(other) is None

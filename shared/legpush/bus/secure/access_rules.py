@@ -46,8 +46,8 @@ RIGHTS: Final[Mapping[CertificateRole, Rights]] = {
         shows=_live("planner"),
     ),
     "sim": Rights(
-        says=(keys.observation(ANY, ANY), *_own("sim")),
-        hears=(keys.action(ANY, ANY), keys.taken(ANY, "sim", ANY)),
+        says=(keys.observation(ANY, ANY), keys.bundled_answers(ANY, ANY), *_own("sim")),
+        hears=(keys.action(ANY, ANY), keys.bundled_actions(ANY, ANY), keys.taken(ANY, "sim", ANY)),
         shows=_live("sim"),
     ),
     "agent": Rights(
@@ -55,12 +55,14 @@ RIGHTS: Final[Mapping[CertificateRole, Rights]] = {
             keys.plan_request(ANY, ANY),
             keys.plan_cancel(ANY, ANY),
             keys.action(ANY, ANY),
+            keys.bundled_actions(ANY, ANY),
             keys.reward(ANY, ANY),
             *_own("agent"),
         ),
         hears=(
             keys.plan_result(ANY, ANY),
             keys.observation(ANY, ANY),
+            keys.bundled_answers(ANY, ANY),
             keys.status(ANY, "planner", ANY),
             keys.status(ANY, "sim", ANY),
             keys.taken(ANY, "agent", ANY),

@@ -16,6 +16,8 @@ MAY: Final[dict[str, tuple[set[CertificateRole], set[CertificateRole]]]] = {
     channels.plan_results(RUN, "*").key: ({"planner"}, {"agent"}),
     channels.actions(RUN, "*").key: ({"agent"}, {"sim"}),
     channels.answers(RUN, "*").key: ({"sim"}, {"agent"}),
+    keys.bundled_actions(RUN, "*"): ({"agent"}, {"sim"}),
+    keys.bundled_answers(RUN, "*"): ({"sim"}, {"agent"}),
     channels.rewards(RUN, "*").key: ({"agent"}, set()),
     channels.statuses(RUN, "planner").key: ({"planner"}, {"agent", "launcher"}),
     channels.statuses(RUN, "sim").key: ({"sim"}, {"agent", "launcher"}),

@@ -1,0 +1,1 @@
+"""Messages that travel together: what an agent asks several simulators of one process, and what they answer."""

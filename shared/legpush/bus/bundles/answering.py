@@ -1,0 +1,120 @@
+"""The simulators' end of bundles: several simulators of one process, over one session."""
+
+import threading
+from functools import partial
+
+from legpush.bus import keys
+from legpush.bus.bundles.collector import MAX_PART_BYTES, Collector
+from legpush.bus.bundles.forwarding import ForwardingSession
+from legpush.bus.channels import Quality
+from legpush.bus.tally import Tally
+from legpush.bus.transport import OnBytes, OnDamaged, Sender, Session, Undeclare, ignore
+from legpush.errors import MessageError
+from legpush.messages import codec
+from legpush.messages.bundle import Bundle, Part
+
+
+class AnsweringSession:
+    """One session of all simulators of this process. What is asked in a bundle is answered in one, and the rest alone.
+
+    `tally` counts the bundles that were refused.
+    """
+
+    def __init__(self, session: Session, run: str, process: str) -> None:
+        """`process` is the part of their incarnations that the simulators have in common."""
+        self.tally = Tally()
+        self._session = session
+        self._run = run
+        self._lock = threading.Lock()
+        self._asked_in_bundle: set[str] = set()
+        self._take: dict[str, tuple[str, OnBytes]] = {}
+        """By the key of its actions, the name of a simulator and what takes them."""
+        answers = session.publisher(keys.bundled_answers(run, process), "lockstep")
+        self._collector = Collector(lambda bundle: answers.send(codec.encode(bundle)))
+        session.subscribe(keys.bundled_actions(run, process), self._take_bundle, self._refuse_damaged)
+
+    def member(self, name: str) -> Session:
+        """Return the session of the simulator with this name; closing it does not close this one."""
+        return _Member(self, self._session, self._run, name)
+
+    def close(self) -> None:
+        """Close all links."""
+        self._session.close()
+
+    def take_actions(self, name: str, on_bytes: OnBytes) -> Undeclare:
+        """Let `on_bytes` take the actions for this simulator that come in bundles."""
+        key = keys.action(self._run, name)
+        self._take[key] = name, on_bytes
+        return partial(_remove, self._take, key)
+
+    def answer(self, name: str, part: Part, alone: Sender) -> None:
+        """Send an answer of this simulator as it was asked: with those of others, or alone."""
+        with self._lock:
+            in_bundle = name in self._asked_in_bundle
+            self._asked_in_bundle.discard(name)
+        if in_bundle and len(part.payload) <= MAX_PART_BYTES:
+            self._collector.put(name, part)
+        else:
+            alone.send(part.payload)
+
+    def _take_bundle(self, key: str, payload: bytes) -> None:
+        try:
+            bundle = codec.decode(payload, Bundle)
+        except MessageError as error:
+            self.tally.add(error.cause, f"{key}: {error}")
+            return
+        taken = [(part, self._take.get(part.key)) for part in bundle.parts]
+        with self._lock:
+            self._asked_in_bundle.update(taker[0] for _, taker in taken if taker is not None)
+        for part, taker in taken:
+            if taker is None:
+                self.tally.add("unknown", f"{key}: expected actions for simulators of this process, got {part.key!r}")
+            else:
+                self._collector.expect(taker[0])
+        for part, taker in taken:
+            if taker is not None:
+                taker[1](part.key, part.payload)
+
+    def _refuse_damaged(self, key: str) -> None:
+        self.tally.add("damaged", f"{key}: expected the bytes that were sent, got others by the checksum")
+
+
+def _remove(takers: dict[str, tuple[str, OnBytes]], key: str) -> None:
+    takers.pop(key, None)
+
+
+class _Member(ForwardingSession):
+    """The session of one simulator."""
+
+    def __init__(self, shared: AnsweringSession, session: Session, run: str, name: str) -> None:
+        super().__init__(session)
+        self._shared = shared
+        self._name = name
+        self._actions, self._answers = keys.action(run, name), keys.observation(run, name)
+
+    def close(self) -> None:
+        """Leave the session open for the others: what this simulator declared, its bus takes back."""
+
+    def publisher(self, key: str, quality: Quality) -> Sender:
+        """Sends bytes under `key`; answers may travel with those of other simulators."""
+        alone = super().publisher(key, quality)
+        if key != self._answers:
+            return alone
+
+        def send(payload: bytes) -> None:
+            self._shared.answer(self._name, Part(key=key, payload=payload), alone)
+
+        return Sender(send, alone.undeclare)
+
+    def subscribe(self, key: str, on_bytes: OnBytes, on_damaged: OnDamaged = ignore) -> Undeclare:
+        """Call `on_bytes` for everything that other processes publish under `key`, alone or in a bundle."""
+        undeclare = super().subscribe(key, on_bytes, on_damaged)
+        if key != self._actions:
+            return undeclare
+        leave = self._shared.take_actions(self._name, on_bytes)
+
+        def undeclare_both() -> None:
+            leave()
+            undeclare()
+
+        return undeclare_both

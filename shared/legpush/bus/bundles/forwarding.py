@@ -1,0 +1,39 @@
+"""A session that hands on everything: what the sessions with bundles have in common."""
+
+from legpush.bus.channels import Quality
+from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Session, Undeclare, ignore
+
+
+class ForwardingSession:
+    """A `legpush.bus.transport.Session` that hands on everything to another one."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def close(self) -> None:
+        """Close all links."""
+        self._session.close()
+
+    def linked(self) -> tuple[str, ...]:
+        """Return the names in the certificates of all processes at the other ends of the links, if they have any."""
+        return tuple(self._session.linked())
+
+    def publisher(self, key: str, quality: Quality) -> Sender:
+        """Sends bytes under `key`."""
+        return self._session.publisher(key, quality)
+
+    def put(self, key: str, payload: bytes) -> None:
+        """Publish bytes once."""
+        self._session.put(key, payload)
+
+    def subscribe(self, key: str, on_bytes: OnBytes, on_damaged: OnDamaged = ignore) -> Undeclare:
+        """Call `on_bytes` for everything that other processes publish under `key`."""
+        return self._session.subscribe(key, on_bytes, on_damaged)
+
+    def show_token(self, key: str) -> Undeclare:
+        """Show a liveliness token."""
+        return self._session.show_token(key)
+
+    def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:
+        """Call `on_token` for each token that lives now, and whenever one comes or goes."""
+        return self._session.watch_tokens(key, on_token)

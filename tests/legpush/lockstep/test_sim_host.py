@@ -1,0 +1,80 @@
+"""A process of several simulators: what it is asked for on its command line, what each is called, and how it ends."""
+
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from legpush.bus import keys
+from legpush.bus.bus import Bus
+from legpush.bus.endpoints import Endpoints
+from legpush.errors import ConfigError
+from legpush.lockstep.sim_host import SimConfig, buses, member_name, serve_each
+from legpush.lockstep.simulator import Stepper
+from legpush.soak.stub_simulator import StubSimulator
+from tests.legpush.bus.memory_session import RUN, MemoryNetwork
+
+STUB = [sys.executable, "-P", "-m", "legpush.soak.stub_simulator"]
+
+
+def test_members_have_names_and_incarnations_that_tell_their_process() -> None:
+    network, stop = MemoryNetwork(), threading.Event()
+    with buses(SimConfig(run=RUN, name="robot", simulators=3), Endpoints(), stop, network.open_session) as members:
+        assert [bus.name for bus in members] == ["robot-1", "robot-2", "robot-3"]
+        assert len({keys.process_of(bus.incarnation) for bus in members} - {None}) == 1
+        assert len({bus.incarnation for bus in members}) == 3
+        assert len(network.sessions) == 1
+    assert network.sessions == []
+
+
+def test_each_process_has_a_name_of_its_own() -> None:
+    network, stop = MemoryNetwork(), threading.Event()
+    config = SimConfig(run=RUN, simulators=2)
+    with (
+        buses(config, Endpoints(), stop, network.open_session) as one,
+        buses(config, Endpoints(), stop, network.open_session) as other,
+    ):
+        assert keys.process_of(one[0].incarnation) != keys.process_of(other[0].incarnation)
+
+
+def test_a_failure_of_one_ends_all_of_them() -> None:
+    network, stop = MemoryNetwork(), threading.Event()
+
+    def make(bus: Bus) -> Stepper:
+        if bus.name.endswith("-2"):
+            bus.subscribe = fail  # type: ignore[method-assign, assignment]
+        return StubSimulator()
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a fault")
+
+    with (
+        pytest.raises(ZeroDivisionError, match="a fault"),
+        buses(SimConfig(run=RUN, simulators=3), Endpoints(), stop, network.open_session) as members,
+    ):
+        serve_each(members, make, stop)
+    assert stop.is_set()
+    assert network.sessions == []
+
+
+@pytest.mark.parametrize("simulators", [0, 257, -1])
+def test_a_number_of_simulators_that_no_process_has_is_refused(simulators: int) -> None:
+    with pytest.raises(ConfigError, match=rf"Expected 1 to 256 for --simulators, got {simulators}"):
+        SimConfig(simulators=simulators)
+
+
+def test_a_name_that_is_too_long_with_its_number_is_refused() -> None:
+    assert SimConfig(name="x" * 64).name == "x" * 64
+    longest = "x" * 61
+    assert SimConfig(name=longest, simulators=12).name == longest
+    with pytest.raises(ConfigError, match=r"Expected 1 to 61 letters, .* for --name with --simulators 12, got 'x{62}'"):
+        SimConfig(name="x" * 62, simulators=12)
+    assert member_name("a", 12) == "a-12"
+
+
+def test_the_command_line_has_the_number_and_refuses_a_wrong_one() -> None:
+    wrong = subprocess.run([*STUB, "--simulators", "0"], capture_output=True, text=True, timeout=60, check=False)
+    assert wrong.returncode == 2
+    assert "for --simulators, got 0" in wrong.stderr
+    assert "Traceback" not in wrong.stderr
