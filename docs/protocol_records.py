@@ -5,7 +5,7 @@ from typing import Final
 import msgspec
 
 from legpush import geometry
-from legpush.messages import bundle, common, measures, planning, stepping, telemetry
+from legpush.messages import bundle, common, jobs, measures, planning, stepping, telemetry
 from legpush.realism import reality, settings
 from legpush.scene import footprints, occupancy, plan_settings, reference, robot, robot_body, robot_motion, scenario
 
@@ -47,6 +47,7 @@ SECTIONS: Final[dict[str, tuple[type[msgspec.Struct], ...]]] = {
         measures.UnexpectedContact,
     ),
     "bundle": (bundle.Bundle, bundle.Part),
+    "jobs": (jobs.JobRequest, jobs.JobResult),
     "copies": (
         telemetry.Copies,
         telemetry.Origin,

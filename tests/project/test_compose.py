@@ -12,9 +12,11 @@ from legpush.bus.secure.certificate_names import CERTIFICATE_ROLES
 from legpush.cli.commands import COMMANDS
 from tests.project.composed import SECRETS, Service, endpoints, read_compose
 
-ROLES = {"train": "agent", "train-sim": "sim"}
+ROLES = {"train": "agent", "train-sim": "sim", "study": "agent", "study-worker": "worker"}
 """Certificates of services that are called otherwise."""
-WITHOUT_BUS = {"study", "certificates"}
+WITHOUT_BUS = {"certificates"}
+SEEN_BY_ITS_FOLDER = {"study"}
+"""Services whose health is read from what they have written."""
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +60,7 @@ def test_a_mistyped_field_would_be_noticed(root: Path, tmp_path: Path) -> None:
 
 def test_there_is_a_service_for_each_process_and_all_run_one_image(services: dict[str, Service]) -> None:
     assert {"router", "planner", "sim", "agent"} == {name for name in services if "profiles" not in services[name]}
-    assert {"recorder", "viewer", "train", "train-sim", "study", "certificates"} < services.keys()
+    assert {"recorder", "viewer", "train", "train-sim", "study", "study-worker", "certificates"} < services.keys()
     assert {(service["image"], service["build"]) for service in services.values()} == {("legpush", ".")}
     for name in ("planner", "sim", "agent"):
         assert services[name]["command"][:3] == ["python", "-m", f"{name}_proc"]
@@ -125,7 +127,7 @@ def test_every_service_is_confined_and_watched(field: str, services: dict[str, S
             assert service["deploy"]["resources"]["limits"].keys() == {"cpus", "memory", "pids"}, name
         elif field in wanted:
             assert service[field] == wanted[field], name
-        elif name not in WITHOUT_BUS:
+        elif name not in WITHOUT_BUS | SEEN_BY_ITS_FOLDER:
             asked = " ".join(service["healthcheck"]["test"]).split()
             asked = asked[asked.index("health") :]
             assert asked[1] == role_of(name)

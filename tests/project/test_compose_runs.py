@@ -122,10 +122,14 @@ def test_simulators_of_one_service_are_trained_on(stack: Stack, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("stack", PLACES[-1:], indirect=True)
-def test_a_study_is_run(stack: Stack, tmp_path: Path) -> None:
+def test_a_study_is_run_by_the_workers_of_another_service(stack: Stack, tmp_path: Path) -> None:
     studies = tmp_path / "experiments" / "studies"
     studies.mkdir(parents=True)
     (studies / "small.toml").write_text(STUDY_FILE)
+    stack.start("router")
+    for copy in range(2):
+        stack.start("study-worker", copy)
+    assert all(stack.is_healthy("study-worker", copy) for copy in range(2)), stack.log("study-worker")
     study = stack.start("study")
     assert study.wait(LIMIT_S) == 0, stack.log("study")
     assert stack.is_healthy("study")

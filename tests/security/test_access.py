@@ -23,11 +23,12 @@ from tests.legpush.fakes import eventually
 from tests.security.hosts import copied, free_endpoint, give, issuer_of, made, raw_session
 
 RUN: Final = "r1"
-BUS_ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent", "launcher", "recorder")
+BUS_ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent", "worker", "launcher", "recorder")
 MESSAGES: Final = (
     *(keys.plan_request(RUN, "main"), keys.plan_cancel(RUN, "main"), keys.plan_result(RUN, "main")),
     *(keys.action(RUN, "main"), keys.observation(RUN, "main"), keys.reward(RUN, "main")),
     *(keys.bundled_actions(RUN, "main"), keys.bundled_answers(RUN, "main")),
+    *(keys.job_request(RUN, "main"), keys.job_result(RUN, "main")),
     *(make(RUN, role, "main") for role in BUS_ROLES for make in (keys.status, keys.copies, keys.taken)),
     *("legpush/v0/r1/sim/main/action", "elsewhere"),
 )

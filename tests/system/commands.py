@@ -54,6 +54,7 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "view": ("view", RECORDING, "--port", "0"),
     "canary": ("canary",),
     "study run": ("study", "run", "study.toml", "--out", "study", "--workers", "1"),
+    "study work": ("study", "work", "--workers", "1", "--connect", "unixsock-stream/nowhere.sock"),
     "study status": ("study", "status", STUDY),
     "study table": ("study", "table", STUDY, "--csv", "table.csv"),
     "study verify": ("study", "verify", STUDY, "--share", "1", "--workers", "1"),
@@ -73,7 +74,7 @@ COMMANDS: Final[dict[str, tuple[str, ...]]] = {
     "completion": ("completion", "bash"),
     "help": ("--help",),
 }
-ENDLESS: Final = {"record": (0, 1), "view": (0,), "router": (0,)}
+ENDLESS: Final = {"record": (0, 1), "view": (0,), "router": (0,), "study work": (0,)}
 """Commands that go on until they are interrupted, and their exit codes then."""
 PYTORCH: Final = "torchinductor_"
 """How PyTorch calls its own directory of compiled code, which it keeps in the temporary directory."""

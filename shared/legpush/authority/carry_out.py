@@ -90,7 +90,8 @@ def add(folder: Path, hosts: Sequence[str], days: int, routers: Sequence[str] = 
 def renew(folder: Path, hosts: Sequence[str], roles: Sequence[CertificateRole], days: int) -> Register:
     """Sign certificates with other keys and the next serials, also in the place of revoked ones.
 
-    Without `hosts` or `roles`, all of them.
+    Without `hosts` or `roles`, all of them. A host that has none of a role gets its first one: of the roles that are
+    named, or else of those of processes, as its authority may be older than a role.
 
     Raises:
         ConfigError: There is no such host.
@@ -103,9 +104,7 @@ def renew(folder: Path, hosts: Sequence[str], roles: Sequence[CertificateRole], 
     def next_one(issued: Issued) -> Issued:
         return Issued(serial=issued.serial + 1, first=issued.first)
 
-    renewed = _changed(register, chosen, next_one)
-    if OF_ROUTERS in roles:
-        renewed, chosen = _with_routers(renewed, chosen)
+    renewed, chosen = _with_new(_changed(register, chosen, next_one), chosen, roles or PROCESS_ROLES)
     return _put(folder, renewed, chosen, days)
 
 
@@ -202,18 +201,17 @@ def _chosen(
     return {host: tuple(role for role in register.host(host).issued if not roles or role in roles) for host in chosen}
 
 
-def _with_routers(
-    register: Register, chosen: Mapping[str, Sequence[CertificateRole]]
+def _with_new(
+    register: Register, chosen: Mapping[str, Sequence[CertificateRole]], wanted: Sequence[CertificateRole]
 ) -> tuple[Register, dict[str, tuple[CertificateRole, ...]]]:
-    """Add a certificate of a router to those of the chosen hosts that have none."""
+    """Add the first certificate of each wanted role to those of the chosen hosts that have none."""
     hosts, roles = dict(register.hosts), {host: tuple(each) for host, each in chosen.items()}
     for host in chosen:
         entry = hosts[host]
-        if OF_ROUTERS not in entry.issued:
-            hosts[host] = Host(
-                addresses=entry.addresses, issued={**entry.issued, OF_ROUTERS: Issued(serial=1, first=1)}
-            )
-            roles[host] = (*chosen[host], OF_ROUTERS)
+        new = tuple(role for role in wanted if role not in entry.issued)
+        first = _first(entry.addresses, new)
+        hosts[host] = Host(addresses=entry.addresses, issued={**entry.issued, **first.issued})
+        roles[host] = (*chosen[host], *new)
     return Register(hosts=hosts), roles
 
 

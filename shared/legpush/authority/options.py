@@ -71,7 +71,7 @@ class AddHosts:
 class RenewCertificates:
     """Make certificates with other keys and the next serials, also in the place of revoked ones.
 
-    `--roles router` also makes one for a host that had none.
+    A host that had none of a role gets one: of the roles of processes, and with `--roles router` that of a router.
 
     Copy the folders of these hosts there again; hosts that have not got theirs yet still work. Exit codes: 0 renewed,
     2 bad input.

@@ -6,11 +6,14 @@ from typing import Generic, Literal, TypeVar, cast
 
 from legpush.bus import keys
 from legpush.messages.common import Header, Role
+from legpush.messages.jobs import JobRequest, JobResult
 from legpush.messages.planning import PlanCancel, PlanRequest, PlanResult
 from legpush.messages.stepping import Action, Answer, Observation, Refusal
 from legpush.messages.telemetry import Copies, Reward, Status, Taken
 
-Message = PlanRequest | PlanCancel | PlanResult | Action | Answer | Reward | Status | Copies | Taken
+Message = (
+    PlanRequest | PlanCancel | PlanResult | Action | Answer | JobRequest | JobResult | Reward | Status | Copies | Taken
+)
 
 M = TypeVar("M", bound=Message)
 
@@ -72,6 +75,22 @@ def plan_cancels(run: str, client: str) -> Channel[PlanCancel]:
 def plan_results(run: str, client: str) -> Channel[PlanResult]:
     """What the planner answers `client`."""
     return Channel(key=keys.plan_result(run, client), kind=PlanResult, sender="planner")
+
+
+def job_requests(run: str, worker: str) -> Channel[JobRequest]:
+    """What the heads of studies ask a worker to compute."""
+    return Channel(key=keys.job_request(run, worker), kind=JobRequest, sender="agent", is_copied=False)
+
+
+def job_results(run: str, worker: str) -> Channel[JobResult]:
+    """What a worker answers."""
+    return Channel(
+        key=keys.job_result(run, worker),
+        kind=JobResult,
+        sender="worker",
+        key_of=lambda header: keys.job_result(run, header.name),
+        is_copied=False,
+    )
 
 
 def rewards(run: str, sim: str) -> Channel[Reward]:

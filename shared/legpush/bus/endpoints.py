@@ -26,6 +26,7 @@ CONNECTS_TO: Final[dict[Role, tuple[Role, ...]]] = {
     "planner": (),
     "sim": (),
     "agent": ("planner", "sim"),
+    "worker": ("agent",),
     "launcher": LISTENING,
     "recorder": LISTENING,
 }

@@ -181,6 +181,10 @@ class Exchange(Generic[M]):
         """Count restarts from zero again, as the peer did what it was asked for."""
         self._n_restarts = 0
 
+    def forget_peer(self) -> None:
+        """Take the process that has the name next as if it was the first: what it does not know is no loss."""
+        self._peer, self._n_restarts = None, 0
+
     @property
     def peer(self) -> str:
         """Role and name, for messages."""

@@ -79,6 +79,16 @@ def process_of(incarnation: str) -> str | None:
     return None if match is None else match["process"]
 
 
+def job_request(run: str, worker: str) -> str:
+    """Where the worker named `worker` gets its jobs; `*` for all workers."""
+    return f"{prefix(run)}/job/{worker}/request"
+
+
+def job_result(run: str, worker: str) -> str:
+    """Where the worker named `worker` answers; `*` for all workers."""
+    return f"{prefix(run)}/job/{worker}/result"
+
+
 def reward(run: str, sim: str) -> str:
     """Where an agent says what the steps of the simulator named `sim` earned."""
     return f"{prefix(run)}/sim/{sim}/reward"

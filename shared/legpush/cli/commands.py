@@ -29,7 +29,7 @@ from legpush.options.scenarios import (
     ShowScenario,
 )
 from legpush.options.shell import CompletionOptions, DoctorOptions, HealthOptions
-from legpush.options.study import MergeStudies, RunStudy, StudyStatus, StudyTable, VerifyStudy
+from legpush.options.study import MergeStudies, RunStudy, StudyStatus, StudyTable, VerifyStudy, WorkOptions
 from legpush.options.view import ViewOptions
 from legpush.processes.start_program import Program
 
@@ -69,8 +69,15 @@ COMMANDS: Final[Mapping[str, type | Group]] = {
     "export": ExportOptions,
     "view": ViewOptions,
     "study": Group(
-        "Run a study, look at it, check it, or put several together.",
-        {"run": RunStudy, "status": StudyStatus, "table": StudyTable, "verify": VerifyStudy, "merge": MergeStudies},
+        "Run a study, work for one, look at it, check it, or put several together.",
+        {
+            "run": RunStudy,
+            "work": WorkOptions,
+            "status": StudyStatus,
+            "table": StudyTable,
+            "verify": VerifyStudy,
+            "merge": MergeStudies,
+        },
     ),
     "bench": Group(
         "Measure how missions and trainings stand what goes wrong.", {"soak": SoakOptions, "faults": ListFaults}

@@ -26,7 +26,7 @@ from legpush.options.scenarios import (
     changed_scenario,
 )
 from legpush.options.shell import CompletionOptions, DoctorOptions, HealthOptions
-from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy
+from legpush.options.study import MergeStudies, RunStudy, StudyStatus, VerifyStudy, WorkOptions
 from legpush.output.reply import document
 from legpush.plugins import why_not_loaded
 
@@ -196,6 +196,17 @@ def _run_study(command: RunStudy) -> int:
 
         enter_profile_quietly()
         return run_study(command, Console())
+
+
+@execute.register
+def _work_for_heads(command: WorkOptions) -> int:
+    from legpush.entry.program import enter_profile_quietly
+
+    with _study_libraries():
+        from legpush.study.engines.worker import work_for_heads
+
+        enter_profile_quietly()
+        return work_for_heads(command)
 
 
 @execute.register

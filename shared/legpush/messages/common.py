@@ -11,7 +11,7 @@ PROTOCOL_VERSION: Final = 10
 READABLE_VERSIONS: Final = (6, 7, 8, 9, 10)
 """Protocol versions of recordings that can be read: each message of an older one is one of the present version."""
 
-Role = Literal["planner", "sim", "agent", "launcher", "recorder"]
+Role = Literal["planner", "sim", "agent", "worker", "launcher", "recorder"]
 ROLES: Final[tuple[Role, ...]] = ("planner", "sim", "agent")
 """The three processes of a mission."""
 USUAL_DEPTH_M: Final = 0.05

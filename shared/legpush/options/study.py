@@ -6,17 +6,54 @@ from pathlib import Path
 from typing import Annotated, Final
 
 from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, arg
+from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints, by_router, local, require_alone
+from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import ConfigError
-from legpush.fields import Seed, require
+from legpush.fields import Name, Seed, require
+from legpush.messages.common import Role
 from legpush.options.checks import require_new_file
 
 MOST_WORKERS: Final = 100_000
+MOST_WORKERS_OF_HOST: Final = 1024
 
 
 @dataclass(frozen=True, kw_only=True)
-class EngineOptions:
+class Place:
+    """Where a head and workers on other hosts find each other."""
+
+    listen: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints to listen on for the other side. Without any endpoint, head and workers meet at a socket of their user.
+    """
+    connect: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints on which the other side listens."""
+    router: Annotated[tuple[str, ...], arg("ENDPOINT ...")] = ()
+    """Endpoints of routers (`legpush router`), in the place of --listen and --connect."""
+    secure: Annotated[Path | None, arg("DIR")] = None
+    """Folder of this host that `legpush secure init` made: talk over TLS alone."""
+
+    def endpoints(self, role: Role) -> Endpoints:
+        """Return where a process of this role listens and connects.
+
+        Raises:
+            EndpointError: One of the texts is not an endpoint.
+            CredentialsError: The certificate of this role cannot be used.
+        """
+        credentials = credentials_of(self.secure, role)
+        if self.router:
+            return by_router(self.router, credentials)
+        if self.listen or self.connect:
+            return Endpoints(listen=self.listen, connect=self.connect, credentials=credentials)
+        usual = local(role, credentials)
+        return Endpoints(listen=usual.listen, connect=() if role == "agent" else usual.connect, credentials=credentials)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineOptions(Place):
     """Where cells are run, and what code they may run."""
 
+    join: Annotated[str | None, arg("RUN")] = None
+    """Run the cells in the workers of this run, which `legpush study work` starts on any host. --listen, --connect,
+    --router and --secure say where they are."""
     on: Annotated[str, arg("ENGINE")] = "local"
     """Where to run the cells: `local`, in processes on this machine; `inline`, in this process alone, for a debugger or
     an emulator; `ray`, on a Ray cluster that is started on this
@@ -36,6 +73,16 @@ class EngineOptions:
     def __post_init__(self) -> None:
         if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
             raise ConfigError(f"Expected 1 to {MOST_WORKERS} for --workers, got {self.workers}")
+        require(Name, self.join, "--join")
+        if self.join is None and (self.listen or self.connect or self.router or self.secure):
+            raise ConfigError(
+                "Expected --join RUN with --listen, --connect, --router and --secure: they say where its workers are"
+            )
+        require_alone(self.router, (*self.listen, *self.connect))
+        if self.join is not None and (self.on != "local" or self.workers is not None or self.slurm_option):
+            raise ConfigError(
+                "Expected --join alone, without --on, --workers and --slurm-option: a run has its workers"
+            )
         for option in self.slurm_option:
             if not all(option.partition("=")):
                 raise ConfigError(f"Expected NAME=VALUE for --slurm-option, got {option!r}")
@@ -73,6 +120,42 @@ class RunStudy(EngineOptions):
     def folder(self) -> Path:
         """Folder of the study."""
         return self.out or Path("runs") / self.file.stem
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorkOptions(Place):
+    """Run cells of studies for heads on any host, until a signal: `legpush study run FILE --join RUN` is a head.
+
+    A worker runs the cells that the installed package has, and policies that are data. Files that a cell names, such as
+    the folder of a policy, have to be on this host.
+    Exit codes: 0 ended by a signal, 2 bad input, 3 the network failed.
+    """
+
+    run: Annotated[str, arg("NAME")] = DEFAULT_RUN
+    """Name of the run; a head has the same one for --join."""
+    name: Annotated[str, arg("NAME")] = DEFAULT_NAME
+    """Name of the worker among those of the run. If there are several, they are named NAME-1, NAME-2, ..."""
+    workers: Annotated[int | None, arg("N")] = None
+    """Number of workers of this host, each a process; if not given, one per core."""
+    cell: Annotated[str | None, arg("MODULE:FUNCTION")] = None
+    """Allow cells of this kind, which is your own code; the head has the same option."""
+    policy: Annotated[Repeated[str], arg("POLICY")] = ()
+    """Allow this policy, which runs code; may be given several times."""
+    output: OutputOptions = USUAL_OUTPUT
+
+    def __post_init__(self) -> None:
+        require(Name, self.run, "--run")
+        require_alone(self.router, (*self.listen, *self.connect))
+        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS_OF_HOST:
+            raise ConfigError(f"Expected 1 to {MOST_WORKERS_OF_HOST} for --workers, got {self.workers}")
+        for name in self.names:
+            require(Name, name, "--name")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the workers."""
+        n = self.workers if self.workers is not None else len(os.sched_getaffinity(0))
+        return tuple(f"{self.name}-{number}" for number in range(1, n + 1)) if n > 1 else (self.name,)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from legpush.options.study import RunStudy
 from legpush.output.reply import document
 from legpush.service import stop_on_signals
 from legpush.study.carry_out import Orders, carry_out
-from legpush.study.engines.choose import INLINE, LOCAL, make_engine, require_engine
+from legpush.study.engines.choose import INLINE, LOCAL, engine_of, require_engine
 from legpush.study.file import load_study
 from legpush.study.folder import StudyFolder
 from legpush.study.progress import line, shown
@@ -33,11 +33,11 @@ def run_study(options: RunStudy, console: Console) -> int:
     stop, folder = stop_on_signals(), StudyFolder(options.folder)
     again = shlex.join(["legpush", *sys.argv[1:]])
     orders = Orders(
-        engine=lambda path: make_engine(options.on, options.n_workers, path, options.slurm_options),
+        engine=partial(engine_of, options),
         stop=stop,
         again=again,
         # The first local worker is a process of this machine; on a cluster, this process decides.
-        first_decides=options.on in (LOCAL, INLINE),
+        first_decides=options.join is None and options.on in (LOCAL, INLINE),
         retry_failed=options.retry_failed,
         shown=partial(shown, console),
         private=options.out is None,

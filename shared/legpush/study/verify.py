@@ -14,7 +14,7 @@ from legpush.numerics.motion_version import MOTION_VERSION, MOTIONS
 from legpush.options.study import VerifyStudy
 from legpush.output.reply import document
 from legpush.service import stop_on_signals
-from legpush.study.engines.choose import SLURM, make_engine, require_engine
+from legpush.study.engines.choose import SLURM, engine_of, require_engine
 from legpush.study.file import Study, read_study
 from legpush.study.folder import StudyFolder, StudyRecord
 from legpush.study.jobs import Job
@@ -53,7 +53,7 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
         again, tally, canaries = StudyFolder(Path(scratch)), Tally(n_cells=n, n_done=0), list[str]()
         again.make_folders()
         Runner(
-            make_engine(options.on, options.n_workers, again.path, options.slurm_options),
+            engine_of(options, again.path),
             again,
             job=Job(kind=record.kind, code=record.code, canary=None, results=None, tasks=()),
             task=lambda place: places[chosen[place]][0].task(places[chosen[place]][1]),

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from legpush.authority.carry_out import add, begin, listed, renew, revoke
-from legpush.bus.secure.certificate_names import PROCESS_ROLES
+from legpush.authority.register import Host, Register, read_register, write_register
+from legpush.bus.secure.certificate_names import PROCESS_ROLES, CertificateRole
 from legpush.bus.secure.host_folder import read_access, read_credentials
 from legpush.errors import ConfigError, CredentialsError, LegpushError
 
@@ -173,6 +174,26 @@ def test_only_the_hosts_that_are_named_get_a_certificate_of_a_router(tmp_path: P
     ]
     assert read_credentials(lab / "robot", "sim").name == "sim.robot.1"
     assert not (lab / "desk" / "router.pem").exists()
+
+
+@pytest.mark.parametrize("roles", [[], ["worker"]])
+def test_a_host_of_an_authority_that_is_older_than_a_role_gets_its_first_certificate(
+    tmp_path: Path, roles: list[CertificateRole]
+) -> None:
+    lab = tmp_path / "lab"
+    begin(lab, ["robot"], 1, 1)
+    register = read_register(lab)
+    older = register.hosts["robot"]
+    issued = dict(older.issued)
+    del issued["worker"]
+    write_register(lab, Register(hosts={"robot": Host(addresses=older.addresses, issued=issued)}))
+    for file in (lab / "robot").glob("worker.*"):
+        file.unlink()
+
+    renew(lab, [], roles, 1)
+    assert read_credentials(lab / "robot", "worker").name == "worker.robot.1"
+    assert read_credentials(lab / "robot", "sim").name == f"sim.robot.{1 if roles else 2}"
+    assert not (lab / "robot" / "router.pem").exists()
 
 
 def test_a_router_has_to_be_one_of_the_hosts(tmp_path: Path) -> None:

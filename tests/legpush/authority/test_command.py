@@ -39,7 +39,7 @@ def test_the_commands_say_what_to_copy_where(tmp_path: Path, capsys: pytest.Capt
     assert run(capsys, "revoke", lab, "robot") == (0, f"{copies}\n", "")
     code, said, _ = run(capsys, "show", lab)
     states = {line.split()[0]: line.split()[1] for line in said.splitlines()}
-    assert (code, len(states)) == (0, 18)
+    assert (code, len(states)) == (0, 21)
     assert (states["sim.desk.2"], states["sim.robot.1"], states["viewer.laptop.1"]) == ("valid", "revoked", "valid")
 
 

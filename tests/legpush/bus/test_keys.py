@@ -17,7 +17,7 @@ def test_keys_are_part_of_their_run_and_of_the_protocol_version() -> None:
 def test_no_two_kinds_of_messages_share_a_key() -> None:
     by_name = (keys.plan_request, keys.plan_cancel, keys.plan_result, keys.action, keys.observation, keys.reward)
     by_role = (keys.status, keys.copies, keys.taken)
-    together = (keys.bundled_actions, keys.bundled_answers)
+    together = (keys.bundled_actions, keys.bundled_answers, keys.job_request, keys.job_result)
     made = [key("r", "main") for key in (*by_name, *together)] + [key("r", "sim", "main") for key in by_role]
     assert len(set(made)) == len(made)
     assert all(key.startswith(f"{keys.prefix('r')}/") for key in made)

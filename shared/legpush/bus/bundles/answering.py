@@ -5,7 +5,7 @@ from functools import partial
 
 from legpush.bus import keys
 from legpush.bus.bundles.collector import MAX_PART_BYTES, Collector
-from legpush.bus.bundles.forwarding import ForwardingSession
+from legpush.bus.bundles.forwarding import SharedSession
 from legpush.bus.channels import Quality
 from legpush.bus.tally import Tally
 from legpush.bus.transport import OnBytes, OnDamaged, Sender, Session, Undeclare, ignore
@@ -83,7 +83,7 @@ def _remove(takers: dict[str, tuple[str, OnBytes]], key: str) -> None:
     takers.pop(key, None)
 
 
-class _Member(ForwardingSession):
+class _Member(SharedSession):
     """The session of one simulator."""
 
     def __init__(self, shared: AnsweringSession, session: Session, run: str, name: str) -> None:
@@ -91,9 +91,6 @@ class _Member(ForwardingSession):
         self._shared = shared
         self._name = name
         self._actions, self._answers = keys.action(run, name), keys.observation(run, name)
-
-    def close(self) -> None:
-        """Leave the session open for the others: what this simulator declared, its bus takes back."""
 
     def publisher(self, key: str, quality: Quality) -> Sender:
         """Sends bytes under `key`; answers may travel with those of other simulators."""

@@ -1,4 +1,4 @@
-"""A session that hands on everything: what the sessions with bundles have in common."""
+"""A session that hands on everything, and one that several buses of a process share."""
 
 from legpush.bus.channels import Quality
 from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Session, Undeclare, ignore
@@ -37,3 +37,10 @@ class ForwardingSession:
     def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:
         """Call `on_token` for each token that lives now, and whenever one comes or goes."""
         return self._session.watch_tokens(key, on_token)
+
+
+class SharedSession(ForwardingSession):
+    """A session that several buses share: each of them takes back what it declared, and leaves it open."""
+
+    def close(self) -> None:
+        """Leave it open for the others."""

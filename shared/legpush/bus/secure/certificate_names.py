@@ -5,7 +5,7 @@ A name says role, host and serial, such as `sim.robot.1`. A renewed certificate 
 
 from typing import Final, Literal, get_args
 
-CertificateRole = Literal["planner", "sim", "agent", "launcher", "recorder", "viewer", "router"]
+CertificateRole = Literal["planner", "sim", "agent", "worker", "launcher", "recorder", "viewer", "router"]
 """What a certificate is for. A viewer takes part as a recorder does, but its certificate lets it say less."""
 CERTIFICATE_ROLES: Final[tuple[CertificateRole, ...]] = get_args(CertificateRole)
 OF_ROUTERS: Final[CertificateRole] = "router"
@@ -15,6 +15,7 @@ WORDS: Final[dict[CertificateRole, str]] = {
     "planner": "a planner",
     "sim": "a simulator",
     "agent": "an agent",
+    "worker": "a worker of studies",
     "launcher": "a launcher",
     "recorder": "a recorder",
     "viewer": "a viewer",

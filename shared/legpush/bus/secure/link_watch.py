@@ -17,7 +17,7 @@ from legpush.bus.secure.probe import shake_hands
 LOOK_S: Final = 0.5
 SILENT_S: Final = 3.0
 """A linked process that shows no token for this long is told about: its rules may know nothing of this certificate."""
-SHOWN: Final[tuple[CertificateRole, ...]] = ("planner", "sim", "agent")
+SHOWN: Final[tuple[CertificateRole, ...]] = ("planner", "sim", "agent", "worker")
 """Roles that show a token as soon as they can work."""
 OTHERWISE: Final = "it is still starting, belongs to another run"
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from legpush.errors import ConfigError
+from legpush.options.study import EngineOptions
 from legpush.processes.environment import ONE_THREAD
 from legpush.study.engines.engine import Engine
 from legpush.study.engines.inline import InlineEngine
@@ -29,6 +30,20 @@ def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
         raise ConfigError(f"Expected one of {', '.join(ENGINES)} for --on, got {on!r}")
     if slurm_options and on != SLURM:
         raise ConfigError(f"Expected --slurm-option with --on slurm, got it with --on {on}")
+
+
+def engine_of(options: EngineOptions, study: Path) -> Engine:
+    """Make the engine that the options of a command ask for; `study` is the folder of the study.
+
+    Raises:
+        ConfigError: There is none, or it cannot be used here.
+        EndpointError: The workers of a run cannot be reached from here.
+    """
+    if options.join is None:
+        return make_engine(options.on, options.n_workers, study, options.slurm_options)
+    from legpush.study.engines.joined import JoinedEngine
+
+    return JoinedEngine(options.join, options.endpoints("agent"))
 
 
 def make_engine(on: str, n_workers: int, study: Path, slurm_options: Mapping[str, str]) -> Engine:

@@ -1,0 +1,240 @@
+"""`legpush study work`: the workers of this host, which run cells for the heads of studies."""
+
+import logging
+import platform
+import re
+import threading
+from collections.abc import Iterator
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from concurrent.futures import TimeoutError as NotDone
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import msgspec
+
+from legpush.bus import channels
+from legpush.bus.bundles.forwarding import SharedSession
+from legpush.bus.bus import Bus
+from legpush.bus.session import ZenohSession, log_refused_links
+from legpush.bus.status import StatusBeacon
+from legpush.errors import LegpushError
+from legpush.messages.common import Header
+from legpush.messages.jobs import JobRequest, JobResult
+from legpush.numerics.current import current
+from legpush.options.study import WorkOptions
+from legpush.patience import Stopwatch
+from legpush.policy_names import SB3_SUFFIX, runs_code
+from legpush.service import start_log, stop_on_signals
+from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.local import LocalEngine
+from legpush.study.jobs import Answer, Job, decode_job, encode
+
+IDLE_S: Final = 0.1
+"""How often the stop event and the head are looked at."""
+HEAD_GONE_S: Final = 10.0
+"""A job whose head shows no token for this long is ended."""
+MOST_HEADS: Final = 256
+"""Of how many heads the last job is remembered."""
+ADDRESS: Final = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+"""`module:function`."""
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Trusted:
+    """Code that the workers of this host may run besides that of the installed package."""
+
+    cell: str | None = None
+    policies: tuple[str, ...] = ()
+
+    def objection(self, job: Job) -> str | None:
+        """Return why a job is not run here; None if it may be."""
+        if ":" in job.kind and job.kind != self.cell:
+            return f"expected cells of an installed kind, or --cell {job.kind} with `legpush study work`"
+        for task in job.tasks:
+            if task.folder is not None:
+                return "expected cells that keep no work in a folder, which only their own machine has"
+            for text in texts(task.specification):
+                if is_code(text) and text not in self.policies:
+                    return f"expected cells that are data alone, or --policy {text} with `legpush study work`"
+        return None
+
+
+def texts(value: Any) -> Iterator[str]:
+    """Yield all texts in plain values."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for each in value.values():
+            yield from texts(each)
+    elif isinstance(value, list | tuple):
+        for each in value:
+            yield from texts(each)
+
+
+def is_code(text: str) -> bool:
+    """Return whether a text of a cell may name code: a function, a plug-in of another package, or a model file."""
+    if ADDRESS.fullmatch(text) or text.endswith(SB3_SUFFIX):
+        return True
+    return text.isidentifier() and runs_code(text)
+
+
+def work_for_heads(options: WorkOptions) -> int:
+    """Run jobs until a signal comes; returns the exit code.
+
+    Raises:
+        EndpointError: One of the endpoints cannot be listened on.
+        LegpushError: The network failed.
+    """
+    stop = stop_on_signals()
+    start_log(f"worker/{options.name}", "warning" if options.output.quiet else "info")
+    at = options.endpoints("worker")
+    if at.credentials is not None:
+        log_refused_links()
+    trusted = Trusted(options.cell, tuple(options.policy))
+    with ExitStack() as stack:
+        session = stack.enter_context(closing(ZenohSession(at, f"worker {options.name}", stop)))
+        buses = [
+            stack.enter_context(
+                Bus(options.run, "worker", name, at, stop=stop, open_session=lambda *_: SharedSession(session))
+            )
+            for name in options.names
+        ]
+        threads = stack.enter_context(ThreadPoolExecutor(len(buses), thread_name_prefix="worker"))
+        served = [threads.submit(serve_jobs, bus, trusted, stop) for bus in buses]
+        log.info("%d workers wait for studies in run %s", len(buses), options.run)
+        wait(served, return_when=FIRST_EXCEPTION)
+        stop.set()
+        for each in served:
+            each.result()
+    return 0
+
+
+class _Asked(NamedTuple):
+    """Which job of which head."""
+
+    head: str
+    number: int
+
+
+@dataclass
+class _Seen:
+    """What was asked: an old copy of a request is no new job."""
+
+    newest: dict[str, int] = field(default_factory=dict)
+    """By head, the highest number."""
+
+    def is_new(self, asked: _Asked) -> bool:
+        """Whether this job was not begun before; then it is now."""
+        if asked.number <= self.newest.get(asked.head, -1):
+            return False
+        self.newest.pop(asked.head, None)
+        self.newest[asked.head] = asked.number
+        if len(self.newest) > MOST_HEADS:
+            del self.newest[next(iter(self.newest))]
+        return True
+
+
+def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
+    """Announce this worker and do its jobs, one after the other, until `stop`."""
+    requests = bus.subscribe(channels.job_requests(bus.run, bus.name))
+    results = bus.publisher(channels.job_results(bus.run, bus.name))
+    seen, done = _Seen(), None
+    with _Process() as process, StatusBeacon(bus) as beacon:
+        bus.announce()
+        waiting: list[JobRequest] = []
+        while not stop.is_set():
+            request = waiting.pop(0) if waiting else requests.next(IDLE_S)
+            if request is None:
+                continue
+            head, asked = request.header, _Asked(request.header.incarnation, request.number)
+            if not bus.liveliness.is_live("agent", head.name, head.incarnation):
+                bus.tally.add("no_token", f"head {head.name} ({head.incarnation}) shows no liveliness token")
+                continue
+            if done is not None and asked == done[0]:
+                results.send(done[1])
+                continue
+            if not seen.is_new(asked):
+                bus.tally.add("repeated", f"head {head.name}: an old job", logging.INFO)
+                continue
+            if asked.number == 0:
+                log.info("%s works for %s", bus.name, head.name)
+            beacon.publish_status("working", detail=f"job {asked.number} of {head.name}")
+            finished = _answer(bus, process, request, trusted, stop)
+            if finished is not None:
+                done = asked, finished
+                results.send(finished)
+            others = [*waiting, *requests.drain()]
+            waiting = [each for each in others if _Asked(each.header.incarnation, each.number) != asked]
+            beacon.publish_status("idle", detail=f"job {asked.number} of {head.name} done")
+
+
+class _Process:
+    """The process that runs the cells of one worker; one that was ended is replaced with the next job."""
+
+    def __init__(self) -> None:
+        self._engine = LocalEngine(1)
+
+    def __enter__(self) -> "_Process":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._engine.close(now=True)
+
+    def submit(self, job: bytes) -> "Future[bytes]":
+        """Run a job."""
+        return self._engine.submit(job)
+
+    def end(self) -> None:
+        """End the job that runs."""
+        self._engine.close(now=True)
+        self._engine = LocalEngine(1)
+
+
+def _answer(bus: Bus, process: _Process, request: JobRequest, trusted: Trusted, stop: threading.Event) -> Any:
+    """What makes the result of a job; None if nobody waits for it any more."""
+    try:
+        objection = trusted.objection(decode_job(request.job))
+    except msgspec.MsgspecError as error:
+        objection = f"expected a job, got something else: {error}"
+    if objection is not None:
+        return _built(request, refusal(objection))
+    future, gone = process.submit(request.job), Stopwatch()
+    while not stop.is_set():
+        try:
+            return _built(request, future.result(IDLE_S))
+        except NotDone:
+            if bus.liveliness.is_live("agent", request.header.name, request.header.incarnation):
+                gone.restart()
+            elif gone.tick() > HEAD_GONE_S:
+                log.warning("%s: the head %s is gone, its job ends", bus.name, request.header.name)
+                process.end()
+                return None
+        except WorkerLostError as error:
+            return _built(request, b"", str(error))
+        except LegpushError as error:
+            return _built(request, refusal(str(error)))
+    return None
+
+
+def refusal(why: str) -> bytes:
+    """Return the answer of a worker that runs nothing."""
+    return encode(Answer(host=platform.node(), pid=0, numerics=current().name, canary=None, refused=why))
+
+
+def _built(request: JobRequest, answer: bytes, reason: str = "") -> Any:
+    """What makes the message of a result."""
+
+    def build(header: Header) -> JobResult:
+        return JobResult(
+            header=header,
+            head_incarnation=request.header.incarnation,
+            number=request.number,
+            ending="answered" if answer else "lost",
+            answer=answer,
+            reason=reason,
+        )
+
+    return build

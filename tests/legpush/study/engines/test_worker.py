@@ -1,0 +1,168 @@
+"""A worker for heads on the bus: which jobs it runs, that it runs each once, and when it ends one."""
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from legpush.bus import channels
+from legpush.bus.bus import Bus
+from legpush.errors import ConfigError
+from legpush.messages.common import Header
+from legpush.messages.jobs import JobRequest, JobResult
+from legpush.options.study import WorkOptions
+from legpush.study.engines import worker as module
+from legpush.study.engines.worker import Trusted, is_code, serve_jobs, texts
+from legpush.study.jobs import Job, Task, decode_answer, decode_job, encode
+from tests.legpush.bus.memory_session import RUN, MemoryNetwork
+from tests.legpush.fakes import eventually
+from tests.legpush.study.engines.test_local import job_of, values
+from tests.legpush.study.parts import STUB
+
+
+class Head:
+    """Sends requests by hand, and keeps what comes back."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+        self.results = bus.subscribe(channels.job_results(RUN, "w"))
+        self._requests = bus.publisher(channels.job_requests(RUN, "w"))
+        bus.announce()
+
+    def send(self, number: int, job: bytes) -> None:
+        """Ask."""
+
+        def build(header: Header) -> JobRequest:
+            return JobRequest(header=header, number=number, job=job)
+
+        self._requests.send(build)
+
+    def next(self) -> JobResult:
+        """The next result."""
+        result = self.results.next(30.0)
+        assert result is not None
+        return result
+
+
+@pytest.fixture
+def network() -> MemoryNetwork:
+    """Nobody is there yet."""
+    return MemoryNetwork()
+
+
+@pytest.fixture
+def served(network: MemoryNetwork) -> Iterator[Bus]:
+    """A worker."""
+    stop = threading.Event()
+    with network.bus("worker", "w") as bus:
+        serving = threading.Thread(target=serve_jobs, args=(bus, Trusted(cell=STUB), stop))
+        serving.start()
+        yield bus
+        stop.set()
+        serving.join(30.0)
+        assert not serving.is_alive()
+
+
+def test_a_job_that_is_asked_again_is_done_once_and_answered_again(network: MemoryNetwork, served: Bus) -> None:
+    with network.bus("agent", "head") as bus:
+        head = Head(bus)
+        head.send(0, job_of(1, seconds=0.5))
+        head.send(0, job_of(1, seconds=0.5))
+        first = head.next()
+        assert values(first.answer) == [1.0]
+        assert head.results.next(0.5) is None
+        head.send(0, job_of(1, seconds=0.5))
+        again = head.next()
+        assert (again.answer, again.number) == (first.answer, 0)
+        head.send(1, job_of(2))
+        assert values(head.next().answer) == [2.0]
+        head.send(0, job_of(1))
+        assert head.results.next(0.5) is None
+        assert served.tally["repeated"] == 1
+
+
+def test_who_shows_no_token_gets_nothing(network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch) -> None:
+    with network.bus("agent", "ghost") as bus:
+        monkeypatch.setattr(bus, "announce", lambda: None)
+        Head(bus).send(0, job_of(1))
+        assert eventually(lambda: served.tally["no_token"] == 1)
+
+
+def test_a_job_whose_head_is_gone_is_ended(
+    network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(module, "HEAD_GONE_S", 0.3)
+    with network.bus("agent", "gone") as bus:
+        Head(bus).send(0, job_of(1, seconds=60.0))
+        time.sleep(0.5)
+    assert eventually(lambda: "the head gone is gone, its job ends" in caplog.text)
+    with network.bus("agent", "next") as bus:
+        head = Head(bus)
+        head.send(0, job_of(2))
+        assert values(head.next().answer) == [2.0]
+
+
+def test_what_is_no_job_is_refused_and_the_worker_goes_on(network: MemoryNetwork, served: Bus) -> None:
+    del served
+    with network.bus("agent", "head") as bus:
+        head = Head(bus)
+        head.send(0, b"\xc1")
+        assert "expected a job, got something else" in (decode_answer(head.next().answer).refused or "")
+        head.send(1, job_of(2))
+        assert values(head.next().answer) == [2.0]
+
+
+def job(kind: str = "push", folder: str | None = None, **specification: Any) -> Job:
+    """A job of one cell."""
+    task = Task(cell="c", inputs={}, specification=specification, folder=folder)
+    return Job(kind=kind, code="x", canary=None, results=None, tasks=(task,))
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [
+        (job("os:system"), "--cell os:system"),
+        (job(policy="os:system"), "--policy os:system"),
+        (job(changes={"deep": [{"policy": "own.module:make"}]}), "--policy own.module:make"),
+        (job(policy="/home/me/model.zip"), "--policy /home/me/model.zip"),
+        (job(callbacks=["own:callback"]), "--policy own:callback"),
+        (job("training", folder="/tmp/x"), "keep no work in a folder"),
+    ],
+)
+def test_a_job_that_names_code_or_a_folder_is_refused(asked: Job, why: str) -> None:
+    assert why in (Trusted().objection(asked) or "")
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        job(policy="dynamic_programming", scenario={"description": "A note: nothing to run."}),
+        job(policy="wide", world="mujoco"),
+        job(policy="/home/me/policies/wide"),
+    ],
+)
+def test_a_job_of_data_is_run(asked: Job) -> None:
+    assert Trusted().objection(asked) is None
+
+
+def test_what_the_user_of_the_host_allows_is_run() -> None:
+    assert Trusted(cell="own:cell").objection(job("own:cell")) is None
+    assert Trusted(policies=("own:make",)).objection(job(policy="own:make")) is None
+    assert Trusted(cell="own:cell").objection(job("own:other")) is not None
+
+
+def test_texts_are_found_wherever_they_are() -> None:
+    assert sorted(texts({"a": "1", "b": ["2", {"c": ("3", 4, None)}]})) == ["1", "2", "3"]
+    assert is_code("a.b:c")
+    assert not is_code("a note: this")
+    assert encode(decode_job(job_of(1))) == job_of(1)
+
+
+def test_workers_have_names_by_number_and_wrong_options_are_refused() -> None:
+    assert WorkOptions(name="desk", workers=1).names == ("desk",)
+    assert WorkOptions(name="desk", workers=3).names == ("desk-1", "desk-2", "desk-3")
+    for wrong, flag in (({"workers": 0}, "--workers"), ({"name": "a b"}, "--name"), ({"run": ""}, "--run")):
+        with pytest.raises(ConfigError, match=f"Expected .* for {flag}"):
+            WorkOptions(**wrong)
