@@ -18,7 +18,7 @@ class Collector:
     """Sends the messages of several simulators as bundles.
 
     A bundle is sent as soon as it has a message of everyone who is expected, or is full. The thread of its first
-    message waits for that, and sends what there is after `WAIT_S`.
+    message waits for that, and sends the bundle as it is after `WAIT_S`.
     """
 
     def __init__(self, send: Callable[[Bundle], None], wait_s: float = WAIT_S) -> None:
