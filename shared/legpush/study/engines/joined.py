@@ -15,7 +15,8 @@ from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, listing
 from legpush.bus.exchange import Exchange
 from legpush.bus.ports import Publisher
-from legpush.errors import LegpushError, PeerError
+from legpush.errors import LegpushError, MessageError, PeerError
+from legpush.messages import codec
 from legpush.messages.common import Header
 from legpush.messages.jobs import JobRequest, JobResult
 from legpush.patience import SLICE_S, Patience, Stopwatch
@@ -95,8 +96,9 @@ class JoinedEngine:
             if result.ending == "lost":
                 raise WorkerLostError(f"worker/{result.header.name}: {result.reason}")
             try:
+                codec.unpack(result.answer)  # refuses what takes far more memory than its bytes
                 refused = decode_answer(result.answer).refused is not None
-            except msgspec.MsgspecError as error:
+            except (MessageError, msgspec.MsgspecError, RecursionError) as error:
                 self._unfit.add(incarnation)
                 raise WorkerLostError(f"worker/{result.header.name} gave an unreadable answer: {error}") from error
             if refused:

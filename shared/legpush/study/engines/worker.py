@@ -18,7 +18,8 @@ from legpush.bus.bundles.forwarding import SharedSession
 from legpush.bus.bus import Bus
 from legpush.bus.session import ZenohSession, log_refused_links
 from legpush.bus.status import StatusBeacon
-from legpush.errors import LegpushError
+from legpush.errors import LegpushError, MessageError
+from legpush.messages import codec
 from legpush.messages.common import Header
 from legpush.messages.jobs import JobRequest, JobResult
 from legpush.numerics.current import current
@@ -196,8 +197,9 @@ class _Process:
 def _answer(bus: Bus, process: _Process, request: JobRequest, trusted: Trusted, stop: threading.Event) -> Any:
     """What makes the result of a job; None if nobody waits for it any more."""
     try:
+        codec.unpack(request.job)  # refuses what takes far more memory than its bytes
         objection = trusted.objection(decode_job(request.job))
-    except msgspec.MsgspecError as error:
+    except (MessageError, msgspec.MsgspecError, RecursionError) as error:
         objection = f"expected a job, got something else: {error}"
     if objection is not None:
         return _built(request, refusal(objection))

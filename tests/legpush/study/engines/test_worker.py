@@ -104,11 +104,16 @@ def test_a_job_whose_head_is_gone_is_ended(
         assert values(head.next().answer) == [2.0]
 
 
-def test_what_is_no_job_is_refused_and_the_worker_goes_on(network: MemoryNetwork, served: Bus) -> None:
+@pytest.mark.parametrize(
+    "payload",
+    [b"", b"\xc1", b"\x80", b"\x91" * 100_000, b"\xdd\x00\x20\x00\x00" + 2**21 * b"\x80"],
+    ids=["empty", "malformed", "without fields", "deep", "many parts"],
+)
+def test_what_is_no_job_is_refused_and_the_worker_goes_on(network: MemoryNetwork, served: Bus, payload: bytes) -> None:
     del served
     with network.bus("agent", "head") as bus:
         head = Head(bus)
-        head.send(0, b"\xc1")
+        head.send(0, payload)
         assert "expected a job, got something else" in (decode_answer(head.next().answer).refused or "")
         head.send(1, job_of(2))
         assert values(head.next().answer) == [2.0]
