@@ -10,7 +10,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from multiprocessing.connection import Client, Listener
+from multiprocessing.connection import Client, Connection, Listener
 from pathlib import Path
 from typing import Any, Final
 
@@ -200,15 +200,22 @@ def ask_pipe(name: str, folder: Path) -> Iterator[Ask]:
     """A connection of `multiprocessing`, over a socket: the least that two processes need."""
     del name
     question = payloads.question()
-    while not (folder / "pipe").exists():
-        threading.Event().wait(0.01)
-    with Client(str(folder / "pipe"), "AF_UNIX") as connection:
+    with _connected(str(folder / "pipe")) as connection:
 
         def ask() -> int:
             connection.send_bytes(question)
             return len(connection.recv_bytes())
 
         yield ask
+
+
+def _connected(address: str) -> "Connection[Any, Any]":
+    """Connect as soon as somebody listens: the socket is there a moment before."""
+    while True:
+        try:
+            return Client(address, "AF_UNIX")
+        except (FileNotFoundError, ConnectionRefusedError):
+            threading.Event().wait(0.01)
 
 
 def answer_pipe(name: str, folder: Path, n_bytes: int) -> None:

@@ -106,7 +106,7 @@ def test_a_training_that_fails_by_itself_is_told_with_its_log(tmp_path: Path, tr
 
 def test_a_training_that_fails_ends_the_other_one(tmp_path: Path, trainer: pytest.MonkeyPatch) -> None:
     program = "import pathlib, sys, time; name = pathlib.Path(sys.argv[-1]).name; "
-    program += "sys.exit(2 if name == 'undisturbed' else 0 if name == 'probe' else time.sleep(60))"
+    program += "sys.exit(2 if name == 'undisturbed' else 0 if name == 'probe' else time.sleep(15))"
     trainer.setattr(training, "LEGPUSH", (sys.executable, "-c", program))
     (tmp_path / "probe" / "last").mkdir(parents=True)
     with pytest.raises(PeerError, match=r"training undisturbed ended with 2; see .*undisturbed\.log"):
