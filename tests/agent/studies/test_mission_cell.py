@@ -37,9 +37,9 @@ def test_a_mission_that_ends_with_a_motion_that_is_refused_has_a_row() -> None:
 
 
 def test_a_random_room_is_drawn_from_the_seed_as_the_command_draws_it_and_changed_after_that() -> None:
-    resolved = resolve(MissionCell(seed=3, random_room=SMALL, changes={"mission.handover_distance_m": 2.0}), ())
+    resolved = resolve(MissionCell(seed=1, random_room=SMALL, changes={"mission.handover_distance_m": 2.0}), ())
     scenario, n_unsolvable = drawn(resolved)
-    by_hand = random_scenario(SMALL, 3, solvable_by(first_plan, 3))
+    by_hand = random_scenario(SMALL, 1, solvable_by(first_plan, 1))
     assert scenario.room == by_hand.room
     assert (scenario.box.mass_kg, scenario.mission.handover_distance_m) == (0.5, 2.0)
     assert n_unsolvable >= 0
