@@ -29,7 +29,7 @@ class StatusBeacon:
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._beat, name="status", daemon=True)
         self._said: Said = (phase, None, "", "")
-        self._published: Said = self._said
+        self._published: Said | None = None
         self._published_at = -inf
 
     def __enter__(self) -> Self:
@@ -45,11 +45,11 @@ class StatusBeacon:
     ) -> None:
         """Publish that the process is in this `phase`, of which `fraction` is done if known.
 
-        It is sent before this returns, so that it is out before a library that holds the interpreter is called; if the
-        last one was sent less than `SHORTEST_PERIOD_S` ago, the heartbeat sends it.
+        A change is sent before this returns, so that it is out before a library that holds the interpreter is called;
+        if the last one was sent less than `SHORTEST_PERIOD_S` ago, the heartbeat sends it.
         """
         self._said = (phase, fraction, detail, waiting_for)
-        if monotonic() - self._published_at >= SHORTEST_PERIOD_S:
+        if self._said != self._published and monotonic() - self._published_at >= SHORTEST_PERIOD_S:
             self._publish()
 
     def _beat(self) -> None:
@@ -62,7 +62,7 @@ class StatusBeacon:
         self._publisher.send(self._status)
 
     def _status(self, header: Header) -> Status:
-        phase, fraction, detail, waiting_for = self._published
+        phase, fraction, detail, waiting_for = self._published or self._said
         return Status(
             header=header,
             phase=phase,

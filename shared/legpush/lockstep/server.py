@@ -163,10 +163,13 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
     with StatusBeacon(bus, numerics=computing_with()) as beacon:
         bus.announce()
         waiting: list[Action] = []
+        done = ""
         while not stop.is_set():
             if not waiting:
                 first = actions.next(IDLE_S)
                 if first is None:
+                    # Not after each step: a status per step would cost more than the step of a quick simulator.
+                    beacon.publish_status("idle", detail=done)
                     continue
                 waiting = [first]
             action = waiting.pop(0)
@@ -182,7 +185,7 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
                     answers.send(_address(action, guard.break_episode(action, error)))
                 others = [other for other in (*waiting, *actions.drain()) if not _same_question(other, action)]
                 waiting = others[:INBOX_SIZE]
-            beacon.publish_status("idle", detail=f"step {action.step} done")
+            done = f"step {action.step} done"
 
 
 def _agent(header: Header) -> tuple[str, str]:

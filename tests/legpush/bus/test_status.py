@@ -69,3 +69,14 @@ def test_what_does_not_change_is_published_again_and_again(
     with StatusBeacon(sim, "starting"):
         assert eventually(lambda: len(phases()) >= 3)
     assert set(phases()) == {"starting"}
+
+
+def test_what_is_said_again_without_a_change_is_left_to_the_heartbeat(
+    pair: tuple[Bus, Subscription[Status]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(status, "SHORTEST_PERIOD_S", 0.0)
+    sim, heard = pair
+    beacon = StatusBeacon(sim)
+    for phase in ("stepping", "stepping", "stepping", "idle", "idle", "stepping"):
+        beacon.publish_status(phase)
+    assert phases_of(heard)() == ["stepping", "idle", "stepping"]
