@@ -7,6 +7,7 @@ done, asked again: repeat the answer. A `Reset` that opens a newer episode: carr
 import logging
 import threading
 from collections.abc import Callable
+from time import monotonic
 from typing import Literal, NamedTuple
 
 from legpush.bounds import MAX_COUNT
@@ -23,8 +24,12 @@ from legpush.numerics.computed_with import computing_with
 
 log = logging.getLogger(__name__)
 
-IDLE_S = 0.1
+LOOK_S = 0.1
 """How often the stop event is checked."""
+IDLE_S = 1.0
+"""A simulator says that it is idle after this long without an action. A status per step would cost more than a quick
+step itself.
+"""
 
 IsLive = Callable[[str, str], bool]
 """Whether the agent with this name and incarnation shows its liveliness token."""
@@ -163,13 +168,13 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
     with StatusBeacon(bus, numerics=computing_with()) as beacon:
         bus.announce()
         waiting: list[Action] = []
-        done = ""
+        done, idle_since_s = "", monotonic()
         while not stop.is_set():
             if not waiting:
-                first = actions.next(IDLE_S)
+                first = actions.next(LOOK_S)
                 if first is None:
-                    # Not after each step: a status per step would cost more than the step of a quick simulator.
-                    beacon.publish_status("idle", detail=done)
+                    if monotonic() - idle_since_s >= IDLE_S:
+                        beacon.publish_status("idle", detail=done)
                     continue
                 waiting = [first]
             action = waiting.pop(0)
@@ -185,7 +190,7 @@ def serve_actions(bus: Bus, stepper: Stepper, stop: threading.Event) -> None:
                     answers.send(_address(action, guard.break_episode(action, error)))
                 others = [other for other in (*waiting, *actions.drain()) if not _same_question(other, action)]
                 waiting = others[:INBOX_SIZE]
-            done = f"step {action.step} done"
+            done, idle_since_s = f"step {action.step} done", monotonic()
 
 
 def _agent(header: Header) -> tuple[str, str]:

@@ -1,6 +1,5 @@
 """The simulator's end of the lockstep, without a network: what is carried out, repeated, and refused."""
 
-import threading
 from itertools import count
 from math import inf, nan
 from typing import Any
@@ -12,16 +11,11 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from legpush.bounds import MAX_COUNT
-from legpush.bus import channels
 from legpush.errors import LegpushError, MessageError, ScenarioError
-from legpush.lockstep.bus_world import BusWorld
-from legpush.lockstep.client import SimLink
-from legpush.lockstep.server import Denial, StepGuard, Unheard, serve_actions
+from legpush.lockstep.server import Denial, StepGuard, Unheard
 from legpush.messages.stepping import Action, Motion, Outcome, Push, Walk
-from legpush.soak.stub_simulator import StubSimulator
-from tests.legpush.bus.memory_session import MemoryNetwork
 from tests.legpush.examples import RESET, WORLD, header
-from tests.legpush.fakes import FakeStepper, crc_after, eventually, mission
+from tests.legpush.fakes import FakeStepper, crc_after, mission
 
 MISSION = mission(6)
 SEQUENCE = count()
@@ -302,21 +296,3 @@ def test_whatever_order_actions_come_in_no_step_is_done_twice_or_left_out(steps:
     for step in steps:
         guard.answer(action(step))
     assert stepper.performed == MISSION[: len(stepper.performed)]
-
-
-def test_quick_steps_are_one_status_and_a_pause_another() -> None:
-    network, stop = MemoryNetwork(), threading.Event()
-    with network.bus("sim") as sim, network.bus("agent") as agent:
-        heard = agent.subscribe(channels.statuses(sim.run, "sim"))
-        serving = threading.Thread(target=serve_actions, args=(sim, StubSimulator(), stop))
-        serving.start()
-        agent.announce()
-        world = BusWorld(SimLink(agent, "main", stop=stop))
-        world.step(RESET)
-        for _ in range(200):
-            world.step(Walk())
-        phases = [status.phase for status in heard.drain()]
-        assert eventually(lambda: [status.phase for status in heard.drain()][-1:] == ["idle"])
-        stop.set()
-        serving.join(10.0)
-    assert len(phases) < 20

@@ -6,14 +6,20 @@ import threading
 
 import pytest
 
-from legpush.bus import keys
+from legpush.bus import channels, keys
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
 from legpush.errors import ConfigError
+from legpush.lockstep.bus_world import BusWorld
+from legpush.lockstep.client import SimLink
+from legpush.lockstep.server import serve_actions
 from legpush.lockstep.sim_host import SimConfig, buses, member_name, serve_each
 from legpush.lockstep.simulator import Stepper
+from legpush.messages.stepping import Walk
 from legpush.soak.stub_simulator import StubSimulator
 from tests.legpush.bus.memory_session import RUN, MemoryNetwork
+from tests.legpush.examples import RESET
+from tests.legpush.fakes import eventually
 
 STUB = [sys.executable, "-P", "-m", "legpush.soak.stub_simulator"]
 
@@ -78,3 +84,21 @@ def test_the_command_line_has_the_number_and_refuses_a_wrong_one() -> None:
     assert wrong.returncode == 2
     assert "for --simulators, got 0" in wrong.stderr
     assert "Traceback" not in wrong.stderr
+
+
+def test_quick_steps_are_one_status_and_a_pause_another() -> None:
+    network, stop = MemoryNetwork(), threading.Event()
+    with network.bus("sim") as sim, network.bus("agent") as agent:
+        heard = agent.subscribe(channels.statuses(sim.run, "sim"))
+        serving = threading.Thread(target=serve_actions, args=(sim, StubSimulator(), stop))
+        serving.start()
+        agent.announce()
+        world = BusWorld(SimLink(agent, "main", stop=stop))
+        world.step(RESET)
+        for _ in range(200):
+            world.step(Walk())
+        phases = [status.phase for status in heard.drain()]
+        assert eventually(lambda: [status.phase for status in heard.drain()][-1:] == ["idle"])
+        stop.set()
+        serving.join(10.0)
+    assert len(phases) < 5
