@@ -3,6 +3,7 @@
 Quick ones fill the time of the processes that are done early.
 """
 
+import signal
 import sys
 
 import pytest
@@ -17,6 +18,9 @@ def pytest_configure(config: pytest.Config) -> None:
     A process of pytest-xdist has the environment of the one that started it. One that a debugger follows stays as it
     is.
     """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # A shell starts what is in its background so, and programs under test would inherit it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     main = sys.modules["__main__"].__spec__
     if hasattr(config, "workerinput") or (main is not None and main.name.partition(".")[0] != "pytest"):
         return
