@@ -165,8 +165,12 @@ def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
             beacon.publish_status("working", detail=f"job {asked.number} of {head.name}")
             finished = _answer(bus, process, request, trusted, stop)
             if finished is not None:
+                try:
+                    results.send(finished)
+                except MessageError as error:  # such as an answer that no message can hold
+                    finished = _built(request, refusal(str(error)))
+                    results.send(finished)
                 done = asked, finished
-                results.send(finished)
             others = [*waiting, *requests.drain()]
             waiting = [each for each in others if _Asked(each.header.incarnation, each.number) != asked]
             beacon.publish_status("idle", detail=f"job {asked.number} of {head.name} done")

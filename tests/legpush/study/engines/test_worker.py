@@ -119,6 +119,20 @@ def test_what_is_no_job_is_refused_and_the_worker_goes_on(network: MemoryNetwork
         assert values(head.next().answer) == [2.0]
 
 
+def test_an_answer_that_no_message_can_hold_is_a_refusal_and_the_worker_goes_on(
+    network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del served
+    many = job_of(*range(20))
+    monkeypatch.setattr("legpush.messages.codec.MAX_MESSAGE_BYTES", len(many) + 1000)
+    with network.bus("agent", "head") as bus:
+        head = Head(bus)
+        head.send(0, many)
+        assert f"Expected at most {len(many) + 1000} bytes" in (decode_answer(head.next().answer).refused or "")
+        head.send(1, job_of(2))
+        assert values(head.next().answer) == [2.0]
+
+
 def job(kind: str = "push", folder: str | None = None, **specification: Any) -> Job:
     """A job of one cell."""
     task = Task(cell="c", inputs={}, specification=specification, folder=folder)
