@@ -1,6 +1,7 @@
 """A study whose workers are on the bus, through a router and over TLS: they come late, are killed, and are replaced."""
 
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -36,11 +37,19 @@ class Lab:
         self._lab = made(folder / "lab", "hub=127.0.0.1", "robot=127.0.0.1", routers=("hub",)).parent
         self._at = f"tls/127.0.0.1:{free_ports(1)[0]}"
         self.start("router", "router", "--listen", self._at, "--secure", str(self._lab / "hub"))
+        assert eventually(lambda: "routing, listening" in self.said("router"), LIMIT_S), self.said("router")
 
     def start(self, name: str, *words: str) -> "subprocess.Popen[bytes]":
         """Start a command of legpush."""
+        return self._start(name, [str(LEGPUSH), *words])
+
+    def start_python(self, name: str, module: str, *words: str) -> "subprocess.Popen[bytes]":
+        """Start a process by hand."""
+        return self._start(name, [sys.executable, "-P", "-m", module, *words])
+
+    def _start(self, name: str, words: list[str]) -> "subprocess.Popen[bytes]":
         with (self._folder / f"{name}.log").open("wb") as log:
-            process = subprocess.Popen([str(LEGPUSH), *words], cwd=ROOT, stdout=log, stderr=subprocess.STDOUT)
+            process = subprocess.Popen(words, cwd=ROOT, stdout=log, stderr=subprocess.STDOUT)
         self._stack.callback(process.wait)
         self._stack.callback(process.kill)
         return process
@@ -88,6 +97,21 @@ def test_a_study_is_done_to_the_end_though_workers_are_killed_and_replaced(lab: 
     assert values(out) == [(seed, 3.0 * seed) for seed in range(60)]
     assert "worker/a is" in lab.said("head")
     assert "cells are sent again" in lab.said("head")
+
+
+@pytest.mark.parametrize("of", ["a worker", "simulators"])
+def test_who_shares_a_session_is_told_that_its_certificate_is_refused(lab: Lab, tmp_path: Path, of: str) -> None:
+    """A host of another authority: its processes would else wait for a router that does not take them."""
+    made(tmp_path / "other", "robot=127.0.0.1")
+    (tmp_path / "lab" / "robot").rename(tmp_path / "kept")
+    (tmp_path / "other" / "robot").rename(tmp_path / "lab" / "robot")
+    if of == "a worker":
+        stranger = lab.worker("stranger")
+    else:
+        stranger = lab.start_python("stranger", "sim_proc", "--simulators", "2", *lab.by_router("robot"))
+    assert stranger.wait(LIMIT_S) == 2, lab.said("stranger")
+    assert "error: " in lab.said("stranger")
+    assert "Traceback" not in lab.said("stranger")
 
 
 def test_a_certificate_of_another_role_does_not_work_for_a_study(lab: Lab, tmp_path: Path) -> None:
