@@ -8,6 +8,7 @@ from zlib import crc32
 import msgspec
 from msgspec import Struct
 
+from legpush.geometry import Pose2
 from legpush.in_process import run, world
 from legpush.numerics.current import current
 from legpush.numerics.motion_version import MOTION_VERSION
@@ -18,6 +19,8 @@ from legpush.service import run_command
 
 PUBLISHED_FILE: Final = "canaries.json"
 LEARNED_POLICY: Final = "variable"
+TURNS: Final = ((0.1, -1.5), (0.0, 1.5))
+"""Metres ahead and radians of turn of two paths. In the second turn the front feet would meet in the longest cycle."""
 STRAIGHT_AHEAD: Final = {
     "goal.pose.x_m": 2.6,
     "goal.pose.y_m": 2.0,
@@ -34,6 +37,8 @@ class Canary(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Of the planner's path for the trunk in the default scenario."""
     walk: str
     """Of the state of the simulator after a gait cycle along this path."""
+    turn: str
+    """Of the state after a gait cycle to the right, and one of a path to the left that takes its place."""
     push: str
     """Of the state after one push cycle, which the default policy chose after the planner planned the box's path."""
     learned: str
@@ -55,12 +60,17 @@ def compute() -> Canary:
         plan = walking.plan()
         walking.follow(plan)
         walked = walking.walk()
+        for ahead_m, turn_rad in TURNS:
+            ahead = walking.trunk @ Pose2(x_m=ahead_m, y_m=0.0, yaw_rad=0.0)
+            walking.follow([walking.trunk, ahead, ahead @ Pose2(x_m=0.0, y_m=0.0, yaw_rad=turn_rad)])
+            turned = walking.walk()
     pushed, learned = (
         run("push", seed=0, policy=policy, changes=STRAIGHT_AHEAD) for policy in (DEFAULT_POLICY, LEARNED_POLICY)
     )
     return Canary(
         plan=f"{crc32(msgspec.msgpack.encode(plan)):08x}",
         walk=f"{walked.state_crc:08x}",
+        turn=f"{turned.state_crc:08x}",
         push=pushed.state_crc,
         learned=learned.state_crc,
     )

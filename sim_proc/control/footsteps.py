@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from legpush.arrays import Floats
+from legpush.arrays import Flags, Floats
 from legpush.geometry import Pose2
 from legpush.scene.conventions import LEGS, Leg
 from legpush.scene.paths import travelled_m
@@ -36,6 +36,14 @@ its heading.
 
 At longer ones the centre of mass leaves the support, and sideways the robot falls (`python -m benchmarks.sideways`).
 """
+APART_SHARE: Final = 0.3
+"""A foot steps no nearer to the one beside it than this share of the distance that they have under the robot.
+
+Footsteps of a turn as quick as allowed keep 0.38 of it. Where a path turns back at once, those of the longest cycle
+would cross.
+"""
+LEFT: Final = [LEGS.index("FL"), LEGS.index("RL")]
+RIGHT: Final = [LEGS.index("FR"), LEGS.index("RR")]
 SAME_M: Final = 1e-6
 ADVANCES: Final = np.linspace(1.0, 0.05, 20)
 """Shares of the stride to try, the longest first."""
@@ -49,6 +57,7 @@ class PosePath:
         self.gait = robot.gait
         """How the robot walks along it."""
         self._corners_b = robot.stance.foot_rectangle_b()
+        self._width_m = robot.stance.foot_rectangle_width_m
         xy = np.array([[p.x_m, p.y_m] for p in waypoints])
         yaw = np.unwrap([p.yaw_rad for p in waypoints])
         self._travelled = travelled_m(waypoints, robot.stance.foot_circle_m)
@@ -74,6 +83,10 @@ class PosePath:
         y = pose[..., 1] + s * corner[:, 0] + c * corner[:, 1]
         return np.stack([x, y], axis=-1)
 
+    def are_apart(self, feet_m: Floats, targets_m: Floats) -> Flags:
+        """Whether no foot comes too near to the one beside it, while `feet_m` (4, 2) step to `targets_m` (n, 4, 2); (n,)."""
+        return narrowest_m(feet_m, targets_m) >= APART_SHARE * self._width_m
+
 
 @dataclass(frozen=True, kw_only=True)
 class CycleTargets:
@@ -90,6 +103,8 @@ def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTarg
 
     A leg that swings at phase phi of the cycle lands where the trunk will be half a cycle later, so every foot is under
     its own hip at mid-stance. At the end of the path all feet come together in the last rectangle.
+
+    Where the shortest cycle is not within the limits either, it is taken.
     """
     gait = path.gait
     phase = np.empty(4)
@@ -104,9 +119,27 @@ def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTarg
     is_short = (
         np.hypot(moved[:, 0], moved[:, 1]) <= longest_stride_m(gait, moved, path.poses(np.array(start))[2]) + SAME_M
     )
-    allowed = np.flatnonzero((step <= gait.max_step_m) & (np.abs(moved[:, 2]) <= gait.max_turn_rad) & is_short)
+    within = (step <= gait.max_step_m) & (np.abs(moved[:, 2]) <= gait.max_turn_rad) & is_short
+    allowed = np.flatnonzero(within & path.are_apart(feet_m, corners))
     best = int(allowed[0]) if allowed.size else len(candidates) - 1
     return CycleTargets(travelled_m=candidates[best], feet_m=corners[best])
+
+
+def narrowest_m(feet_m: Floats, targets_m: Floats) -> Floats:
+    """Least distance between the left and the right foot, across the robot, while the feet step one after another; (n,).
+
+    They stand at `feet_m` (4, 2) and step to `targets_m` (n, 4, 2) in the order of the gait. Below 0 they have crossed.
+    """
+    feet = np.broadcast_to(feet_m, targets_m.shape).copy()
+    widths = []
+    for leg in GAIT_ORDER:
+        feet[:, LEGS.index(leg)] = targets_m[:, LEGS.index(leg)]
+        along = feet[:, :2].sum(axis=1) - feet[:, 2:].sum(axis=1)
+        along /= np.linalg.norm(along, axis=-1, keepdims=True)
+        across = feet[:, LEFT] - feet[:, RIGHT]
+        widths.append((along[:, None, 0] * across[..., 1] - along[:, None, 1] * across[..., 0]).min(axis=1))
+    narrowest: Floats = np.min(widths, axis=0)
+    return narrowest
 
 
 def longest_stride_m(gait: Gait, moved: Floats, yaw_rad: float) -> Floats:

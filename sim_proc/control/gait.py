@@ -45,6 +45,8 @@ class PathWalk:
         self._travelled = np.zeros(4)
         self._hole_at: Step | None = None
         """The step whose foot found no floor."""
+        if not self._begins_apart():
+            self._lead_to(self._measured(self._waypoints))
 
     def _measured(self, waypoints: tuple[Pose2, ...]) -> tuple[Pose2, ...]:
         """Waypoints in the frame of the measurements, as the robot is located now."""
@@ -120,7 +122,17 @@ class PathWalk:
         at_m = float(self._travelled.mean())
         x, y, _ = self._path.poses(np.array(at_m))
         ahead_m = max(self._robot.gait.stride_m, hypot(here.x_m - x, here.y_m - y))
-        measured = self._path.ahead_of(min(at_m + ahead_m, self._path.length_m))
+        self._lead_to(self._path.ahead_of(min(at_m + ahead_m, self._path.length_m)))
+
+    def _begins_apart(self) -> bool:
+        """Whether the feet keep apart in the first cycle. They may not where the path begins beside the robot."""
+        feet = self._steps.posture.feet_m[:, :2]
+        first = next_cycle(self._path, self._travelled, feet)
+        return bool(self._path.are_apart(feet, first.feet_m[None])[0])
+
+    def _lead_to(self, measured: tuple[Pose2, ...]) -> None:
+        """Walk on along these waypoints, from where the robot stands to the first of them at the beginning."""
+        here = self._steps.posture.plant.trunk_pose()
         self._waypoints = in_world(self._place_of_world, (here, *measured))
         self._path, self._travelled = PosePath(self._robot, self._measured(self._waypoints)), np.zeros(4)
         self._before_m = self._length_m - self._path.length_m

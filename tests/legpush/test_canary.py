@@ -11,7 +11,7 @@ from legpush import canary
 from legpush.canary import PUBLISHED_FILE, Canary, published
 from legpush.numerics.current import current
 
-ONE = Canary(plan="00000001", walk="00000002", push="00000003", learned="00000004")
+ONE = Canary(plan="00000001", walk="00000002", turn="00000005", push="00000003", learned="00000004")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_it_is_the_same_again(computed: Canary) -> None:
 
 def test_every_part_changes_its_crc() -> None:
     crcs = {replace(ONE, **{part: "ffffffff"}).crc for part in ONE.__struct_fields__}
-    assert len({*crcs, ONE.crc}) == 5
+    assert len({*crcs, ONE.crc}) == 6
 
 
 def test_each_policy_chooses_its_own_push(computed: Canary) -> None:

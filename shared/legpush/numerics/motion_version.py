@@ -2,7 +2,7 @@
 
 from typing import Final
 
-MOTION_VERSION: Final = 4
+MOTION_VERSION: Final = 5
 """Raised with each change after which the same mission gives other bits with equal numerics. Such a change also changes
 `canaries.json`. Recordings, journals, reports and trainings note it; those that do not are older than the number 2."""
 MOTIONS: Final = "motions"

@@ -66,7 +66,7 @@ def test_another_canary_is_refused() -> None:
 
 def test_a_worker_that_computes_other_bits_than_were_published_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_canary", lambda: "11111111")
-    monkeypatch.setattr(module, "published", lambda _: Canary(plan="a", walk="b", push="c", learned="c"))
+    monkeypatch.setattr(module, "published", lambda _: Canary(plan="a", walk="b", turn="b", push="c", learned="c"))
     job = replace(job_of("[axes]\nseed = [1]\n"), kind="plan", tasks=())
     answer = done(replace(job, code=code_version("plan")))
     assert answer.refused is not None

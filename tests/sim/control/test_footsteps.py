@@ -7,10 +7,23 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely import LinearRing
 
 from legpush.geometry import Pose2
-from sim_proc.control.footsteps import ADVANCES, STRIDE_SHARES, PosePath, longest_stride_m, next_cycle
+from legpush.scene.conventions import LEGS
+from sim_proc.control.footsteps import (
+    ADVANCES,
+    GAIT_ORDER,
+    STRIDE_SHARES,
+    PosePath,
+    longest_stride_m,
+    narrowest_m,
+    next_cycle,
+)
 from tests.robots import CIRCLE_M, ROBOT
+
+APART_M = 0.1
+"""More than the diameter of a foot."""
 
 
 def pose(x: float, y: float, yaw: float) -> Pose2:
@@ -94,3 +107,46 @@ def test_the_longest_stride_is_that_of_the_table_and_equal_to_both_sides() -> No
             along = sign * radians(direction_deg)
             moved = np.array([[cos(along), sin(along), 0.0]])
             assert longest_stride_m(ROBOT.gait, moved, 0.0)[0] == pytest.approx(share * ROBOT.gait.stride_m)
+
+
+@given(
+    ahead_m=st.floats(0.0, 0.5),
+    first_rad=st.floats(-pi, pi),
+    other_rad=st.floats(-pi, pi),
+    n_cycles=st.integers(1, 5),
+)
+def test_the_feet_keep_apart_where_another_path_takes_the_place_of_a_turn(
+    ahead_m: float, first_rad: float, other_rad: float, n_cycles: int
+) -> None:
+    ahead = pose(ahead_m, 0.0, 0.0)
+    path = PosePath(ROBOT, [pose(0.0, 0.0, 0.0), ahead, ahead @ pose(0.0, 0.0, first_rad)])
+    travelled, feet = np.zeros(4), path.corners(np.zeros(4))
+    for _ in range(n_cycles):
+        targets = next_cycle(path, travelled, feet)
+        travelled, feet = targets.travelled_m, targets.feet_m
+    here = pose(*path.poses(travelled.mean()).tolist())
+    path, travelled = PosePath(ROBOT, [here, here @ pose(0.0, 0.0, other_rad)]), np.zeros(4)
+    while (travelled < path.length_m).any():
+        targets = next_cycle(path, travelled, feet)
+        for leg in GAIT_ORDER:
+            feet = feet.copy()
+            feet[LEGS.index(leg)] = targets.feet_m[LEGS.index(leg)]
+            stand = LinearRing(feet[[LEGS.index(leg) for leg in ("FL", "RL", "RR", "FR")]])
+            assert stand.is_simple
+            assert stand.is_ccw
+            for left, right in (("FL", "FR"), ("RL", "RR")):
+                beside_m = np.linalg.norm(feet[LEGS.index(left)] - feet[LEGS.index(right)])
+                assert beside_m >= APART_M
+        travelled = targets.travelled_m
+
+
+def test_the_narrowest_stand_is_that_of_the_feet_that_stepped_so_far() -> None:
+    feet = ROBOT.stance.foot_rectangle_b()
+    inward, across = feet.copy(), feet.copy()
+    inward[LEGS.index("FR"), 1] += 0.1
+    across[LEGS.index("FR")] = feet[LEGS.index("FL")] + [0.0, 0.05]
+    width = ROBOT.stance.foot_rectangle_width_m
+    narrowest = narrowest_m(feet, np.array([feet, inward, across]))
+    assert narrowest[0] == pytest.approx(width)
+    assert 0.9 * (width - 0.1) < narrowest[1] < width - 0.1 + 1e-9
+    assert narrowest[2] < 0.0

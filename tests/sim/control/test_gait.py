@@ -77,6 +77,25 @@ def test_a_path_that_begins_too_far_away_or_turned_too_much_is_refused() -> None
         PathWalk(steps, [START @ Pose2(x_m=0.0, y_m=0.0, yaw_rad=pi / 3)])
 
 
+def test_a_path_that_begins_beside_the_robot_is_led_to_with_feet_apart() -> None:
+    """Steps to the first place of the path at once would put the front right foot where the left one stands."""
+    plant = KinematicPlant(START, FAR_BOX)
+    begin = START @ Pose2(x_m=0.0, y_m=0.3, yaw_rad=0.5)
+    walk = PathWalk(Steps(Posture(plant)), [begin, begin @ Pose2(x_m=0.5, y_m=0.0, yaw_rad=0.0)])
+    assert walk.progress().travelled_m == 0.0
+    assert walk.progress().length_m == pytest.approx(0.5)
+    travelled = [0.0]
+    while not walk.progress().done:
+        for log in walk.cycle():
+            feet = log.tips_m[-1, :, :2]
+            assert min(np.linalg.norm(feet[left] - feet[left + 1]) for left in (0, 2)) > 0.15
+        travelled.append(walk.progress().travelled_m)
+    assert travelled == sorted(travelled)
+    assert travelled[-1] == pytest.approx(0.5)
+    end = begin @ Pose2(x_m=0.5, y_m=0.0, yaw_rad=0.0)
+    np.testing.assert_allclose(plant.tips_m()[:, :2], end.apply(ROBOT.stance.foot_rectangle_b()), atol=0.01)
+
+
 def test_a_swing_rises_by_the_step_height_and_presses_the_foot_into_the_floor() -> None:
     curve = swing_to(ROBOT, np.array([0.4, 0.1]), 40)(np.array([0.0, 0.0, ROBOT.legs.foot_radius_m]))
     np.testing.assert_allclose(curve[-1], [0.4, 0.1, ROBOT.touchdown_m])
