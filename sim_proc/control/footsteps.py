@@ -84,7 +84,7 @@ class PosePath:
         return np.stack([x, y], axis=-1)
 
     def are_apart(self, feet_m: Floats, targets_m: Floats) -> Flags:
-        """Whether no foot comes too near to the one beside it, while `feet_m` (4, 2) step to `targets_m` (n, 4, 2); (n,)."""
+        """Whether feet at `feet_m` (4, 2) keep apart while they step to each of `targets_m` (n, 4, 2); (n,)."""
         return narrowest_m(feet_m, targets_m) >= APART_SHARE * self._width_m
 
 
@@ -126,7 +126,7 @@ def next_cycle(path: PosePath, travelled_m: Floats, feet_m: Floats) -> CycleTarg
 
 
 def narrowest_m(feet_m: Floats, targets_m: Floats) -> Floats:
-    """Least distance between the left and the right foot, across the robot, while the feet step one after another; (n,).
+    """Least distance between left and right foot, across the robot, while the feet step one after another; (n,).
 
     They stand at `feet_m` (4, 2) and step to `targets_m` (n, 4, 2) in the order of the gait. Below 0 they have crossed.
     """
