@@ -27,8 +27,8 @@ listens on all interfaces."""
 OBJECT_STORE_BYTES: Final = 100 * 2**20
 """Room for jobs and answers on this machine; Ray takes a third of the memory by itself."""
 LOOPBACK: Final = "127.0.0.1"
-CLIENT_SERVER_FAILED: Final = "Starting Ray client server failed"
-"""What Ray says when the process of a client ended while it was started."""
+CLIENT_SERVER_FAILED: Final = ("Starting Ray client server failed", "psutil.ZombieProcess", "psutil.NoSuchProcess")
+"""What Ray says when the process of a client ended while it was started. It looks at its command line meanwhile."""
 CLIENT_SERVER_TRIES: Final = 3
 CLIENT_SERVER_PAUSE_S: Final = 2.0
 """A client server starts a process for each client. On a busy machine that process can end before it answers."""
@@ -232,8 +232,8 @@ def _init(ray: Any, options: Mapping[str, Any], n_tries: int) -> None:
     for n in range(1, n_tries + 1):
         try:
             ray.init(**options)
-        except RuntimeError as error:
-            if n == n_tries or CLIENT_SERVER_FAILED not in str(error):
+        except (ConnectionError, RuntimeError) as error:
+            if n == n_tries or not any(said in str(error) for said in CLIENT_SERVER_FAILED):
                 raise
             sleep(CLIENT_SERVER_PAUSE_S)
         else:

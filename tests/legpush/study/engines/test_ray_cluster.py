@@ -57,7 +57,8 @@ def test_other_places_are_refused(on: str) -> None:
 
 
 class FakeRay:
-    """`ray.init` that fails a number of times."""
+    """`ray.init` that fails a number of times, as a client of a cluster: what the server says comes as an error of the
+    connection."""
 
     def __init__(self, n_failures: int, says: str) -> None:
         self.n_failures, self.says, self.n_calls = n_failures, says, 0
@@ -65,15 +66,17 @@ class FakeRay:
     def init(self, **options: object) -> None:
         self.n_calls += 1
         if self.n_calls <= self.n_failures:
-            raise RuntimeError(self.says)
+            raise ConnectionAbortedError(f"Initialization failure from server:\n{self.says}")
 
 
 @pytest.mark.parametrize(
     ("n_failures", "says", "n_tries", "n_calls", "is_joined"),
     [
-        (2, f"Traceback\n{CLIENT_SERVER_FAILED}. See ray_client_server_23000.err", 3, 3, True),
-        (3, f"{CLIENT_SERVER_FAILED}.", 3, 3, False),
-        (1, f"{CLIENT_SERVER_FAILED}.", 1, 1, False),
+        (2, f"RuntimeError: {CLIENT_SERVER_FAILED[0]}. See ray_client_server_23000.err", 3, 3, True),
+        (1, f"{CLIENT_SERVER_FAILED[1]}: PID still exists but it's a zombie (pid=7)", 3, 2, True),
+        (1, f"{CLIENT_SERVER_FAILED[2]}: process no longer exists (pid=7)", 3, 2, True),
+        (3, f"{CLIENT_SERVER_FAILED[0]}.", 3, 3, False),
+        (1, f"{CLIENT_SERVER_FAILED[0]}.", 1, 1, False),
         (1, "the versions of Ray differ", 3, 1, False),
     ],
 )
@@ -82,7 +85,7 @@ def test_a_client_server_that_could_not_start_a_process_is_asked_again(
 ) -> None:
     monkeypatch.setattr(ray_cluster, "CLIENT_SERVER_PAUSE_S", 0.0)
     fake = FakeRay(n_failures, says)
-    with nullcontext() if is_joined else pytest.raises(RuntimeError):
+    with nullcontext() if is_joined else pytest.raises(ConnectionError):
         ray_cluster._init(fake, {}, n_tries)
     assert fake.n_calls == n_calls
 
