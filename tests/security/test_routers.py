@@ -3,6 +3,7 @@
 import logging
 import re
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from functools import partial
@@ -27,7 +28,16 @@ from legpush.messages.common import PROTOCOL_VERSION
 from tests.legpush.fakes import eventually
 from tests.security.hosts import HOST, free_endpoint, made, raw_session
 from tests.security.test_access import MESSAGES, RUN, Heard, included, put_all, show, tokens_of
-from tests.security.test_wrong_credentials import LINKED, REFUSED, SETTLE_S, TOLD, TOLD_S, MakeHost, of_a_viewer
+from tests.security.test_wrong_credentials import (
+    LINKED,
+    REFUSED,
+    SETTLE_S,
+    TOLD,
+    TOLD_S,
+    MakeHost,
+    of_a_viewer,
+    stranger,
+)
 
 Routers = tuple[str, str]
 VERSIONS: Final = "versions"
@@ -189,6 +199,22 @@ def test_a_refused_client_is_told_why_and_under_which_name(
             said = str(error)
     assert monotonic() - began_s < TOLD_S
     assert re.search(expected, said), said
+
+
+def test_a_client_that_waits_is_told_as_soon_as_a_router_comes_that_refuses_it(host: Path, tmp_path: Path) -> None:
+    """The certificates that its own host can tell are refused before (see `TOLD`)."""
+    at, bad = free_endpoint(), stranger(host, "agent", tmp_path)
+    assert bad is not None
+    credentials = read_credentials(bad, "agent")
+    with ExitStack() as stack:
+        thread = stack.enter_context(ThreadPoolExecutor(1))
+        session = thread.submit(ZenohSession, by_router((at,), credentials), "agent main")
+        with pytest.raises(TimeoutError):
+            session.result(timeout=1.0)
+        router = Endpoints(listen=(at,), credentials=read_credentials(host, "router"), mode="router")
+        stack.enter_context(closing(ZenohSession(router, "router")))
+        with pytest.raises(CredentialsError, match=TOLD[stranger].replace("{role}", "agent")):
+            session.result(timeout=TOLD_S)
 
 
 @pytest.mark.parametrize("is_direct", [False, True])

@@ -73,7 +73,6 @@ class Bus:
         self.taps = RecorderTaps(origin, self._send_copies)
 
     def __enter__(self) -> Self:
-        require_welcome(self.endpoints)
         self._session = self._open_session(self.endpoints, f"{self.role} {self.name}")
         self._closing.callback(self._session.close)
         log.info(
@@ -205,15 +204,3 @@ class Bus:
             self.taps.set_recorders({peer.incarnation for peer in self.liveliness.live("recorder")})
         for on_peer in self._on_peer:
             on_peer(token.role, token.name, token.incarnation, alive)
-
-
-def require_welcome(endpoints: Endpoints) -> None:
-    """Check with a handshake, before a session is opened, that the other side takes this certificate, if there is one.
-
-    Raises:
-        CredentialsError: It does not; says why. Zenoh would be silent.
-    """
-    if endpoints.credentials is not None:
-        from legpush.bus.secure.probe import require_accepted
-
-        require_accepted(endpoints.connect, endpoints.credentials)

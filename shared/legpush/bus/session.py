@@ -20,6 +20,7 @@ from legpush.bus.channels import Quality
 from legpush.bus.endpoints import Endpoints, listing, prepare
 from legpush.bus.links.configuration import configuration_text
 from legpush.bus.links.waiting import NobodyThereError, open_when_there
+from legpush.bus.links.welcome import require_welcome
 from legpush.bus.transport import OnBytes, OnDamaged, OnToken, Sender, Undeclare, ignore
 from legpush.errors import EndpointError
 
@@ -42,9 +43,11 @@ class ZenohSession:
         """Open it; `who` is named in errors. A client of routers waits for one of them, until `stop` is set.
 
         Raises:
+            CredentialsError: What listens there refuses the certificate of this process, now or when a router comes.
             EndpointError: One of the endpoints cannot be listened on.
             StopRequestedError: `stop` was set before a router was there.
         """
+        require_welcome(endpoints)
         prepare(endpoints)
         try:
             if endpoints.mode == "client":
@@ -188,11 +191,13 @@ def _open_client(endpoints: Endpoints) -> Any:
 
     Raises:
         NobodyThereError: None of them answers.
+        CredentialsError: One of them does, and refuses the certificate of this process.
     """
     try:
         return zenoh.open(_config(endpoints))
     except zenoh.ZError as error:
         if _UNREACHED.search(str(error)):
+            require_welcome(endpoints)
             raise NobodyThereError("none can be reached") from error
         raise
 

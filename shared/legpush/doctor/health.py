@@ -9,7 +9,6 @@ from legpush.bus import endpoints, keys
 from legpush.bus.endpoints import Endpoints, by_router, listing
 from legpush.bus.secure.access_rules import VIEWS
 from legpush.bus.secure.host_folder import Credentials, credentials_of
-from legpush.bus.secure.probe import require_accepted
 from legpush.bus.session import ZenohSession
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.options.shell import HealthOptions
@@ -28,8 +27,6 @@ def tell_health(options: HealthOptions) -> int:
     """
     credentials = credentials_of(options.secure, options.role)
     at = asked(options, credentials)
-    if credentials is not None:
-        require_accepted(at.connect, credentials)
     is_up = _answers(at, options.wait_s) if options.role == "router" else _is_seen(at, options)
     who = options.role if options.role in ("router", "viewer") else f"{options.role} {options.name}"
     sys.stdout.write(f"{who} is {'up' if is_up else 'not up'}, asked at {listing(at.connect)}\n")

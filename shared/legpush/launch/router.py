@@ -36,10 +36,8 @@ def run_router(options: RouterOptions) -> int:
     with ExitStack() as stack:
         if credentials is not None:
             from legpush.bus.secure.link_watch import SHOWN, LinkWatch
-            from legpush.bus.secure.probe import require_accepted
 
             log_refused_links()
-            require_accepted(at.connect, credentials)
         session = stack.enter_context(closing(ZenohSession(at, "router")))
         log.info("routing, listening on %s, connecting to %s", listing(at.listen), listing(at.connect))
         if credentials is not None:

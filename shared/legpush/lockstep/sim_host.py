@@ -14,7 +14,7 @@ from legpush.arguments import arg
 from legpush.bounds import Simulators
 from legpush.bus import keys
 from legpush.bus.bundles.answering import AnsweringSession
-from legpush.bus.bus import Bus, require_welcome
+from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
 from legpush.bus.session import ZenohSession
 from legpush.bus.transport import Session
@@ -82,7 +82,6 @@ def buses(
 ) -> Iterator[list[Bus]]:
     """Give a bus for each simulator of this process, all over one session, which `open_session` opens."""
     process = f"bundle{secrets.token_hex(PROCESS_BYTES)}"
-    require_welcome(at)
     session = (open_session or partial(ZenohSession, stop=stop))(at, f"sim {config.name}")
     shared = AnsweringSession(session, config.run, process)
     with ExitStack() as stack:

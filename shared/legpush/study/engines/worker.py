@@ -15,7 +15,7 @@ import msgspec
 
 from legpush.bus import channels
 from legpush.bus.bundles.forwarding import SharedSession
-from legpush.bus.bus import Bus, require_welcome
+from legpush.bus.bus import Bus
 from legpush.bus.session import ZenohSession, log_refused_links
 from legpush.bus.status import StatusBeacon
 from legpush.errors import LegpushError, MessageError
@@ -94,7 +94,6 @@ def work_for_heads(options: WorkOptions) -> int:
     at = options.endpoints("worker")
     if at.credentials is not None:
         log_refused_links()
-    require_welcome(at)
     trusted = Trusted(options.cell, tuple(options.policy))
     with ExitStack() as stack:
         session = stack.enter_context(closing(ZenohSession(at, f"worker {options.name}", stop)))
