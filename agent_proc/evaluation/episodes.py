@@ -223,8 +223,8 @@ def _summary(rows: Sequence[Row]) -> Summary:
     return Summary(
         n=len(rows),
         success_rate=share(sum(row.success for row in rows), len(rows)),
-        position_error_m=mean([row.position_error_m for row in rows]),
-        angle_error_deg=mean([row.angle_error_deg for row in rows]),
+        position_error_m=mean([row.position_error_m for row in rows]).cut(0.0),
+        angle_error_deg=mean([row.angle_error_deg for row in rows]).cut(0.0),
         n_cycles=mean([float(row.n_cycles) for row in rows]),
         n_falls=sum(row.ending == "fell" for row in rows),
         max_abs_roll_deg=max(row.max_abs_roll_deg for row in rows),

@@ -1,4 +1,8 @@
-"""Rivals that see nothing: always the same action, any action, or both legs in turn, until an episode would end."""
+"""Rivals that choose without looking at the box: always the same action, any action, or both legs in turn.
+
+As for every policy, an action is in its mirror image on the other side of the line, goes no deeper than to the goal,
+and an episode ends by the rule of its task.
+"""
 
 import hashlib
 from itertools import product

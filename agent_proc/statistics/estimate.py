@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from math import nan
+from math import inf, nan
 from typing import Any, Final
 
 EQUAL: Final = "all values equal"
+CUT: Final = "cut to what is possible"
 NO_INTERVAL: Final = "no interval"
 """Begin of the kinds of estimates without an interval; the reason follows."""
 
@@ -33,6 +34,15 @@ class Estimate:
         """In another unit; the factor is positive."""
         low, high = (None if end is None else factor * end for end in (self.low, self.high))
         return replace(self, value=factor * self.value, low=low, high=high)
+
+    def cut(self, least: float, most: float = inf) -> "Estimate":
+        """Without the part of the interval that is not possible, such as errors below 0; then its kind says so.
+
+        Student's interval of few values may reach there, because it is as long to both sides.
+        """
+        if self.low is None or self.high is None or (least <= self.low and self.high <= most):
+            return self
+        return replace(self, low=max(self.low, least), high=min(self.high, most), kind=f"{self.kind}, {CUT}")
 
     def rounded(self, n_digits: int) -> "Estimate":
         """With value and interval rounded."""

@@ -5,6 +5,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from math import inf
 from pathlib import Path
 from typing import Any, Final
 
@@ -33,10 +34,11 @@ class Measure:
     scale: float = 1.0
     """From the unit of the column to `unit`."""
     n_digits: int = 2
+    most: float = inf
 
 
 MEASURES: Final = (
-    Measure(column="success_rate", name="success", unit="%", scale=100.0, n_digits=0),
+    Measure(column="success_rate", name="success", unit="%", scale=100.0, n_digits=0, most=1.0),
     Measure(column="position_error_m", name="position error", unit="cm", scale=100.0),
     Measure(column="angle_error_deg", name="angle error", unit="°"),
     Measure(column="falls", name="falls"),
@@ -90,7 +92,7 @@ def summarize_seeds(folder: Path) -> dict[str, Estimate]:
     if table is None:
         raise ConfigError(f"{folder}: expected trainings that are done, got none")
     rows = table.to_pylist()
-    return {measure.column: mean([float(row[measure.column]) for row in rows]) for measure in MEASURES}
+    return {each.column: mean([float(row[each.column]) for row in rows]).cut(0.0, each.most) for each in MEASURES}
 
 
 def write_summary(folder: Path, summary: Mapping[str, Estimate]) -> Path:

@@ -125,6 +125,6 @@ def _end_rows(by_variant: Variants) -> list[Row]:
         row: Row = {"variant": variant, "episodes_each": WINDOW}
         for key, n_digits in (("position_error_m", 5), ("angle_error_deg", 3)):
             ends = [training[f"episode_{key}"][-WINDOW:] for training in seeds.values()]
-            row |= mean_of_groups(ends).columns(key, n_digits)
+            row |= mean_of_groups(ends).cut(0.0).columns(key, n_digits)
         rows.append(row)
     return rows

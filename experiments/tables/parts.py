@@ -60,8 +60,8 @@ def summary_columns(episodes: Sequence[Row]) -> Row:
     n = len(episodes)
     return {
         "n": n,
-        **mean([row["position_error_m"] for row in episodes]).columns("position_error_m", 7),
-        **mean([row["angle_error_deg"] for row in episodes]).columns("angle_error_deg", 5),
+        **mean([row["position_error_m"] for row in episodes]).cut(0.0).columns("position_error_m", 7),
+        **mean([row["angle_error_deg"] for row in episodes]).cut(0.0).columns("angle_error_deg", 5),
         **share(sum(row["success"] for row in episodes), n).columns("success_rate", 4),
         "successes": sum(row["success"] for row in episodes),
         "falls": sum(row["ending"] == "fell" for row in episodes),

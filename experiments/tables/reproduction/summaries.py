@@ -4,6 +4,7 @@ The last policy of a training counts, on starts that nothing was chosen on.
 """
 
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import Any, Final
 
 import numpy as np
@@ -16,11 +17,15 @@ from experiments.tables.parts import plain
 
 DIGITS: Final = {"success": 4, "position_error_m": 5, "angle_error_deg": 3, "n_cycles": 1}
 """Measures of an episode, and the digits that are kept of their means."""
+MOST: Final = {"success": 1.0}
 
 
 def training_estimates(rows: Sequence[Row]) -> dict[str, Estimate]:
     """Return the mean over training seeds of each measure of the last policies."""
-    return {name: mean_of_groups([[float(value) for value in row[f"final_{name}"]] for row in rows]) for name in DIGITS}
+    means = {
+        name: mean_of_groups([[float(value) for value in row[f"final_{name}"]] for row in rows]) for name in DIGITS
+    }
+    return {name: estimate.cut(0.0, MOST.get(name, inf)) for name, estimate in means.items()}
 
 
 def training_columns(rows: Sequence[Row]) -> Row:
@@ -44,10 +49,10 @@ def training_numbers(rows: Sequence[Row]) -> dict[str, Any]:
         "largest_position_error_m": round(float(of_seeds_m.max()), 5),
         "least_success": round(min(shares), 4),
         "largest_success": round(max(shares), 4),
-        "nominal_position_error_m": plain(mean([row["nominal_position_error_m"] for row in rows]), 5),
-        "nominal_angle_error_deg": plain(mean([row["nominal_angle_error_deg"] for row in rows]), 3),
-        "own_end_position_error_m": plain(mean([row["last_position_error_m"] for row in rows]), 5),
-        "own_end_success": plain(mean([row["last_success_rate"] for row in rows]), 4),
+        "nominal_position_error_m": plain(mean([row["nominal_position_error_m"] for row in rows]).cut(0.0), 5),
+        "nominal_angle_error_deg": plain(mean([row["nominal_angle_error_deg"] for row in rows]).cut(0.0), 3),
+        "own_end_position_error_m": plain(mean([row["last_position_error_m"] for row in rows]).cut(0.0), 5),
+        "own_end_success": plain(mean([row["last_success_rate"] for row in rows]).cut(0.0, 1.0), 4),
         "least_own_end_success": round(min(row["last_success_rate"] for row in rows), 4),
         "largest_own_end_success": round(max(row["last_success_rate"] for row in rows), 4),
         "n_own_end": rows[0]["n_evaluated"],
@@ -81,7 +86,7 @@ def episodes_to_final(returns: Sequence[float]) -> int | None:
 def rule_estimates(rows: Sequence[Row]) -> dict[str, Estimate]:
     """Return the mean over starts of each measure."""
     found: dict[str, Estimate] = {"success": share(sum(row["success"] for row in rows), len(rows))}
-    return found | {name: mean([float(row[name]) for row in rows]) for name in DIGITS if name != "success"}
+    return found | {name: mean([float(row[name]) for row in rows]).cut(0.0) for name in DIGITS if name != "success"}
 
 
 def rule_columns(rows: Sequence[Row]) -> Row:

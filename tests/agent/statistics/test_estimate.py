@@ -32,6 +32,18 @@ def test_another_unit_changes_value_and_interval() -> None:
     assert WITHOUT.scaled(100.0).low is None
 
 
+def test_what_is_not_possible_is_cut_from_an_interval_and_told() -> None:
+    errors = Estimate(value=0.2, low=-0.1, high=0.5, kind="Student's t 95 %", n=5)
+    shares = Estimate(value=0.9, low=0.7, high=1.1, kind="Student's t 95 %", n=5)
+
+    assert errors.cut(0.0) == Estimate(
+        value=0.2, low=0.0, high=0.5, kind="Student's t 95 %, cut to what is possible", n=5
+    )
+    assert (shares.cut(0.0, 1.0).low, shares.cut(0.0, 1.0).high) == (0.7, 1.0)
+    assert SOME.cut(0.0, 1.0) == SOME
+    assert WITHOUT.cut(0.0) == WITHOUT
+
+
 def test_a_plot_gets_no_bar_without_an_interval() -> None:
     assert SOME.ends == (0.1, 0.15678)
     assert all(map(isnan, WITHOUT.ends))

@@ -34,5 +34,7 @@ def test_what_is_there_and_speaks_no_tls_is_told(host: Path) -> None:
     credentials = read_credentials(host, "agent")
     with closing(socket.create_server(("127.0.0.1", 0))) as server:
         at = f"tls/127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(CredentialsError, match=r"expected TLS, got no answer to a handshake; this process is agent"):
+        with pytest.raises(
+            CredentialsError, match=r"expected TLS, got no answer to a handshake; this process is agent"
+        ):
             require_welcome(Endpoints(connect=("tls/127.0.0.1:1", at), credentials=credentials))
