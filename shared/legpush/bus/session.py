@@ -197,8 +197,8 @@ def _open_client(endpoints: Endpoints) -> Any:
         return zenoh.open(_config(endpoints))
     except zenoh.ZError as error:
         if _UNREACHED.search(str(error)):
-            require_welcome(endpoints)
-            raise NobodyThereError("none can be reached") from error
+            silences = require_welcome(endpoints)
+            raise NobodyThereError("; ".join(("none can be reached", *silences))) from error
         raise
 
 

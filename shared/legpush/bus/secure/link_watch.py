@@ -12,7 +12,8 @@ from typing import Final
 
 from legpush.bus.secure.certificate_names import OF_ROUTERS, CertificateRole
 from legpush.bus.secure.host_folder import Credentials
-from legpush.bus.secure.probe import shake_hands
+from legpush.bus.secure.probe import Verdict, shake_hands
+from legpush.errors import CredentialsError
 
 LOOK_S: Final = 0.5
 SILENT_S: Final = 3.0
@@ -61,11 +62,27 @@ class LinkWatch:
         """Shake hands with each process that was not there at the start, once it is there."""
         while self._unreached and not self._end.wait(LOOK_S):
             for locator in tuple(self._unreached):
-                verdict = shake_hands(locator, self._credentials)
+                verdict = self._shake_hands(locator)
                 if verdict.reached:
                     self._unreached.remove(locator)
                 if verdict.refusal is not None:
                     log.error("%s", verdict.refusal)
+                if verdict.silence is not None:
+                    self._tell_once(verdict.silence)
+
+    def _shake_hands(self, locator: str) -> Verdict:
+        """Shake hands; with files that do not fit just now, nobody is reached."""
+        try:
+            return shake_hands(locator, self._credentials)
+        except CredentialsError as error:
+            self._tell_once(str(error))
+            return Verdict(reached=False)
+
+    def _tell_once(self, text: str) -> None:
+        """Log what goes on for a while, and is tried again, once."""
+        if text not in self._told:
+            self._told.add(text)
+            log.warning("%s", text)
 
     def _watch_links(self) -> None:
         while not self._end.wait(LOOK_S):

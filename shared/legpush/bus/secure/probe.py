@@ -39,45 +39,61 @@ class Verdict(NamedTuple):
     """Whether anybody listens there."""
     refusal: str | None = None
     """Why no link will come about; None if nothing speaks against it."""
+    silence: str | None = None
+    """What was not answered where somebody took the connection, such as a process that is stopped."""
 
 
 def shake_hands(locator: str, credentials: Credentials) -> Verdict:
-    """Shake hands with what listens at `tls/HOST:PORT`, and end the connection."""
+    """Shake hands with what listens at `tls/HOST:PORT`, and end the connection.
+
+    Raises:
+        CredentialsError: The files of the certificate cannot be used, as while they are replaced.
+    """
     address = _LOCATOR.fullmatch(locator)
     if address is None:
         return Verdict(reached=False)
     host, port = address["six"] or address["host"], int(address["port"])
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
-    context.load_verify_locations(credentials.authority)
-    context.load_cert_chain(credentials.certificate, credentials.key)
+    try:
+        context.load_verify_locations(credentials.authority)
+        context.load_cert_chain(credentials.certificate, credentials.key)
+    except OSError as error:
+        raise CredentialsError(
+            f"Expected a certificate with its key in {credentials.folder}, got files that do not fit ({error})"
+        ) from error
     try:
         connection = socket.create_connection((host, port), timeout=CONNECT_S)
     except OSError:
         return Verdict(reached=False)
     with connection:
-        return Verdict(reached=True, refusal=_refusal(connection, context, host, locator, credentials))
+        return _verdict(connection, context, host, locator, credentials)
 
 
-def require_accepted(locators: tuple[str, ...], credentials: Credentials) -> None:
-    """Shake hands with all that listen there already.
+def require_accepted(
+    locators: tuple[str, ...], credentials: Credentials, *, one_is_enough: bool = False
+) -> tuple[str, ...]:
+    """Shake hands with all that listen there already; returns what was not answered.
 
     Raises:
-        CredentialsError: One of them refuses this process, or is refused; says why, and under which name.
+        CredentialsError: One of them refuses this process, or is refused; says why, and under which name. Where
+            `one_is_enough`, all that are there have to.
     """
     if not locators:
-        return
+        return ()
     with ThreadPoolExecutor(len(locators), thread_name_prefix="handshake") as threads:
         verdicts = list(threads.map(lambda locator: shake_hands(locator, credentials), locators))
     refusals = [verdict.refusal for verdict in verdicts if verdict.refusal is not None]
-    if refusals:
+    is_accepted = any(verdict.reached and verdict.refusal is None for verdict in verdicts)
+    if refusals and not (one_is_enough and is_accepted):
         raise CredentialsError(*refusals)
+    return tuple(verdict.silence for verdict in verdicts if verdict.silence is not None)
 
 
-def _refusal(
+def _verdict(
     connection: socket.socket, context: ssl.SSLContext, host: str, locator: str, credentials: Credentials
-) -> str | None:
-    """Return why one side refuses the other; None if none does."""
+) -> Verdict:
+    """Return what comes out of a handshake on this connection."""
     own = f"this process is {credentials.name} of {credentials.folder}"
     try:
         with context.wrap_socket(connection, server_hostname=host) as link:
@@ -86,20 +102,21 @@ def _refusal(
             with suppress(TimeoutError):
                 link.recv(1)
     except ssl.SSLCertVerificationError as error:
-        return f"{locator}: expected a certificate {_wanted(error, locator)}; {own}"
+        return Verdict(True, f"{locator}: expected a certificate {_wanted(error, locator)}; {own}")
     except ssl.SSLError as error:
-        return f"{locator}: {_alert(error, credentials)}; {own}"
+        return Verdict(True, f"{locator}: {_alert(error, credentials)}; {own}")
     except TimeoutError:
-        return f"{locator}: expected TLS, got no answer to a handshake; {own}"
+        return Verdict(False, silence=f"{locator} takes connections and does not answer a handshake of TLS")
     except OSError:  # the other side ended while it was asked
-        return None
+        return Verdict(True)
     if credentials.role_of(name) is None:
         listed = ", ".join(word for role, word in WORDS.items() if credentials.names.get(role))
-        return (
+        return Verdict(
+            True,
             f"{locator}: expected a certificate that may take part ({listed}), got {name or 'one without a name'}, "
-            f"which is none of the names on this host; {own}"
+            f"which is none of the names on this host; {own}",
         )
-    return None
+    return Verdict(True)
 
 
 def _common_name(certificate: Any) -> str:

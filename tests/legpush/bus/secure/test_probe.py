@@ -129,8 +129,30 @@ def test_what_is_no_tls_is_told(host: Path) -> None:
     assert re.match(rf"{at}: expected TLS 1\.3, got something else \(.*\); this process is agent\.robot\.1", refusal)
 
 
-def test_what_never_answers_is_told(host: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_never_answers_is_told_and_refuses_nothing(host: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It may be a process that is stopped, and goes on."""
     monkeypatch.setattr("legpush.bus.secure.probe.CONNECT_S", 0.2)
     with serving(b"") as at:
-        refusal = str(shake_hands(at, read_credentials(host, "agent")).refusal)
-    assert refusal.startswith(f"{at}: expected TLS, got no answer to a handshake; this process is agent.robot.1 of")
+        silences = require_accepted((at,), read_credentials(host, "agent"))
+    assert silences == (f"{at} takes connections and does not answer a handshake of TLS",)
+
+
+def test_one_that_accepts_is_enough_where_one_is_asked_for(host: Path, simulator: str) -> None:
+    agent = read_credentials(host, "agent")
+    with serving(b"HTTP/1.1 400 Bad Request\r\n\r\n") as other:
+        assert require_accepted((other, simulator), agent, one_is_enough=True) == ()
+    with serving(b"HTTP/1.1 400 Bad Request\r\n\r\n") as other, pytest.raises(CredentialsError, match=other):
+        require_accepted((other, simulator), agent)
+    with serving(b"HTTP/1.1 400 Bad Request\r\n\r\n") as other, pytest.raises(CredentialsError, match=other):
+        require_accepted((other, "tls/127.0.0.1:1"), agent, one_is_enough=True)
+
+
+def test_files_that_do_not_fit_are_told(host: Path, tmp_path: Path) -> None:
+    """As for a moment while renewed ones are copied."""
+    here = copied(host, tmp_path / "robot")
+    agent = read_credentials(here, "agent")
+    agent.key.write_bytes(read_credentials(here, "sim").key.read_bytes())
+    with pytest.raises(
+        CredentialsError, match=rf"Expected a certificate with its key in {here}, got files that do not"
+    ):
+        shake_hands("tls/127.0.0.1:1", agent)
