@@ -23,7 +23,7 @@ from legpush.realism.settings import Randomization
 from legpush.scene.conventions import FRONT_LEGS, FrontLeg
 from legpush.study.cells import CellKind, Column
 
-Rule = Literal["left", "right", "alternate", "random", "steering"]
+Rule = Literal["left", "right", "left_mirrored", "right_mirrored", "alternate", "random", "steering"]
 MIDDLE: Final = 0.5
 """Of w1 and w2."""
 MAX_CYCLES: Final = 60
@@ -41,8 +41,8 @@ class LegRule(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An episode as a study file sets it."""
 
     rule: Rule
-    """Always the same leg, one after the other, a random one, or the one that the steering error asks for: the left
-    leg if the box has to turn to the right."""
+    """Always the same leg, the same with its mirror image on the right of the line through the goal, one after the other,
+    a random one, or the one that the steering error asks for: the left leg if the box has to turn to the right."""
     seed: Seed
     """Seed of the start and of random legs."""
     ending: str = "release"
@@ -99,6 +99,8 @@ def _leg_of(rule: Rule, seed: int) -> Callable[[PushView], FrontLeg]:
     rules: dict[Rule, Callable[[PushView], FrontLeg]] = {
         "left": lambda _: left,
         "right": lambda _: right,
+        "left_mirrored": lambda view: left if view.mirror_sign > 0.0 else right,
+        "right_mirrored": lambda view: right if view.mirror_sign > 0.0 else left,
         "alternate": lambda _: FRONT_LEGS[next(n_pushes) % 2],
         "random": lambda _: FRONT_LEGS[int(rng.integers(2))],
         "steering": lambda view: left if view.steering_error_rad > 0.0 else right,

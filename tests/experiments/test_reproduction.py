@@ -110,12 +110,12 @@ def test_episodes_without_learning_are_told_apart_by_rule_end_and_start() -> Non
     one = {"rule": "alternate", "ending": "release", "starts": "one"}
     studies = {
         name: Rows(rows=[one, {**one, "rule": "steering"}], made=MADE)
-        for name in ("reproduction_rules", "reproduction_rules_one")
+        for name in RULES
     }
 
     assert {levels: len(rows) for levels, rows in rule_rows(studies).items()} == {
-        ("alternate", "release", "one"): 2,
-        ("steering", "release", "one"): 2,
+        ("alternate", "release", "one"): len(RULES),
+        ("steering", "release", "one"): len(RULES),
     }
     assert len(set(TRAININGS.values())) == len(TRAININGS)
 

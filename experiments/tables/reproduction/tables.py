@@ -28,7 +28,7 @@ TRAININGS: Final = {
     "tuned_variable": "reproduction_tuned_variable",
 }
 """Study of each variant that has one of its own."""
-RULES: Final = ("reproduction_rules", "reproduction_rules_one")
+RULES: Final = ("reproduction_rules", "reproduction_rules_one", "reproduction_rules_mirrored")
 """Studies of pushing without learning."""
 
 
