@@ -8,7 +8,7 @@ import pytest
 from experiments.cells.leg_rule import LegRule, resolve, run
 from experiments.rows import Made, Rows
 from experiments.tables.reproduction import factorial, pictures, summaries
-from experiments.tables.reproduction.tables import TRAININGS, rule_rows
+from experiments.tables.reproduction.tables import RULES, TRAININGS, rule_rows
 
 STARTS = 3
 MADE = Made(version="0", commit="0", command="")
