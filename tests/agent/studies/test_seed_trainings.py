@@ -4,6 +4,7 @@ import msgspec
 import pytest
 
 from agent_proc.learning.plan_file import PROGRESS_FILE
+from agent_proc.statistics.estimate import CUT
 from agent_proc.statistics.intervals import STUDENT_T
 from agent_proc.studies.seed_trainings import (
     MEASURES,
@@ -50,7 +51,7 @@ def test_the_summary_is_the_mean_over_the_seeds(tmp_path: Path) -> None:
     assert list(summary) == [measure.column for measure in MEASURES]
     error = summary["position_error_m"]
     assert error.value == pytest.approx(0.02)
-    assert (error.n, error.kind) == (2, STUDENT_T)
+    assert (error.n, error.low, error.kind) == (2, 0.0, f"{STUDENT_T}, {CUT}")
     written = msgspec.json.decode(write_summary(tmp_path, summary).read_bytes())
     assert written["position_error_m"]["n"] == 2
 
