@@ -41,8 +41,8 @@ class LegRule(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An episode as a study file sets it."""
 
     rule: Rule
-    """Always the same leg, the same with its mirror image on the right of the line through the goal, one after the other,
-    a random one, or the one that the steering error asks for: the left leg if the box has to turn to the right."""
+    """Always the same leg, the same but the other one on the right of the line through the goal, one after the other, a
+    random one, or the one that the steering error asks for: the left leg if the box has to turn to the right."""
     seed: Seed
     """Seed of the start and of random legs."""
     ending: str = "release"
