@@ -72,6 +72,11 @@ class Estimate:
 
 
 def kinds_in_words(kinds: Iterable[str]) -> str:
-    """The kinds of the intervals of a table or picture, each once, without those that have no length."""
-    named = dict.fromkeys(kind for kind in kinds if kind != EQUAL and not kind.startswith(NO_INTERVAL))
+    """The kinds of the intervals of a table or picture, each once, without those that have no length.
+
+    A cut one counts as the kind that it was.
+    """
+    named = dict.fromkeys(
+        kind.removesuffix(f", {CUT}") for kind in kinds if kind != EQUAL and not kind.startswith(NO_INTERVAL)
+    )
     return " or ".join(named) or NO_INTERVAL

@@ -42,6 +42,7 @@ def test_what_is_not_possible_is_cut_from_an_interval_and_told() -> None:
     assert (shares.cut(0.0, 1.0).low, shares.cut(0.0, 1.0).high) == (0.7, 1.0)
     assert SOME.cut(0.0, 1.0) == SOME
     assert WITHOUT.cut(0.0) == WITHOUT
+    assert kinds_in_words([errors.kind, errors.cut(0.0).kind]) == "Student's t 95 %"
 
 
 def test_a_plot_gets_no_bar_without_an_interval() -> None:
