@@ -7,7 +7,7 @@ from typing import Final
 
 from legpush.bus import keys
 from legpush.bus.bundles.collector import MAX_PART_BYTES, Collector
-from legpush.bus.bundles.forwarding import SharedSession
+from legpush.bus.bundles.forwarding import ForwardingSession, SharedSession
 from legpush.bus.bundles.question import Question, answered_in, asked_in
 from legpush.bus.bundles.taking import take_bundles
 from legpush.bus.channels import Quality
@@ -31,6 +31,8 @@ class AnsweringSession:
         self.tally = Tally()
         self._session = session
         self._run = run
+        self._own: set[str] = set()
+        """The tokens of all simulators of this process."""
         self._lock = threading.Lock()
         self._asked: defaultdict[str, deque[Question]] = defaultdict(partial(deque, maxlen=MOST_ASKED))
         """By the name of a simulator, what it was asked in bundles and has not answered."""
@@ -42,7 +44,7 @@ class AnsweringSession:
 
     def member(self, name: str) -> Session:
         """Return the session of the simulator with this name; closing it does not close this one."""
-        return _Member(self, self._session, self._run, name)
+        return _Member(self, SharedSession(self._session, self._own), self._run, name)
 
     def close(self) -> None:
         """Close all links."""
@@ -98,10 +100,10 @@ def _remove(takers: dict[str, tuple[str, OnBytes]], key: str) -> None:
     takers.pop(key, None)
 
 
-class _Member(SharedSession):
+class _Member(ForwardingSession):
     """The session of one simulator."""
 
-    def __init__(self, shared: AnsweringSession, session: Session, run: str, name: str) -> None:
+    def __init__(self, shared: AnsweringSession, session: SharedSession, run: str, name: str) -> None:
         super().__init__(session)
         self._shared = shared
         self._name = name
