@@ -51,7 +51,9 @@ def test_each_simulator_gets_its_own_and_answers_as_it_was_asked(network: Memory
     assert answered == [(together, bundle((first, answer(1)))), (second, answer(1)), (first, answer(1))]
 
 
-@pytest.mark.parametrize("unanswered", [question(1), question(9, "gone"), b"no question"])
+@pytest.mark.parametrize(
+    "unanswered", [question(1), question(9, "gone"), b"no question"], ids=["own", "of another", "none"]
+)
 def test_a_question_that_gets_no_answer_changes_nothing_for_those_after_it(
     network: MemoryNetwork, unanswered: bytes
 ) -> None:

@@ -19,8 +19,10 @@ def test_an_action_asks_and_an_answer_answers(name: str) -> None:
     payload = codec.encode(message)
     if isinstance(message, Action):
         assert asked_in(payload) == Question(AGENT, message.episode, message.step)
-    is_answer = isinstance(message, Observation | Refusal)
-    assert answered_in(payload) == (Question(AGENT, message.episode, message.step) if is_answer else None)
+    if isinstance(message, Observation | Refusal):
+        assert answered_in(payload) == Question(AGENT, message.episode, message.step)
+    else:
+        assert answered_in(payload) is None
 
 
 @pytest.mark.parametrize(
