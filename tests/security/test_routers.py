@@ -24,6 +24,7 @@ from legpush.bus.secure.certificate_names import PROCESS_ROLES, CertificateRole
 from legpush.bus.secure.host_folder import read_credentials
 from legpush.bus.session import ZenohSession
 from legpush.errors import CredentialsError
+from legpush.lockstep.sim_host import SimConfig, buses
 from legpush.messages.common import PROTOCOL_VERSION
 from tests.legpush.fakes import eventually
 from tests.security.hosts import HOST, free_endpoint, made, raw_session
@@ -36,6 +37,7 @@ from tests.security.test_wrong_credentials import (
     TOLD_S,
     MakeHost,
     of_a_viewer,
+    revoked,
     stranger,
 )
 
@@ -199,6 +201,22 @@ def test_a_refused_client_is_told_why_and_under_which_name(
             said = str(error)
     assert monotonic() - began_s < TOLD_S
     assert re.search(expected, said), said
+
+
+def test_several_simulators_of_a_process_that_was_revoked_tell_it_once(
+    host: Path, routers: Routers, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """All of them show a token, over one link."""
+    caplog.set_level(logging.INFO)
+    at = by_router(routers[:1], read_credentials(revoked(host, "sim", tmp_path), "sim"))
+    with buses(SimConfig(run=RUN, name="host", simulators=3), at, Event()) as members:
+        for bus in members:
+            bus.announce()
+        assert eventually(lambda: "but it shows nothing in this run" in caplog.text, TOLD_S)
+        Event().wait(SETTLE_S)
+    said = [record.getMessage() for record in caplog.records]
+    for words in ("taking part as", "but it shows nothing in this run", f"linked with router.{HOST}.1 as sim.lost.1"):
+        assert sum(words in each for each in said) == 1, words
 
 
 def test_a_client_that_waits_is_told_as_soon_as_a_router_comes_that_refuses_it(host: Path, tmp_path: Path) -> None:

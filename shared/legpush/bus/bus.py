@@ -51,11 +51,13 @@ class Bus:
         stop: threading.Event | None = None,
         open_session: Callable[[Endpoints, str], Session] | None = None,
         incarnation: str | None = None,
+        watches_links: bool = True,
     ) -> None:
         """With `recorded`, a later recorder gets everything from now on; `open_session` opens the network.
 
         `stop` ends waiting for a router, by a `StopRequestedError`. An `incarnation` has to be a new one; without it,
-        the bus makes one.
+        the bus makes one. Of several buses that share a session, one is enough that `watches_links`, to tell about
+        certificates.
         """
         self.run = run
         self.role = role
@@ -68,6 +70,7 @@ class Bus:
         self._on_peer: list[OnPeer] = []
         self._closing = ExitStack()
         self._recorded = recorded
+        self._watches_links = watches_links
         self._open_session = open_session or partial(ZenohSession, stop=stop)
         origin = Origin(role=role, name=name, incarnation=self.incarnation)
         self.taps = RecorderTaps(origin, self._send_copies)
@@ -85,7 +88,7 @@ class Bus:
         self._open_taps()
         everybody = keys.liveliness_of_any_version(self.run, "*", "*", "*")
         self._closing.callback(self._session.watch_tokens(everybody, self._take_token))
-        if self.endpoints.credentials is not None:
+        if self.endpoints.credentials is not None and self._watches_links:
             self._watch_links(self.endpoints.credentials)
         return self
 

@@ -99,6 +99,7 @@ def buses(
                 stop=stop,
                 open_session=partial(_member, shared, name),
                 incarnation=keys.incarnation_of_member(process, number),
+                watches_links=number == 1,
             )
             members.append(stack.enter_context(bus))
         yield members

@@ -3,12 +3,17 @@
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Collection
+from contextlib import nullcontext
+from datetime import UTC, datetime
+from pathlib import Path
 
 import pytest
 
 from legpush.bus import channels, keys
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints
+from legpush.bus.secure.host_folder import Credentials
 from legpush.errors import ConfigError
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
@@ -32,6 +37,28 @@ def test_members_have_names_and_incarnations_that_tell_their_process() -> None:
         assert len({bus.incarnation for bus in members}) == 3
         assert len(network.sessions) == 1
     assert network.sessions == []
+
+
+def test_members_tell_about_links_once_and_do_not_take_one_another_for_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[Callable[[], Collection[str]]] = []
+
+    def watch(_: Credentials, __: object, ___: object, roles: Callable[[], Collection[str]]) -> nullcontext[None]:
+        shown.append(roles)
+        return nullcontext()
+
+    monkeypatch.setattr("legpush.bus.secure.link_watch.LinkWatch", watch)
+    ends = datetime(2027, 1, 1, tzinfo=UTC)
+    at = Endpoints(credentials=Credentials(folder=Path("/x"), role="sim", name="sim.robot.1", ends=ends, names={}))
+    network = MemoryNetwork()
+    with buses(SimConfig(run=RUN, simulators=3), at, threading.Event(), network.open_session) as members:
+        for bus in members:
+            bus.announce()
+        (roles,) = shown
+        assert roles() == set()
+        with network.bus("agent") as agent:
+            agent.announce()
+            assert roles() == {"agent"}
+            assert len(agent.liveliness.live("sim")) == 3
 
 
 def test_each_process_has_a_name_of_its_own() -> None:

@@ -1,17 +1,23 @@
 """The simulators' end of bundles: several simulators of one process, over one session."""
 
 import threading
+from collections import defaultdict, deque
 from functools import partial
+from typing import Final
 
 from legpush.bus import keys
 from legpush.bus.bundles.collector import MAX_PART_BYTES, Collector
-from legpush.bus.bundles.forwarding import SharedSession
+from legpush.bus.bundles.forwarding import ForwardingSession, SharedSession
+from legpush.bus.bundles.question import Question, answered_in, asked_in
+from legpush.bus.bundles.taking import take_bundles
 from legpush.bus.channels import Quality
 from legpush.bus.tally import Tally
 from legpush.bus.transport import OnBytes, OnDamaged, Sender, Session, Undeclare, ignore
-from legpush.errors import MessageError
 from legpush.messages import codec
 from legpush.messages.bundle import Bundle, Part
+
+MOST_ASKED: Final = 16
+"""Of each simulator, as many questions are kept that came in bundles and have no answer yet. Some never get one."""
 
 
 class AnsweringSession:
@@ -25,17 +31,20 @@ class AnsweringSession:
         self.tally = Tally()
         self._session = session
         self._run = run
+        self._own: set[str] = set()
+        """The tokens of all simulators of this process."""
         self._lock = threading.Lock()
-        self._asked_in_bundle: set[str] = set()
+        self._asked: defaultdict[str, deque[Question]] = defaultdict(partial(deque, maxlen=MOST_ASKED))
+        """By the name of a simulator, what it was asked in bundles and has not answered."""
         self._take: dict[str, tuple[str, OnBytes]] = {}
         """By the key of its actions, the name of a simulator and what takes them."""
         answers = session.publisher(keys.bundled_answers(run, process), "lockstep")
         self._collector = Collector(lambda bundle: answers.send(codec.encode(bundle)))
-        session.subscribe(keys.bundled_actions(run, process), self._take_bundle, self._refuse_damaged)
+        take_bundles(session, keys.bundled_actions(run, process), self.tally, self._take_bundle)
 
     def member(self, name: str) -> Session:
         """Return the session of the simulator with this name; closing it does not close this one."""
-        return _Member(self, self._session, self._run, name)
+        return _Member(self, SharedSession(self._session, self._own), self._run, name)
 
     def close(self) -> None:
         """Close all links."""
@@ -49,44 +58,52 @@ class AnsweringSession:
 
     def answer(self, name: str, part: Part, alone: Sender) -> None:
         """Send an answer of this simulator as it was asked: with those of others, or alone."""
-        with self._lock:
-            in_bundle = name in self._asked_in_bundle
-            self._asked_in_bundle.discard(name)
-        if in_bundle and len(part.payload) <= MAX_PART_BYTES:
+        if self._was_in_bundle(name, part.payload) and len(part.payload) <= MAX_PART_BYTES:
             self._collector.put(name, part)
         else:
+            self._collector.forget(name)
             alone.send(part.payload)
 
-    def _take_bundle(self, key: str, payload: bytes) -> None:
-        try:
-            bundle = codec.decode(payload, Bundle)
-        except MessageError as error:
-            self.tally.add(error.cause, f"{key}: {error}")
-            return
-        taken = [(part, self._take.get(part.key)) for part in bundle.parts]
+    def _was_in_bundle(self, name: str, answer: bytes) -> bool:
+        """Whether the question that this answers came in a bundle; if it is answered again, that goes alone."""
         with self._lock:
-            self._asked_in_bundle.update(taker[0] for _, taker in taken if taker is not None)
+            asked = self._asked[name]
+            question = answered_in(answer) if asked else None
+            if question is None or question not in asked:
+                return False
+            asked.remove(question)
+            return True
+
+    def _take_bundle(self, key: str, bundle: Bundle) -> None:
+        taken = [(part, self._take.get(part.key)) for part in bundle.parts]
         for part, taker in taken:
             if taker is None:
                 self.tally.add("unknown", f"{key}: expected actions for simulators of this process, got {part.key!r}")
             else:
-                self._collector.expect(taker[0])
+                self._note_question(taker[0], part.payload)
         for part, taker in taken:
             if taker is not None:
                 taker[1](part.key, part.payload)
 
-    def _refuse_damaged(self, key: str) -> None:
-        self.tally.add("damaged", f"{key}: expected the bytes that were sent, got others by the checksum")
+    def _note_question(self, name: str, payload: bytes) -> None:
+        """Expect the answer of this simulator to a question in a bundle, unless these bytes are no question."""
+        question = asked_in(payload)
+        if question is None:
+            return
+        with self._lock:
+            if question not in self._asked[name]:
+                self._asked[name].append(question)
+        self._collector.expect(name)
 
 
 def _remove(takers: dict[str, tuple[str, OnBytes]], key: str) -> None:
     takers.pop(key, None)
 
 
-class _Member(SharedSession):
+class _Member(ForwardingSession):
     """The session of one simulator."""
 
-    def __init__(self, shared: AnsweringSession, session: Session, run: str, name: str) -> None:
+    def __init__(self, shared: AnsweringSession, session: SharedSession, run: str, name: str) -> None:
         super().__init__(session)
         self._shared = shared
         self._name = name

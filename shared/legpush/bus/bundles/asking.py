@@ -2,7 +2,7 @@
 
 import logging
 import threading
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -11,6 +11,8 @@ from typing import Final
 from legpush.bus import keys
 from legpush.bus.bundles.collector import MAX_PART_BYTES, Collector
 from legpush.bus.bundles.forwarding import ForwardingSession
+from legpush.bus.bundles.question import Question, asked_in
+from legpush.bus.bundles.taking import take_bundles
 from legpush.bus.channels import Quality
 from legpush.bus.keys import parse_token
 from legpush.bus.tally import Tally
@@ -23,8 +25,8 @@ from legpush.messages.common import PROTOCOL_VERSION
 log = logging.getLogger(__name__)
 
 MOST_STRAYS: Final = 3
-"""A process that answers as many bundles alone, one after the other, has not got them: what it answers is what was
-asked again.
+"""A process gets no bundles any more after as many questions in a row to one of its simulators, if nothing shows that
+these bundles arrived.
 """
 
 
@@ -34,18 +36,24 @@ class _Process:
 
     collector: Collector
     undeclare: Callable[[], None]
-    n_strays: int = 0
-    """How many answers to bundles came alone since the last bundle of answers."""
+    strays: Counter[str] = field(default_factory=Counter)
+    """By simulator, how many questions went in bundles and were answered alone only, since the last bundled answer."""
+
+    def gets_bundles(self) -> bool:
+        """Whether it is worth while to send it bundles."""
+        return max(self.strays.values(), default=0) < MOST_STRAYS
 
 
 @dataclass
 class _Simulator:
     """A simulator that this agent asks."""
 
-    waits: bool = False
-    """Whether it was asked and has not answered."""
+    asked: Question | None = None
+    """What it was asked last."""
     process: _Process | None = None
-    """Where it was asked last, if that was in a bundle."""
+    """Where that was asked, if it went in a bundle."""
+    has_arrived: bool = False
+    """Whether an answer shows that this bundle has arrived."""
     take: list[OnBytes] = field(default_factory=list)
     """What takes its answers."""
 
@@ -85,7 +93,7 @@ class AskingSession(ForwardingSession):
             return alone
 
         def send(payload: bytes) -> None:
-            process = self._process_to_ask(name, len(payload))
+            process = self._process_to_ask(name, payload)
             if process is None:
                 alone.send(payload)
             else:
@@ -100,7 +108,7 @@ class AskingSession(ForwardingSession):
             return super().subscribe(key, on_bytes, on_damaged)
 
         def take_alone(key: str, payload: bytes) -> None:
-            self._note_answer(name, stray=len(payload) <= MAX_PART_BYTES)
+            self._note_answer(name, has_arrived=len(payload) > MAX_PART_BYTES)
             on_bytes(key, payload)
 
         self._simulators[name].take.append(on_bytes)
@@ -124,34 +132,38 @@ class AskingSession(ForwardingSession):
                 else:
                     self._live[token.name].discard(token.incarnation)
 
-    def _process_to_ask(self, name: str, n_bytes: int) -> _Process | None:
+    def _process_to_ask(self, name: str, payload: bytes) -> _Process | None:
         """The process that is asked for this simulator in a bundle; None if it is asked alone."""
+        question = asked_in(payload)
         with self._lock:
             simulator = self._simulators[name]
-            if simulator.waits:
+            if question is None or question == simulator.asked:
                 return None
-            simulator.waits, simulator.process = True, None
-            live = self._live[name]
-            if n_bytes > MAX_PART_BYTES or len(live) != 1:
-                return None
-            process = keys.process_of(next(iter(live)))
-            if process is None:
-                return None
-            if process not in self._processes:
-                self._forget_gone()
-                self._processes[process] = self._meet(process)
-            found = self._processes[process]
-            if found.n_strays >= MOST_STRAYS:
-                return None
-            simulator.process = found
-            return found
+            last = simulator.process
+            if last is not None and not simulator.has_arrived:
+                self._note_stray(name, last)
+            process = self._process_of(name) if len(payload) <= MAX_PART_BYTES else None
+            if last is not None and last is not process:
+                last.collector.forget(name)
+            simulator.asked, simulator.process, simulator.has_arrived = question, process, False
+            return process
+
+    def _process_of(self, name: str) -> _Process | None:
+        """The process of this simulator, if it has several simulators and gets bundles."""
+        live = self._live[name]
+        process = keys.process_of(next(iter(live))) if len(live) == 1 else None
+        if process is None:
+            return None
+        if process not in self._processes:
+            self._forget_gone()
+            self._processes[process] = self._meet(process)
+        found = self._processes[process]
+        return found if found.gets_bundles() else None
 
     def _meet(self, process: str) -> _Process:
         """Begin to talk to a process in bundles."""
         actions = self._session.publisher(keys.bundled_actions(self._run, process), "lockstep")
-        undeclare = self._session.subscribe(
-            keys.bundled_answers(self._run, process), self._take_bundle, self._refuse_damaged
-        )
+        undeclare = take_bundles(self._session, keys.bundled_answers(self._run, process), self.tally, self._take_bundle)
         stack = ExitStack()
         stack.callback(actions.undeclare)
         stack.callback(undeclare)
@@ -163,31 +175,29 @@ class AskingSession(ForwardingSession):
         for process in self._processes.keys() - living:
             self._processes.pop(process).undeclare()
 
-    def _note_answer(self, name: str, *, stray: bool) -> None:
-        """Expect the next action for a simulator that has answered."""
+    def _note_stray(self, name: str, process: _Process) -> None:
+        """Note a question in a bundle that was answered alone: what was answered is what was asked again."""
+        got_bundles = process.gets_bundles()
+        process.strays[name] += 1
+        if got_bundles and not process.gets_bundles():
+            log.warning("sim/%s is asked alone from now on: its process does not get bundles", name)
+
+    def _note_answer(self, name: str, *, has_arrived: bool) -> None:
+        """Expect the next action for a simulator that has answered; an answer may show that bundles arrive."""
         with self._lock:
             simulator = self._simulators[name]
-            simulator.waits = False
             process = simulator.process
             if process is None:
                 return
-            process.n_strays = process.n_strays + 1 if stray else 0
+            if has_arrived:
+                simulator.has_arrived = True
+                process.strays.clear()
             process.collector.expect(name)
-            if process.n_strays == MOST_STRAYS:
-                log.warning("sim/%s is asked alone from now on: its process does not get bundles", name)
 
-    def _take_bundle(self, key: str, payload: bytes) -> None:
-        try:
-            bundle = codec.decode(payload, Bundle)
-        except MessageError as error:
-            self.tally.add(error.cause, f"{key}: {error}")
-            return
+    def _take_bundle(self, key: str, bundle: Bundle) -> None:
         for part in bundle.parts:
             name = keys.simulator_of(part.key)
             if name is not None and name in self._simulators and part.key == keys.observation(self._run, name):
-                self._note_answer(name, stray=False)
+                self._note_answer(name, has_arrived=True)
                 for on_bytes in tuple(self._simulators[name].take):
                     on_bytes(part.key, part.payload)
-
-    def _refuse_damaged(self, key: str) -> None:
-        self.tally.add("damaged", f"{key}: expected the bytes that were sent, got others by the checksum")

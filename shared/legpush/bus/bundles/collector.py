@@ -12,6 +12,8 @@ MAX_PART_BYTES: Final = 64 * 1024
 """Longest message that travels with others; a longer one gains nothing."""
 MAX_BUNDLE_PARTS: Final = 64
 """With as many messages a bundle is full."""
+MOST_VAIN_WAITS: Final = 64
+"""Who lets as many bundles wait in vain is not expected any more: nobody knows whether a message ever comes."""
 
 
 class Collector:
@@ -25,19 +27,25 @@ class Collector:
         self._send = send
         self._wait_s = wait_s
         self._changed = threading.Condition()
-        self._expected: set[str] = set()
+        self._expected: dict[str, int] = {}
+        """By name, how many bundles have waited for it in vain."""
         self._parts: list[Part] = []
         self._n_sent = 0
 
     def expect(self, name: str) -> None:
         """Expect a message of this simulator, or for it, soon."""
         with self._changed:
-            self._expected.add(name)
+            self._expected[name] = 0
+
+    def forget(self, name: str) -> None:
+        """Expect no message of this simulator, or for it, any more."""
+        with self._changed:
+            self._expected.pop(name, None)
 
     def put(self, name: str, part: Part) -> None:
         """Send a message of this simulator, or for it, with others."""
         with self._changed:
-            self._expected.discard(name)
+            self._expected.pop(name, None)
             self._parts.append(part)
             number = self._n_sent
             if self._expected and len(self._parts) < MAX_BUNDLE_PARTS:
@@ -46,6 +54,7 @@ class Collector:
                 self._changed.wait_for(lambda: self._n_sent != number, self._wait_s)
                 if self._n_sent != number:
                     return
+                self._expected = {who: n + 1 for who, n in self._expected.items() if n + 1 < MOST_VAIN_WAITS}
             bundle = Bundle(parts=tuple(self._parts))
             self._parts = []
             self._n_sent += 1

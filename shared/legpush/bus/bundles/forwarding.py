@@ -40,7 +40,29 @@ class ForwardingSession:
 
 
 class SharedSession(ForwardingSession):
-    """A session that several buses share: each of them takes back what it declared, and leaves it open."""
+    """A session that several buses share: each of them takes back what it declared, and leaves it open.
+
+    None of them sees the tokens of the others: they are this process itself, and tell nothing of the network.
+    """
+
+    def __init__(self, session: Session, own: set[str]) -> None:
+        """`own` is the same set for all who share the session: it gets the tokens that they show."""
+        super().__init__(session)
+        self._own = own
 
     def close(self) -> None:
         """Leave it open for the others."""
+
+    def show_token(self, key: str) -> Undeclare:
+        """Show a liveliness token."""
+        self._own.add(key)
+        return super().show_token(key)
+
+    def watch_tokens(self, key: str, on_token: OnToken) -> Undeclare:
+        """Call `on_token` for each token of other processes that lives now, and whenever one comes or goes."""
+
+        def tell_of_others(token: str, alive: bool) -> None:
+            if token not in self._own:
+                on_token(token, alive)
+
+        return super().watch_tokens(key, tell_of_others)

@@ -97,9 +97,18 @@ def work_for_heads(options: WorkOptions) -> int:
     trusted = Trusted(options.cell, tuple(options.policy))
     with ExitStack() as stack:
         session = stack.enter_context(closing(ZenohSession(at, f"worker {options.name}", stop)))
+        own: set[str] = set()
         buses = [
             stack.enter_context(
-                Bus(options.run, "worker", name, at, stop=stop, open_session=lambda *_: SharedSession(session))
+                Bus(
+                    options.run,
+                    "worker",
+                    name,
+                    at,
+                    stop=stop,
+                    open_session=lambda *_: SharedSession(session, own),
+                    watches_links=name == options.names[0],
+                )
             )
             for name in options.names
         ]

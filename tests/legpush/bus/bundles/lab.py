@@ -2,8 +2,12 @@
 
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from time import monotonic, sleep
+
+import msgspec
 
 from legpush.bus.bundles.asking import AskingSession
 from legpush.bus.bus import Bus
@@ -21,13 +25,17 @@ IMPATIENT = Patience(deadline_s=20.0, resend_s=0.1)
 
 @dataclass
 class Network(MemoryNetwork):
-    """A network that counts the messages under each key, and may lose bundles."""
+    """A network that counts the messages under each key, may lose bundles, and may be slow."""
 
     put: list[tuple[str, bytes]] = field(default_factory=list)
     loses_bundles: bool = False
+    delay_s: float = 0.0
+    """Each way."""
 
     def __post_init__(self) -> None:
         super().__init__()
+        self.postman = ThreadPoolExecutor(1)
+        """Delivers what is delayed, in order."""
 
     def open_session(self, endpoints: Endpoints, who: str) -> MemorySession:
         """Open a session."""
@@ -55,8 +63,26 @@ class _Counting(MemorySession):
 
     def put(self, key: str, payload: bytes) -> None:
         self._counts.put.append((key, payload))
-        if not (self._counts.loses_bundles and "/bundle/" in key):
+        if self._counts.loses_bundles and "/bundle/" in key:
+            return
+        if self._counts.delay_s > 0.0:
+            self._counts.postman.submit(self._put_at, monotonic() + self._counts.delay_s, key, payload)
+        else:
             super().put(key, payload)
+
+    def _put_at(self, due: float, key: str, payload: bytes) -> None:
+        sleep(max(due - monotonic(), 0.0))
+        super().put(key, payload)
+
+
+def question(step: int, agent: str = "a") -> bytes:
+    """What matters of an action."""
+    return msgspec.msgpack.encode({"header": {"incarnation": agent}, "episode": 1, "step": step})
+
+
+def answer(step: int, agent: str = "a", n_bytes: int = 0) -> bytes:
+    """What matters of an answer, and more bytes."""
+    return msgspec.msgpack.encode({"agent_incarnation": agent, "episode": 1, "step": step, "more": b"x" * n_bytes})
 
 
 @contextmanager

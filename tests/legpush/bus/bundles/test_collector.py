@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from legpush.bus.bundles.collector import MAX_BUNDLE_PARTS, Collector
+from legpush.bus.bundles.collector import MAX_BUNDLE_PARTS, MOST_VAIN_WAITS, Collector
 from legpush.messages.bundle import Bundle, Part
 from tests.legpush.fakes import eventually
 
@@ -55,6 +55,18 @@ def test_a_message_waits_no_longer_than_it_may(sent: list[Bundle]) -> None:
     collector.put("a", part("a"))
     collector.put("b", part("b"))
     assert [keys_of(bundle) for bundle in sent] == [["a"], ["b"]]
+
+
+def test_who_never_comes_is_not_waited_for_any_more_after_a_while(sent: list[Bundle]) -> None:
+    collector = Collector(sent.append, 0.0001)
+    collector.expect("nobody")
+    for _ in range(MOST_VAIN_WAITS):
+        assert collector._expected
+        collector.put("a", part("a"))
+    assert not collector._expected
+    collector.expect("nobody")
+    collector.forget("nobody")
+    assert not collector._expected
 
 
 def test_a_full_bundle_does_not_wait(sent: list[Bundle]) -> None:

@@ -185,3 +185,23 @@ def test_workers_have_names_by_number_and_wrong_options_are_refused() -> None:
     for wrong, flag in (({"workers": 0}, "--workers"), ({"name": "a b"}, "--name"), ({"run": ""}, "--run")):
         with pytest.raises(ConfigError, match=f"Expected .* for {flag}"):
             WorkOptions(**wrong)
+
+
+def test_workers_of_a_host_share_a_session_tell_about_links_once_and_do_not_see_one_another(
+    network: MemoryNetwork, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stop, seen = threading.Event(), []
+    all_there = threading.Barrier(3)
+
+    def serve(bus: Bus, *_: object) -> None:
+        bus.announce()
+        all_there.wait(30.0)
+        seen.append((bus._watches_links, bus.liveliness.live()))
+
+    monkeypatch.setattr(module, "stop_on_signals", lambda: stop)
+    monkeypatch.setattr(module, "start_log", lambda *_: None)
+    monkeypatch.setattr(module, "ZenohSession", lambda at, who, _: network.open_session(at, who))
+    monkeypatch.setattr(module, "serve_jobs", serve)
+    assert module.work_for_heads(WorkOptions(run=RUN, name="w", workers=3)) == 0
+    assert sorted(seen) == [(False, []), (False, []), (True, [])]
+    assert network.sessions == []
