@@ -159,6 +159,7 @@ def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
                 continue
             if not seen.is_new(asked):
                 bus.tally.add("repeated", f"head {head.name}: an old job", logging.INFO)
+                results.send(_built(request, b"", f"job {asked.number} was begun before, and its result is not kept"))
                 continue
             if asked.number == 0:
                 log.info("%s works for %s", bus.name, head.name)

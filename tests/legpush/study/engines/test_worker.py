@@ -40,10 +40,11 @@ class Head:
         self._requests.send(build)
 
     def next(self) -> JobResult:
-        """The next result."""
-        result = self.results.next(30.0)
-        assert result is not None
-        return result
+        """The next result for this head."""
+        while (result := self.results.next(30.0)) is not None:
+            if result.head_incarnation == self._bus.incarnation:
+                return result
+        raise AssertionError("Expected a result within 30 s")
 
 
 @pytest.fixture
@@ -79,8 +80,22 @@ def test_a_job_that_is_asked_again_is_done_once_and_answered_again(network: Memo
         head.send(1, job_of(2))
         assert values(head.next().answer) == [2.0]
         head.send(0, job_of(1))
-        assert head.results.next(0.5) is None
+        lost = head.next()
+        assert (lost.number, lost.ending, lost.answer) == (0, "lost", b"")
+        assert lost.reason == "job 0 was begun before, and its result is not kept"
         assert served.tally["repeated"] == 1
+
+
+def test_a_head_whose_result_is_not_kept_any_more_is_told_so(network: MemoryNetwork, served: Bus) -> None:
+    del served
+    with network.bus("agent", "head") as bus, network.bus("agent", "other") as other_bus:
+        head, other = Head(bus), Head(other_bus)
+        head.send(0, job_of(1))
+        assert values(head.next().answer) == [1.0]
+        other.send(0, job_of(2))
+        assert values(other.next().answer) == [2.0]
+        head.send(0, job_of(1))
+        assert head.next().ending == "lost"
 
 
 def test_who_shows_no_token_gets_nothing(network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch) -> None:
