@@ -1,6 +1,7 @@
 """Runs jobs in the workers of a run, which may come, go and be replaced at any time, on any host."""
 
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -21,7 +22,8 @@ from legpush.messages.common import Header
 from legpush.messages.jobs import JobRequest, JobResult
 from legpush.patience import SLICE_S, Patience, Stopwatch
 from legpush.study.engines.engine import Pace, WorkerLostError
-from legpush.study.jobs import decode_answer
+from legpush.study.jobs import Answer, decode_answer, decode_job
+from legpush.study.rows import CELL
 
 MOST_JOBS: Final = 2048
 """Most jobs that run or wait at a time."""
@@ -35,7 +37,7 @@ class JoinedEngine:
     """An engine whose workers somebody else starts: `legpush study work`.
 
     A worker that is gone for some seconds has lost its job. One that has other code or computes other bits than the
-    study gets no further job, and neither does one whose answer cannot be read.
+    study gets no further job, and neither does one whose answer cannot be read, or is not that to its job.
     """
 
     name = "join"
@@ -96,12 +98,11 @@ class JoinedEngine:
             if result.ending == "lost":
                 raise WorkerLostError(f"worker/{result.header.name}: {result.reason}")
             try:
-                codec.unpack(result.answer)  # refuses what takes far more memory than its bytes
-                refused = decode_answer(result.answer).refused is not None
+                answer = _answer_to(job, result.answer)
             except (MessageError, msgspec.MsgspecError, RecursionError) as error:
                 self._unfit.add(incarnation)
-                raise WorkerLostError(f"worker/{result.header.name} gave an unreadable answer: {error}") from error
-            if refused:
+                raise WorkerLostError(f"worker/{result.header.name} gave an answer of no use: {error}") from error
+            if answer.refused is not None:
                 self._unfit.add(incarnation)
             return result.answer
 
@@ -141,6 +142,30 @@ class JoinedEngine:
             f"listening on {listing(bus.endpoints.listen)}, connecting to {listing(bus.endpoints.connect)}; "
             f"`legpush study work --run {bus.run}` starts workers"
         )
+
+
+def _answer_to(job: bytes, payload: bytes) -> Answer:
+    """Return the answer to a job: a refusal, or a row or a failure of each of its cells.
+
+    Raises:
+        MessageError: It is too large, or has other cells.
+        msgspec.MsgspecError: It is no answer.
+    """
+    codec.unpack(payload)  # refuses what takes far more memory than its bytes
+    answer = decode_answer(payload)
+    if answer.refused is not None:
+        return answer
+    for row in answer.rows:
+        if (named := row.columns.get(CELL)) != row.cell:
+            raise MessageError(f"expected the cell {row.cell} in its own row, got {named!r}")
+    expected = Counter(task.cell for task in decode_job(job).tasks)
+    got = Counter(each.cell for each in (*answer.rows, *answer.failures))
+    if got != expected:
+        raise MessageError(
+            f"expected the {expected.total()} cells of the job, each once, got {got.total()}, with "
+            f"{(expected - got).total()} missing and {(got - expected).total()} of no use"
+        )
+    return answer
 
 
 class _Link:

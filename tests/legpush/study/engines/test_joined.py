@@ -2,11 +2,13 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from legpush.bus import channels
 from legpush.bus.bus import Bus
@@ -19,7 +21,8 @@ from legpush.patience import Patience
 from legpush.study.engines.engine import WorkerLostError
 from legpush.study.engines.joined import JoinedEngine
 from legpush.study.engines.worker import Trusted, serve_jobs
-from legpush.study.jobs import decode_answer
+from legpush.study.jobs import Failure, decode_answer, encode
+from legpush.study.work import work
 from tests.legpush.fakes import eventually
 from tests.legpush.study.engines.test_local import job_of, values
 from tests.legpush.study.parts import STUB
@@ -119,13 +122,17 @@ def test_a_worker_that_does_not_run_this_code_refuses_and_gets_no_further_job(th
             assert values(engine.submit(job_of(2)).result(60.0)) == [2.0]
 
 
-def test_a_worker_whose_answer_cannot_be_read_is_left(there: Endpoints) -> None:
-    def answer_nonsense() -> None:
+@contextmanager
+def evil_worker(there: Endpoints, answer: Callable[[bytes], bytes]) -> Iterator[None]:
+    """A worker that makes its answer to its first job as a test says."""
+
+    def answer_once() -> None:
         requests = bus.subscribe(channels.job_requests(RUN, "evil"))
         results = bus.publisher(channels.job_results(RUN, "evil"))
         bus.announce()
         request = requests.next(20.0)
         assert request is not None
+        made = answer(request.job)
 
         def build(header: Header) -> JobResult:
             return JobResult(
@@ -133,17 +140,49 @@ def test_a_worker_whose_answer_cannot_be_read_is_left(there: Endpoints) -> None:
                 head_incarnation=request.header.incarnation,
                 number=request.number,
                 ending="answered",
-                answer=b"\xc1",
+                answer=made,
             )
 
         results.send(build)
 
-    with head(there) as engine, Bus(RUN, "worker", "evil", Endpoints(connect=there.listen)) as bus, StatusBeacon(bus):
-        answering = threading.Thread(target=answer_nonsense)
+    with Bus(RUN, "worker", "evil", Endpoints(connect=there.listen)) as bus, StatusBeacon(bus):
+        answering = threading.Thread(target=answer_once)
         answering.start()
-        with pytest.raises(WorkerLostError, match="worker/evil gave an unreadable answer"):
-            engine.submit(job_of(1)).result(30.0)
+        yield
         answering.join(10.0)
+
+
+def altered(**changes: Any) -> Callable[[bytes], bytes]:
+    """Return what makes an answer that is right but for these fields; each is made of the rows."""
+
+    def answer(job: bytes) -> bytes:
+        right = decode_answer(work(job))
+        return encode(replace(right, **{field: change(right.rows) for field, change in changes.items()}))
+
+    return answer
+
+
+FOREIGN = Failure(cell="another", error="ValueError", traceback="")
+
+
+@pytest.mark.parametrize(
+    ("answer", "why"),
+    [
+        (lambda _: b"\xc1", "Expected one MessagePack map"),
+        (altered(rows=lambda _: ()), "expected the 2 cells of the job, each once, got 0, with 2 missing"),
+        (altered(rows=lambda rows: rows[:1]), "got 1, with 1 missing and 0 of no use"),
+        (altered(rows=lambda rows: (*rows, rows[0])), "got 3, with 0 missing and 1 of no use"),
+        (altered(failures=lambda _: (FOREIGN,)), "got 3, with 0 missing and 1 of no use"),
+        (altered(rows=lambda rows: (replace(rows[0], columns=rows[1].columns), rows[1])), "in its own row, got"),
+    ],
+    ids=["unreadable", "nothing", "too few", "one twice", "a foreign failure", "a foreign row"],
+)
+def test_a_worker_whose_answer_is_not_that_to_its_job_is_left(
+    there: Endpoints, answer: Callable[[bytes], bytes], why: str
+) -> None:
+    with head(there) as engine, evil_worker(there, answer):
+        with pytest.raises(WorkerLostError, match=f"worker/evil gave an answer of no use: .*{why}"):
+            engine.submit(job_of(1, 2)).result(30.0)
         assert engine.n_slots() == 0
 
 
