@@ -140,7 +140,8 @@ class WorkOptions(Place):
     cell: Annotated[str | None, arg("MODULE:FUNCTION")] = None
     """Allow cells of this kind, which is your own code; the head has the same option."""
     policy: Annotated[Repeated[str], arg("POLICY")] = ()
-    """Allow this policy, which runs code; may be given several times."""
+    """Allow this policy, which runs code, or this plug-in of another package, such as a logger; may be given several
+    times."""
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:

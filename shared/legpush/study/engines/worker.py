@@ -2,9 +2,7 @@
 
 import logging
 import platform
-import re
 import threading
-from collections.abc import Iterator
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as NotDone
 from contextlib import ExitStack, closing
@@ -25,11 +23,11 @@ from legpush.messages.jobs import JobRequest, JobResult
 from legpush.numerics.current import current
 from legpush.options.study import WorkOptions
 from legpush.patience import Stopwatch
-from legpush.policy_names import SB3_SUFFIX, runs_code
 from legpush.service import start_log, stop_on_signals
 from legpush.study.engines.engine import WorkerLostError
 from legpush.study.engines.local import LocalEngine
-from legpush.study.jobs import Answer, Job, decode_job, encode
+from legpush.study.engines.trusted import Trusted
+from legpush.study.jobs import Answer, decode_job, encode
 
 IDLE_S: Final = 0.1
 """How often the stop event and the head are looked at."""
@@ -37,49 +35,8 @@ HEAD_GONE_S: Final = 10.0
 """A job whose head shows no token for this long is ended."""
 MOST_HEADS: Final = 256
 """Of how many heads the last job is remembered."""
-ADDRESS: Final = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
-"""`module:function`."""
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Trusted:
-    """Code that the workers of this host may run besides that of the installed package."""
-
-    cell: str | None = None
-    policies: tuple[str, ...] = ()
-
-    def objection(self, job: Job) -> str | None:
-        """Return why a job is not run here; None if it may be."""
-        if ":" in job.kind and job.kind != self.cell:
-            return f"expected cells of an installed kind, or --cell {job.kind} with `legpush study work`"
-        for task in job.tasks:
-            if task.folder is not None:
-                return "expected cells that keep no work in a folder, which only their own machine has"
-            for text in texts(task.specification):
-                if is_code(text) and text not in self.policies:
-                    return f"expected cells that are data alone, or --policy {text} with `legpush study work`"
-        return None
-
-
-def texts(value: Any) -> Iterator[str]:
-    """Yield all texts in plain values."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for each in value.values():
-            yield from texts(each)
-    elif isinstance(value, list | tuple):
-        for each in value:
-            yield from texts(each)
-
-
-def is_code(text: str) -> bool:
-    """Return whether a text of a cell may name code: a function, a plug-in of another package, or a model file."""
-    if ADDRESS.fullmatch(text) or text.endswith(SB3_SUFFIX):
-        return True
-    return text.isidentifier() and runs_code(text)
 
 
 def work_for_heads(options: WorkOptions) -> int:

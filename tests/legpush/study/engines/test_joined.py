@@ -20,7 +20,8 @@ from legpush.messages.jobs import JobResult
 from legpush.patience import Patience
 from legpush.study.engines.engine import WorkerLostError
 from legpush.study.engines.joined import JoinedEngine
-from legpush.study.engines.worker import Trusted, serve_jobs
+from legpush.study.engines.trusted import Trusted
+from legpush.study.engines.worker import serve_jobs
 from legpush.study.jobs import Failure, decode_answer, encode
 from legpush.study.work import work
 from tests.legpush.fakes import eventually

@@ -3,7 +3,6 @@
 import threading
 import time
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
@@ -14,8 +13,9 @@ from legpush.messages.common import Header
 from legpush.messages.jobs import JobRequest, JobResult
 from legpush.options.study import WorkOptions
 from legpush.study.engines import worker as module
-from legpush.study.engines.worker import Trusted, is_code, serve_jobs, texts
-from legpush.study.jobs import Job, Task, decode_answer, decode_job, encode
+from legpush.study.engines.trusted import Trusted
+from legpush.study.engines.worker import serve_jobs
+from legpush.study.jobs import decode_answer
 from tests.legpush.bus.memory_session import RUN, MemoryNetwork
 from tests.legpush.fakes import eventually
 from tests.legpush.study.engines.test_local import job_of, values
@@ -146,52 +146,6 @@ def test_an_answer_that_no_message_can_hold_is_a_refusal_and_the_worker_goes_on(
         assert f"Expected at most {len(many) + 1000} bytes" in (decode_answer(head.next().answer).refused or "")
         head.send(1, job_of(2))
         assert values(head.next().answer) == [2.0]
-
-
-def job(kind: str = "push", folder: str | None = None, **specification: Any) -> Job:
-    """A job of one cell."""
-    task = Task(cell="c", inputs={}, specification=specification, folder=folder)
-    return Job(kind=kind, code="x", canary=None, results=None, tasks=(task,))
-
-
-@pytest.mark.parametrize(
-    ("asked", "why"),
-    [
-        (job("os:system"), "--cell os:system"),
-        (job(policy="os:system"), "--policy os:system"),
-        (job(changes={"deep": [{"policy": "own.module:make"}]}), "--policy own.module:make"),
-        (job(policy="/home/me/model.zip"), "--policy /home/me/model.zip"),
-        (job(callbacks=["own:callback"]), "--policy own:callback"),
-        (job("training", folder="/tmp/x"), "keep no work in a folder"),
-    ],
-)
-def test_a_job_that_names_code_or_a_folder_is_refused(asked: Job, why: str) -> None:
-    assert why in (Trusted().objection(asked) or "")
-
-
-@pytest.mark.parametrize(
-    "asked",
-    [
-        job(policy="dynamic_programming", scenario={"description": "A note: nothing to run."}),
-        job(policy="wide", world="mujoco"),
-        job(policy="/home/me/policies/wide"),
-    ],
-)
-def test_a_job_of_data_is_run(asked: Job) -> None:
-    assert Trusted().objection(asked) is None
-
-
-def test_what_the_user_of_the_host_allows_is_run() -> None:
-    assert Trusted(cell="own:cell").objection(job("own:cell")) is None
-    assert Trusted(policies=("own:make",)).objection(job(policy="own:make")) is None
-    assert Trusted(cell="own:cell").objection(job("own:other")) is not None
-
-
-def test_texts_are_found_wherever_they_are() -> None:
-    assert sorted(texts({"a": "1", "b": ["2", {"c": ("3", 4, None)}]})) == ["1", "2", "3"]
-    assert is_code("a.b:c")
-    assert not is_code("a note: this")
-    assert encode(decode_job(job_of(1))) == job_of(1)
 
 
 def test_workers_have_names_by_number_and_wrong_options_are_refused() -> None:
