@@ -44,18 +44,29 @@ class JoinedEngine:
     pace = Pace()
     workers_keep_rows = False
 
-    def __init__(self, run: str, endpoints: Endpoints, patience: Patience = PATIENCE, find_s: float = FIND_S) -> None:
+    def __init__(
+        self,
+        run: str,
+        endpoints: Endpoints,
+        patience: Patience = PATIENCE,
+        find_s: float = FIND_S,
+        *,
+        stop: threading.Event | None = None,
+    ) -> None:
         """Begin to look for workers of this run; the patience is that with one job.
+
+        `stop` ends waiting for a router; what else waits is ended by `close`.
 
         Raises:
             EndpointError: One of the endpoints cannot be listened on.
+            StopRequestedError: `stop` was set before a router was there.
         """
         self._patience = patience
         self._find_s = find_s
         self._stop = threading.Event()
         self._stack = ExitStack()
         self._bus = self._stack.enter_context(
-            Bus(run, "agent", f"study-{uuid4().hex[:12]}", endpoints, stop=self._stop)
+            Bus(run, "agent", f"study-{uuid4().hex[:12]}", endpoints, stop=stop)
         )
         self._bus.follow("worker")
         self._bus.announce()
