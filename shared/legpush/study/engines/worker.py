@@ -126,7 +126,7 @@ def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
                 try:
                     results.send(finished)
                 except MessageError as error:  # such as an answer that no message can hold
-                    finished = _built(request, refusal(str(error)))
+                    finished = _built(request, b"", str(error))
                     results.send(finished)
                 done = asked, finished
             others = [*waiting, *requests.drain()]

@@ -18,6 +18,7 @@ from legpush.errors import PeerError
 from legpush.messages.common import Header
 from legpush.messages.jobs import JobResult
 from legpush.patience import Patience
+from legpush.study.carry_out import Orders, carry_out
 from legpush.study.engines.engine import WorkerLostError
 from legpush.study.engines.joined import JoinedEngine
 from legpush.study.engines.trusted import Trusted
@@ -26,7 +27,7 @@ from legpush.study.jobs import Failure, decode_answer, encode
 from legpush.study.work import work
 from tests.legpush.fakes import eventually
 from tests.legpush.study.engines.test_local import job_of, values
-from tests.legpush.study.parts import STUB
+from tests.legpush.study.parts import STUB, study_of
 
 RUN = "study"
 IMPATIENT = Patience(deadline_s=60.0, resend_s=0.2, resend_at_most_s=0.5, max_restarts=0, leave_s=0.5)
@@ -185,6 +186,22 @@ def test_a_worker_whose_answer_is_not_that_to_its_job_is_left(
         with pytest.raises(WorkerLostError, match=f"worker/evil gave an answer of no use: .*{why}"):
             engine.submit(job_of(1, 2)).result(30.0)
         assert engine.n_slots() == 0
+
+
+def test_cells_whose_answers_are_too_large_together_are_done_alone(
+    there: Endpoints, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = study_of("[axes]\nseed = { first = 0, n = 40 }\n")
+    monkeypatch.setattr("legpush.messages.codec.MAX_MESSAGE_BYTES", len(job_of(*range(20))) + 1000)
+
+    def begin(_: Path) -> JoinedEngine:
+        assert eventually(lambda: engine.n_slots() == 1)
+        return engine
+
+    with head(there) as engine, worker(there, "a"):
+        tally = carry_out(study, tmp_path / "out", Orders(engine=begin, stop=threading.Event(), again="again"))
+    assert (tally.n_done, tally.n_failed) == (40, 0)
+    assert tally.n_retried > 0
 
 
 def test_two_heads_share_the_workers(there: Endpoints, tmp_path: Path) -> None:

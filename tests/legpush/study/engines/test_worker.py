@@ -134,7 +134,7 @@ def test_what_is_no_job_is_refused_and_the_worker_goes_on(network: MemoryNetwork
         assert values(head.next().answer) == [2.0]
 
 
-def test_an_answer_that_no_message_can_hold_is_a_refusal_and_the_worker_goes_on(
+def test_an_answer_that_no_message_can_hold_is_lost_and_the_worker_goes_on(
     network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     del served
@@ -143,7 +143,9 @@ def test_an_answer_that_no_message_can_hold_is_a_refusal_and_the_worker_goes_on(
     with network.bus("agent", "head") as bus:
         head = Head(bus)
         head.send(0, many)
-        assert f"Expected at most {len(many) + 1000} bytes" in (decode_answer(head.next().answer).refused or "")
+        result = head.next()
+        assert result.ending == "lost"
+        assert f"Expected at most {len(many) + 1000} bytes" in result.reason
         head.send(1, job_of(2))
         assert values(head.next().answer) == [2.0]
 
