@@ -47,13 +47,13 @@ def work_for_heads(options: WorkOptions) -> int:
         LegpushError: The network failed.
     """
     stop = stop_on_signals()
-    start_log(f"worker/{options.name}", "warning" if options.output.quiet else "info")
+    start_log(f"worker/{options.own_name}", "warning" if options.output.quiet else "info")
     at = options.endpoints("worker")
     if at.credentials is not None:
         log_refused_links()
     trusted = Trusted(options.cell, tuple(options.policy))
     with ExitStack() as stack:
-        session = stack.enter_context(closing(ZenohSession(at, f"worker {options.name}", stop)))
+        session = stack.enter_context(closing(ZenohSession(at, f"worker {options.own_name}", stop)))
         buses = [
             stack.enter_context(
                 Bus(options.run, "worker", name, at, stop=stop, open_session=lambda *_: SharedSession(session))

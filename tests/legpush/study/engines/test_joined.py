@@ -218,6 +218,16 @@ def test_no_worker_for_a_while_is_an_error_that_says_how_to_start_one(there: End
         eventually(lambda: engine.n_slots() > 0)
 
 
+def test_workers_of_one_name_are_named_and_others_do_the_jobs(there: Endpoints) -> None:
+    with head(there, find_s=0.2) as engine, worker(there, "robot"), worker(there, "robot"):
+        told = "found 2 processes named robot, which need names of their own, listening on"
+        assert eventually(lambda: len(engine._bus.liveliness.live("worker")) == 2)
+        with pytest.raises(PeerError, match=told):
+            eventually(lambda: engine.n_slots() > 0)
+        with worker(there, "b"):
+            assert [values(engine.submit(job_of(n)).result(60.0)) for n in (1, 2)] == [[1.0], [2.0]]
+
+
 def test_a_head_that_leaves_ends_what_waits(there: Endpoints) -> None:
     with head(there) as engine:
         waiting = engine.submit(job_of(1))

@@ -156,3 +156,12 @@ def test_workers_have_names_by_number_and_wrong_options_are_refused() -> None:
     for wrong, flag in (({"workers": 0}, "--workers"), ({"name": "a b"}, "--name"), ({"run": ""}, "--run")):
         with pytest.raises(ConfigError, match=f"Expected .* for {flag}"):
             WorkOptions(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("host", "name"), [("desk", "desk"), ("robot.local", "robot-local"), ("", "main"), (70 * "x", 59 * "x"), ("ü", "main")]
+)
+def test_workers_without_a_name_have_that_of_their_host(host: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("platform.node", lambda: host)
+    assert WorkOptions(workers=1).names == (name,)
+    assert WorkOptions(workers=1024).names[-1] == f"{name}-1024"
