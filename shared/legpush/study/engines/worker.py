@@ -25,6 +25,7 @@ from legpush.options.study import WorkOptions
 from legpush.patience import Stopwatch
 from legpush.service import start_log, stop_on_signals
 from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.inbox import MOST_HEADS, Inbox
 from legpush.study.engines.local import LocalEngine
 from legpush.study.engines.trusted import Trusted
 from legpush.study.jobs import Answer, decode_job, encode
@@ -33,8 +34,6 @@ IDLE_S: Final = 0.1
 """How often the stop event and the head are looked at."""
 HEAD_GONE_S: Final = 10.0
 """A job whose head shows no token for this long is ended."""
-MOST_HEADS: Final = 256
-"""Of how many heads the last job is remembered."""
 
 log = logging.getLogger(__name__)
 
@@ -97,20 +96,16 @@ class _Seen:
 
 def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
     """Announce this worker and do its jobs, one after the other, until `stop`."""
-    requests = bus.subscribe(channels.job_requests(bus.run, bus.name))
+    inbox = Inbox(bus)
     results = bus.publisher(channels.job_results(bus.run, bus.name))
     seen, done = _Seen(), None
     with _Process() as process, StatusBeacon(bus) as beacon:
         bus.announce()
-        waiting: list[JobRequest] = []
         while not stop.is_set():
-            request = waiting.pop(0) if waiting else requests.next(IDLE_S)
+            request = inbox.next(IDLE_S)
             if request is None:
                 continue
             head, asked = request.header, _Asked(request.header.incarnation, request.number)
-            if not bus.liveliness.is_live("agent", head.name, head.incarnation):
-                bus.tally.add("no_token", f"head {head.name} ({head.incarnation}) shows no liveliness token")
-                continue
             if done is not None and asked == done[0]:
                 results.send(done[1])
                 continue
@@ -121,7 +116,7 @@ def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
             if asked.number == 0:
                 log.info("%s works for %s", bus.name, head.name)
             beacon.publish_status("working", detail=f"job {asked.number} of {head.name}")
-            finished = _answer(bus, process, request, trusted, stop)
+            finished = _answer(bus, inbox, process, request, trusted, stop)
             if finished is not None:
                 try:
                     results.send(finished)
@@ -129,8 +124,7 @@ def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
                     finished = _built(request, b"", str(error))
                     results.send(finished)
                 done = asked, finished
-            others = [*waiting, *requests.drain()]
-            waiting = [each for each in others if _Asked(each.header.incarnation, each.number) != asked]
+            inbox.is_given_up(request)  # drops the copies that came before the result
             beacon.publish_status("idle", detail=f"job {asked.number} of {head.name} done")
 
 
@@ -156,7 +150,9 @@ class _Process:
         self._engine = LocalEngine(1)
 
 
-def _answer(bus: Bus, process: _Process, request: JobRequest, trusted: Trusted, stop: threading.Event) -> Any:
+def _answer(
+    bus: Bus, inbox: Inbox, process: _Process, request: JobRequest, trusted: Trusted, stop: threading.Event
+) -> Any:
     """What makes the result of a job; None if nobody waits for it any more."""
     try:
         codec.unpack(request.job)  # refuses what takes far more memory than its bytes
@@ -170,6 +166,10 @@ def _answer(bus: Bus, process: _Process, request: JobRequest, trusted: Trusted, 
         try:
             return _built(request, future.result(IDLE_S))
         except NotDone:
+            if inbox.is_given_up(request):
+                log.warning("%s: the head %s waits for another job, this one ends", bus.name, request.header.name)
+                process.end()
+                return None
             if bus.liveliness.is_live("agent", request.header.name, request.header.incarnation):
                 gone.restart()
             elif gone.tick() > HEAD_GONE_S:

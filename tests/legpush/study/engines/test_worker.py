@@ -119,6 +119,32 @@ def test_a_job_whose_head_is_gone_is_ended(
         assert values(head.next().answer) == [2.0]
 
 
+def test_a_head_that_asks_for_a_later_job_waits_no_more_for_the_one_that_runs(
+    network: MemoryNetwork, served: Bus
+) -> None:
+    del served
+    with network.bus("agent", "head") as bus:
+        head = Head(bus)
+        head.send(0, job_of(1, seconds=60.0))
+        time.sleep(0.3)
+        head.send(1, job_of(2))
+        result = head.next()
+        assert (result.number, values(result.answer)) == (1, [2.0])
+
+
+def test_copies_of_a_long_job_do_not_keep_out_the_job_of_another_head(network: MemoryNetwork, served: Bus) -> None:
+    with network.bus("agent", "head") as bus, network.bus("agent", "other") as other_bus:
+        head, other, long = Head(bus), Head(other_bus), job_of(1, seconds=1.2)
+        for _ in range(3):
+            for _ in range(400):
+                head.send(0, long)
+            time.sleep(0.3)
+        other.send(0, job_of(5))
+        assert values(other.next().answer) == [5.0]
+        assert values(head.next().answer) == [1.0]
+        assert "overflow" not in served.tally.as_dict()
+
+
 @pytest.mark.parametrize(
     "payload",
     [b"", b"\xc1", b"\x80", b"\x91" * 100_000, b"\xdd\x00\x20\x00\x00" + 2**21 * b"\x80"],
