@@ -2,6 +2,7 @@
 
 import shutil
 import threading
+from importlib import import_module
 from pathlib import Path
 
 import msgspec
@@ -115,7 +116,7 @@ def test_a_head_that_waits_for_a_router_can_be_interrupted(
     command: str, folder: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stop = threading.Event()
-    monkeypatch.setattr(f"legpush.study.{command}.stop_on_signals", lambda: stop)
+    monkeypatch.setattr(import_module(f"legpush.study.{command}"), "stop_on_signals", lambda: stop)
     (tmp_path / "study.toml").write_text(STUDY)
     what = [str(folder.path)] if command == "verify" else [str(tmp_path / "study.toml"), "--out", str(tmp_path / "new")]
     threading.Timer(0.5, stop.set).start()

@@ -67,9 +67,7 @@ class JoinedEngine:
         self._find_s = find_s
         self._stop = threading.Event()
         self._stack = ExitStack()
-        self._bus = self._stack.enter_context(
-            Bus(run, "agent", f"study-{uuid4().hex[:12]}", endpoints, stop=stop)
-        )
+        self._bus = self._stack.enter_context(Bus(run, "agent", f"study-{uuid4().hex[:12]}", endpoints, stop=stop))
         self._bus.follow("worker")
         self._bus.announce()
         self._threads = ThreadPoolExecutor(MOST_JOBS, thread_name_prefix="job")
@@ -155,7 +153,7 @@ def _answer_to(job: bytes, payload: bytes) -> Answer:
         if (named := row.columns.get(CELL)) != row.cell:
             raise MessageError(f"expected the cell {row.cell} in its own row, got {named!r}")
     expected = Counter(task.cell for task in decode_job(job).tasks)
-    got = Counter(each.cell for each in (*answer.rows, *answer.failures))
+    got = Counter([row.cell for row in answer.rows] + [failure.cell for failure in answer.failures])
     if got != expected:
         raise MessageError(
             f"expected the {expected.total()} cells of the job, each once, got {got.total()}, with "

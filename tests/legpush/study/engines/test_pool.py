@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from unittest.mock import Mock
 
 import pytest
 
@@ -63,13 +64,12 @@ def test_waiting_looks_at_no_worker(
     with network.bus("worker", "a") as worker:
         worker.announce()
         assert pool.take() == "a"
-        looks: list[object] = []
-        live = bus.liveliness.live
-        monkeypatch.setattr(bus.liveliness, "live", lambda *of: looks.append(of) or live(*of))
+        looks = Mock(wraps=bus.liveliness.live)
+        monkeypatch.setattr(bus.liveliness, "live", looks)
         futures = waiting(pool, 20)
         threading.Event().wait(0.5)
         assert len(pool) == 1
-        assert looks == []
+        looks.assert_not_called()
         pool.close()
         assert all(isinstance(future.exception(10.0), WorkerLostError) for future in futures)
 

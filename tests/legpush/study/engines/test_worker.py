@@ -185,7 +185,8 @@ def test_workers_have_names_by_number_and_wrong_options_are_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("host", "name"), [("desk", "desk"), ("robot.local", "robot-local"), ("", "main"), (70 * "x", 59 * "x"), ("ü", "main")]
+    ("host", "name"),
+    [("desk", "desk"), ("robot.local", "robot-local"), ("", "main"), (70 * "x", 59 * "x"), ("ü", "main")],
 )
 def test_workers_without_a_name_have_that_of_their_host(host: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("platform.node", lambda: host)
