@@ -76,12 +76,21 @@ def installing(extra: str) -> str:
     return f"pip install 'legpush[{extra}]'" if extra else "pip install legpush"
 
 
+def is_address(text: str) -> bool:
+    """Return whether a text is a `module:name`, which `load_address` imports; no other text is one."""
+    module, _, name = text.partition(":")
+    return bool(module and name) and text.split() == [text]
+
+
 def load_address(address: str, expected: str) -> Any:
     """Import what `module:name` says; the module may also lie in the working directory.
 
     Raises:
-        PluginError: It cannot be imported, or raises an error at that; says what was expected, and names the address.
+        PluginError: It is no address, cannot be imported, or raises an error at that; says what was expected, and names
+            the address.
     """
+    if not is_address(address):
+        raise PluginError(f"Expected {expected}, got {address!r}, which is no module:name without white space")
     module, _, name = address.partition(":")
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())

@@ -2,13 +2,14 @@
 
 import hashlib
 import os
+from functools import cache
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 from legpush.errors import PolicyError
-from legpush.plugins import Group, plugin_values
+from legpush.plugins import Group, is_address, plugin_names, plugin_values
 
 CODED: Final = ("scripted", "dynamic_programming")
 """Policies of this package that were not learned: code without a file."""
@@ -19,8 +20,8 @@ GROUP: Final[Group] = "legpush.policies"
 SB3_SUFFIX: Final = ".zip"
 """Suffix of a model that Stable-Baselines3 saved."""
 TRUST_FILE: Final = "--trust-policy-file"
-OWN_PACKAGE: Final = "agent_proc."
-"""Modules of the coded and the shipped policies begin with this."""
+OWN_PACKAGES: Final = ("agent_proc.", "planner_proc.", "sim_proc.", "legpush.")
+"""Modules of this package begin with one of these."""
 
 PolicyKind = Literal["own", "folder", "model file", "plug-in", "module:function"]
 """`own` is a policy of this package, coded or shipped; a `plug-in` is of another package."""
@@ -33,13 +34,35 @@ def policy_kind(name: str) -> PolicyKind:
     if ":" in name:
         return "module:function"
     if values := plugin_values(GROUP, name):
-        return "own" if all(value.startswith(OWN_PACKAGE) for value in values) else "plug-in"
+        return "own" if _are_own(values) else "plug-in"
     return "model file" if name.endswith(SB3_SUFFIX) else "folder"
 
 
 def runs_code(name: str) -> bool:
     """Return whether this policy runs code of others: a function, a plug-in of another package, or a model file."""
     return policy_kind(name) not in DATA
+
+
+def names_code(text: str) -> bool:
+    """Return whether some cell of a study that has this text may run code of others by it, as a policy or otherwise.
+
+    Kinds of cells are no matter of this.
+    """
+    return is_address(text) or text.endswith(SB3_SUFFIX) or text in _plugins_of_others()
+
+
+@cache
+def _plugins_of_others() -> frozenset[str]:
+    """Return the names of the plug-ins of other packages that a cell may name; reading them takes milliseconds."""
+    groups: tuple[Group, ...] = tuple(group for group in get_args(Group) if group != "legpush.cells")
+    return frozenset(
+        name for group in groups for name in plugin_names(group) if not _are_own(plugin_values(group, name))
+    )
+
+
+def _are_own(values: tuple[str, ...]) -> bool:
+    """Return whether all these entry points refer to this package."""
+    return all(value.startswith(OWN_PACKAGES) for value in values)
 
 
 def require_trust(name: str, trust_file: bool) -> None:

@@ -108,10 +108,7 @@ def test_pictures_show_every_training() -> None:
 
 def test_episodes_without_learning_are_told_apart_by_rule_end_and_start() -> None:
     one = {"rule": "alternate", "ending": "release", "starts": "one"}
-    studies = {
-        name: Rows(rows=[one, {**one, "rule": "steering"}], made=MADE)
-        for name in RULES
-    }
+    studies = {name: Rows(rows=[one, {**one, "rule": "steering"}], made=MADE) for name in RULES}
 
     assert {levels: len(rows) for levels, rows in rule_rows(studies).items()} == {
         ("alternate", "release", "one"): len(RULES),

@@ -9,7 +9,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from legpush.errors import LegpushError, PluginError
-from legpush.plugins import LIBRARIES, Group, load_address, load_plugin, plugin_names
+from legpush.plugins import LIBRARIES, Group, is_address, load_address, load_plugin, plugin_names
 
 MODULES = {
     "good": "def make():\n    return 'made'\n",
@@ -124,6 +124,17 @@ def test_a_module_of_the_user_that_cannot_be_imported_is_named_with_what_it_need
         (tmp_path / f"{module}.py").write_text(SOURCES[name])
     with pytest.raises(PluginError, match=rf"^Expected a thing, got '{module}:make' {ADDRESSES[name]}$"):
         load_address(f"{module}:make", "a thing")
+
+
+@pytest.mark.parametrize("address", ["two words:make", " spaced:make", "spaced:make ", "spaced:", ":make", "spaced"])
+def test_what_is_no_address_is_not_imported(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("two words", " spaced", "spaced"):
+        (tmp_path / f"{name}.py").write_text("open('ran', 'w').close()")
+    with pytest.raises(PluginError, match=f"^Expected a thing, got '{address}', which is no module:name"):
+        load_address(address, "a thing")
+    assert not is_address(address)
+    assert not (tmp_path / "ran").exists()
 
 
 def test_the_libraries_of_the_extras_are_those_of_the_distribution() -> None:

@@ -5,7 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from agent_proc.policies.registry import make_policy
 from legpush.cli import main
+from legpush.errors import PolicyError
+from legpush.study.engines.trusted import Trusted
+from legpush.study.jobs import Job, Task
 
 MARK = "the code ran"
 EVIL = f"""
@@ -53,3 +57,18 @@ def test_the_folder_of_a_study_alone_runs_no_code(here: Path, capsys: pytest.Cap
         main(["study", *command])
     assert "--cell" in capsys.readouterr().err
     assert not (here / "ran").exists()
+
+
+@pytest.mark.parametrize("module", ["evil_cells", "evil-cells", "évil", "1st", "two words", " evil", "evil.py"])
+@pytest.mark.parametrize("name", ["evil", "no function", "", "a:b"])
+def test_a_policy_that_a_worker_does_not_refuse_runs_no_code(
+    here: Path, module: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (here / f"{module}.py").write_text(EVIL)
+    policy = f"{module}:{name}"
+    task = Task(cell="c", inputs={}, specification={"policy": policy})
+    if Trusted().objection(Job(kind="push", code="", canary=None, results=None, tasks=(task,))) is None:
+        with pytest.raises(PolicyError):
+            make_policy(policy)
+        assert not (here / "ran").exists()

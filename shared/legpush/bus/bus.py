@@ -68,6 +68,7 @@ class Bus:
         self.tally = Tally()
         self._faults = faults if faults is not None and faults.probability > 0.0 else None
         self._on_peer: list[OnPeer] = []
+        self._followed: set[tuple[Role, str | None]] = set()
         self._closing = ExitStack()
         self._recorded = recorded
         self._watches_links = watches_links
@@ -133,7 +134,9 @@ class Bus:
 
     def follow(self, role: Role, name: str | None = None) -> None:
         """Keep `liveliness` up to date on the status of these peers, their heartbeat, from now on."""
-        self._receive(channels.statuses(self.run, role, name or "*"), lambda _: None)
+        if not self._followed & {(role, None), (role, name)}:
+            self._followed.add((role, name))
+            self._receive(channels.statuses(self.run, role, name or "*"), lambda _: None)
 
     def _receive(self, channel: Channel[M], put: Callable[[M], None]) -> None:
         validation = Validation(channel, self.run, self.tally)

@@ -43,6 +43,8 @@ class Liveliness:
         self._clock = clock
         self._lock = threading.Lock()
         self._sightings: dict[tuple[Role, str, str], Sighting] = {}
+        self._of_peer: dict[tuple[Role, str], dict[str, Sighting]] = {}
+        """The same by role and name, then by incarnation, as who waits for one peer among many looks for it often."""
         self._other_versions: dict[tuple[Role, str, str], int] = {}
         """Protocols of processes that speak another one."""
 
@@ -125,6 +127,8 @@ class Liveliness:
         return f"last heard {self._clock() - sighting.heard_at:.1f} s ago"
 
     def _matching(self, role: Role | None, name: str | None) -> list[Sighting]:
+        if role is not None and name is not None:
+            return list(self._of_peer.get((role, name), {}).values())
         return [s for s in self._sightings.values() if role in (None, s.role) and name in (None, s.name)]
 
     def _of_other_versions(self, role: Role, name: str | None) -> dict[str, int]:
@@ -141,6 +145,13 @@ class Liveliness:
         if known is None:
             gone = [old for old, sighting in self._sightings.items() if not sighting.alive]
             for old in gone[: max(0, len(gone) - KEEP_GONE + 1)]:
-                del self._sightings[old]
+                self._forget(old)
             known = self._sightings[key] = Sighting(role, name, incarnation)
+            self._of_peer.setdefault((role, name), {})[incarnation] = known
         return known
+
+    def _forget(self, key: tuple[Role, str, str]) -> None:
+        role, name, incarnation = key
+        del self._sightings[key], self._of_peer[role, name][incarnation]
+        if not self._of_peer[role, name]:
+            del self._of_peer[role, name]

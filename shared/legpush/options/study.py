@@ -1,6 +1,8 @@
 """Options of `legpush study`."""
 
 import os
+import platform
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
@@ -9,7 +11,7 @@ from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Rep
 from legpush.bus.endpoints import DEFAULT_NAME, DEFAULT_RUN, Endpoints, by_router, local, require_alone
 from legpush.bus.secure.host_folder import credentials_of
 from legpush.errors import ConfigError
-from legpush.fields import Name, Seed, require
+from legpush.fields import MAX_NAME, Name, Seed, require
 from legpush.messages.common import Role
 from legpush.options.checks import require_new_file
 
@@ -133,14 +135,16 @@ class WorkOptions(Place):
 
     run: Annotated[str, arg("NAME")] = DEFAULT_RUN
     """Name of the run; a head has the same one for --join."""
-    name: Annotated[str, arg("NAME")] = DEFAULT_NAME
-    """Name of the worker among those of the run. If there are several, they are named NAME-1, NAME-2, ..."""
+    name: Annotated[str | None, arg("NAME")] = None
+    """Name of the worker among those of the run, which no other host uses; if not given, the name of the host. If there
+    are several, they are named NAME-1, NAME-2, ..."""
     workers: Annotated[int | None, arg("N")] = None
     """Number of workers of this host, each a process; if not given, one per core."""
     cell: Annotated[str | None, arg("MODULE:FUNCTION")] = None
     """Allow cells of this kind, which is your own code; the head has the same option."""
     policy: Annotated[Repeated[str], arg("POLICY")] = ()
-    """Allow this policy, which runs code; may be given several times."""
+    """Allow this policy, which runs code, or this plug-in of another package, such as a logger; may be given several
+    times."""
     output: OutputOptions = USUAL_OUTPUT
 
     def __post_init__(self) -> None:
@@ -152,10 +156,21 @@ class WorkOptions(Place):
             require(Name, name, "--name")
 
     @property
+    def own_name(self) -> str:
+        """Name that the workers of this host have in common."""
+        return host_name() if self.name is None else self.name
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the workers."""
         n = self.workers if self.workers is not None else len(os.sched_getaffinity(0))
-        return tuple(f"{self.name}-{number}" for number in range(1, n + 1)) if n > 1 else (self.name,)
+        return tuple(f"{self.own_name}-{number}" for number in range(1, n + 1)) if n > 1 else (self.own_name,)
+
+
+def host_name() -> str:
+    """Return the name of this host, as the name of a worker may be, with room for a number."""
+    longest = MAX_NAME - len(f"-{MOST_WORKERS_OF_HOST}")
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", platform.node())[:longest].strip("-") or DEFAULT_NAME
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -33,7 +33,7 @@ def run_study(options: RunStudy, console: Console) -> int:
     stop, folder = stop_on_signals(), StudyFolder(options.folder)
     again = shlex.join(["legpush", *sys.argv[1:]])
     orders = Orders(
-        engine=partial(engine_of, options),
+        engine=partial(engine_of, options, stop=stop),
         stop=stop,
         again=again,
         # The first local worker is a process of this machine; on a cluster, this process decides.

@@ -53,7 +53,7 @@ def verify_study(options: VerifyStudy, console: Console) -> int:
         again, tally, canaries = StudyFolder(Path(scratch)), Tally(n_cells=n, n_done=0), list[str]()
         again.make_folders()
         Runner(
-            engine_of(options, again.path),
+            engine_of(options, again.path, stop),
             again,
             job=Job(kind=record.kind, code=record.code, canary=None, results=None, tasks=()),
             task=lambda place: places[chosen[place]][0].task(places[chosen[place]][1]),

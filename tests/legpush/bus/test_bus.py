@@ -255,3 +255,20 @@ def test_after_an_error_within_everything_is_closed(network: MemoryNetwork) -> N
     with pytest.raises(RuntimeError, match="mission"):
         work()
     assert network.sessions == []
+
+
+def test_peers_are_followed_once_however_often_they_are_asked_for(network: MemoryNetwork) -> None:
+    with network.bus("agent") as agent, network.bus("worker", "a") as worker:
+        (session, _) = network.sessions
+        agent.follow("sim", "a")
+        before = len(session._subscribers)
+        agent.follow("sim", "a")
+        assert len(session._subscribers) == before
+        agent.follow("worker")
+        agent.follow("worker", "a")
+        agent.follow("worker")
+        assert len(session._subscribers) == before + 1
+        worker.publisher(channels.statuses(RUN, "worker", "a")).send(say("working"))
+        assert [peer.doing for peer in agent.liveliness.live("worker")] == []
+        worker.announce()
+        assert [peer.doing for peer in agent.liveliness.live("worker")] == ["working"]

@@ -83,6 +83,12 @@ def test_peers_that_are_gone_are_forgotten_in_time_and_living_ones_never(livelin
         liveliness.note_token("agent", "main", str(index), alive=False)
     assert [sighting.incarnation for sighting in liveliness.live()] == ["first"]
     assert len(liveliness) <= KEEP_GONE + 2
+    assert sum(map(len, liveliness._of_peer.values())) == len(liveliness)
+    for index in range(10 * KEEP_GONE):
+        liveliness.note_token("agent", str(index), "a", alive=True)
+        liveliness.note_token("agent", str(index), "a", alive=False)
+    assert len(liveliness._of_peer) <= KEEP_GONE + 2
+    assert [sighting.incarnation for sighting in liveliness.live("sim", "main")] == ["first"]
 
 
 def test_a_token_of_another_role_or_name_says_nothing_about_an_incarnation(liveliness: Liveliness) -> None:

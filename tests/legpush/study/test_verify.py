@@ -1,6 +1,8 @@
 """`legpush study verify`: what it finds, from the command line."""
 
 import shutil
+import threading
+from importlib import import_module
 from pathlib import Path
 
 import msgspec
@@ -9,6 +11,7 @@ import pytest
 from msgspec.structs import replace
 
 from legpush.cli import main
+from legpush.errors import INTERRUPTED
 from legpush.study.folder import StudyFolder
 from legpush.study.rows import write_table
 
@@ -106,3 +109,16 @@ def test_code_in_the_folder_is_not_run_without_the_users_word(
 def test_a_share_out_of_range_is_refused(share: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["study", "verify", "out", "--share", share]) == 2
     assert "for --share, got" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["run", "verify"])
+def test_a_head_that_waits_for_a_router_can_be_interrupted(
+    command: str, folder: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stop = threading.Event()
+    monkeypatch.setattr(import_module(f"legpush.study.{command}"), "stop_on_signals", lambda: stop)
+    (tmp_path / "study.toml").write_text(STUDY)
+    what = [str(folder.path)] if command == "verify" else [str(tmp_path / "study.toml"), "--out", str(tmp_path / "new")]
+    threading.Timer(0.5, stop.set).start()
+    router = f"unixsock-stream/{tmp_path}/nobody.sock"
+    assert main(["study", command, *what, "--cell", STUB, "--join", "lab", "--router", router]) == INTERRUPTED

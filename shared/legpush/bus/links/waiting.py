@@ -10,6 +10,8 @@ from legpush.bus.endpoints import listing
 from legpush.errors import StopRequestedError
 
 AGAIN_S: Final = 0.2
+LAST_S: Final = 1.0
+"""An attempt may take this long to end after a stop."""
 TELL_S: Final = 10.0
 """A router that is still not there is told about this often."""
 
@@ -35,6 +37,9 @@ def open_when_there(open_once: Callable[[], T], routers: tuple[str, ...], stop: 
     while True:
         attempt = _Attempt(open_once)
         while attempt.is_running:
+            if stop.is_set():
+                # A thread that comes back from Zenoh while Python ends would abort the process.
+                attempt.wait(LAST_S)
             _require_no_stop(stop, routers)
         try:
             return attempt.result()
@@ -70,8 +75,12 @@ class _Attempt(Generic[T]):
     @property
     def is_running(self) -> bool:
         """Whether it has not ended; waits a moment for that."""
-        self._thread.join(0.05)
+        self.wait(0.05)
         return self._thread.is_alive()
+
+    def wait(self, timeout_s: float) -> None:
+        """Wait until it has ended, but no longer than this."""
+        self._thread.join(timeout_s)
 
     def result(self) -> T:
         """Return what the call returned, or raise its error."""

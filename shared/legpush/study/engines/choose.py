@@ -1,6 +1,7 @@
 """Finds the engine that `--on` names."""
 
 import os
+import threading
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -32,18 +33,21 @@ def require_engine(on: str, slurm_options: Mapping[str, str]) -> None:
         raise ConfigError(f"Expected --slurm-option with --on slurm, got it with --on {on}")
 
 
-def engine_of(options: EngineOptions, study: Path) -> Engine:
+def engine_of(options: EngineOptions, study: Path, stop: threading.Event) -> Engine:
     """Make the engine that the options of a command ask for; `study` is the folder of the study.
+
+    `stop` ends waiting for a router.
 
     Raises:
         ConfigError: There is none, or it cannot be used here.
         EndpointError: The workers of a run cannot be reached from here.
+        StopRequestedError: `stop` was set before a router was there.
     """
     if options.join is None:
         return make_engine(options.on, options.n_workers, study, options.slurm_options)
     from legpush.study.engines.joined import JoinedEngine
 
-    return JoinedEngine(options.join, options.endpoints("agent"))
+    return JoinedEngine(options.join, options.endpoints("agent"), stop=stop)
 
 
 def make_engine(on: str, n_workers: int, study: Path, slurm_options: Mapping[str, str]) -> Engine:

@@ -2,9 +2,7 @@
 
 import logging
 import platform
-import re
 import threading
-from collections.abc import Iterator
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as NotDone
 from contextlib import ExitStack, closing
@@ -25,61 +23,19 @@ from legpush.messages.jobs import JobRequest, JobResult
 from legpush.numerics.current import current
 from legpush.options.study import WorkOptions
 from legpush.patience import Stopwatch
-from legpush.policy_names import SB3_SUFFIX, runs_code
 from legpush.service import start_log, stop_on_signals
 from legpush.study.engines.engine import WorkerLostError
+from legpush.study.engines.inbox import MOST_HEADS, Inbox
 from legpush.study.engines.local import LocalEngine
-from legpush.study.jobs import Answer, Job, decode_job, encode
+from legpush.study.engines.trusted import Trusted
+from legpush.study.jobs import Answer, decode_job, encode
 
 IDLE_S: Final = 0.1
 """How often the stop event and the head are looked at."""
 HEAD_GONE_S: Final = 10.0
 """A job whose head shows no token for this long is ended."""
-MOST_HEADS: Final = 256
-"""Of how many heads the last job is remembered."""
-ADDRESS: Final = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
-"""`module:function`."""
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Trusted:
-    """Code that the workers of this host may run besides that of the installed package."""
-
-    cell: str | None = None
-    policies: tuple[str, ...] = ()
-
-    def objection(self, job: Job) -> str | None:
-        """Return why a job is not run here; None if it may be."""
-        if ":" in job.kind and job.kind != self.cell:
-            return f"expected cells of an installed kind, or --cell {job.kind} with `legpush study work`"
-        for task in job.tasks:
-            if task.folder is not None:
-                return "expected cells that keep no work in a folder, which only their own machine has"
-            for text in texts(task.specification):
-                if is_code(text) and text not in self.policies:
-                    return f"expected cells that are data alone, or --policy {text} with `legpush study work`"
-        return None
-
-
-def texts(value: Any) -> Iterator[str]:
-    """Yield all texts in plain values."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for each in value.values():
-            yield from texts(each)
-    elif isinstance(value, list | tuple):
-        for each in value:
-            yield from texts(each)
-
-
-def is_code(text: str) -> bool:
-    """Return whether a text of a cell may name code: a function, a plug-in of another package, or a model file."""
-    if ADDRESS.fullmatch(text) or text.endswith(SB3_SUFFIX):
-        return True
-    return text.isidentifier() and runs_code(text)
 
 
 def work_for_heads(options: WorkOptions) -> int:
@@ -90,13 +46,13 @@ def work_for_heads(options: WorkOptions) -> int:
         LegpushError: The network failed.
     """
     stop = stop_on_signals()
-    start_log(f"worker/{options.name}", "warning" if options.output.quiet else "info")
+    start_log(f"worker/{options.own_name}", "warning" if options.output.quiet else "info")
     at = options.endpoints("worker")
     if at.credentials is not None:
         log_refused_links()
     trusted = Trusted(options.cell, tuple(options.policy))
     with ExitStack() as stack:
-        session = stack.enter_context(closing(ZenohSession(at, f"worker {options.name}", stop)))
+        session = stack.enter_context(closing(ZenohSession(at, f"worker {options.own_name}", stop)))
         own: set[str] = set()
         buses = [
             stack.enter_context(
@@ -149,39 +105,35 @@ class _Seen:
 
 def serve_jobs(bus: Bus, trusted: Trusted, stop: threading.Event) -> None:
     """Announce this worker and do its jobs, one after the other, until `stop`."""
-    requests = bus.subscribe(channels.job_requests(bus.run, bus.name))
+    inbox = Inbox(bus)
     results = bus.publisher(channels.job_results(bus.run, bus.name))
     seen, done = _Seen(), None
     with _Process() as process, StatusBeacon(bus) as beacon:
         bus.announce()
-        waiting: list[JobRequest] = []
         while not stop.is_set():
-            request = waiting.pop(0) if waiting else requests.next(IDLE_S)
+            request = inbox.next(IDLE_S)
             if request is None:
                 continue
             head, asked = request.header, _Asked(request.header.incarnation, request.number)
-            if not bus.liveliness.is_live("agent", head.name, head.incarnation):
-                bus.tally.add("no_token", f"head {head.name} ({head.incarnation}) shows no liveliness token")
-                continue
             if done is not None and asked == done[0]:
                 results.send(done[1])
                 continue
             if not seen.is_new(asked):
                 bus.tally.add("repeated", f"head {head.name}: an old job", logging.INFO)
+                results.send(_built(request, b"", f"job {asked.number} was begun before, and its result is not kept"))
                 continue
             if asked.number == 0:
                 log.info("%s works for %s", bus.name, head.name)
             beacon.publish_status("working", detail=f"job {asked.number} of {head.name}")
-            finished = _answer(bus, process, request, trusted, stop)
+            finished = _answer(bus, inbox, process, request, trusted, stop)
             if finished is not None:
                 try:
                     results.send(finished)
                 except MessageError as error:  # such as an answer that no message can hold
-                    finished = _built(request, refusal(str(error)))
+                    finished = _built(request, b"", str(error))
                     results.send(finished)
                 done = asked, finished
-            others = [*waiting, *requests.drain()]
-            waiting = [each for each in others if _Asked(each.header.incarnation, each.number) != asked]
+            inbox.is_given_up(request)  # drops the copies that came before the result
             beacon.publish_status("idle", detail=f"job {asked.number} of {head.name} done")
 
 
@@ -207,7 +159,9 @@ class _Process:
         self._engine = LocalEngine(1)
 
 
-def _answer(bus: Bus, process: _Process, request: JobRequest, trusted: Trusted, stop: threading.Event) -> Any:
+def _answer(
+    bus: Bus, inbox: Inbox, process: _Process, request: JobRequest, trusted: Trusted, stop: threading.Event
+) -> Any:
     """What makes the result of a job; None if nobody waits for it any more."""
     try:
         codec.unpack(request.job)  # refuses what takes far more memory than its bytes
@@ -221,6 +175,10 @@ def _answer(bus: Bus, process: _Process, request: JobRequest, trusted: Trusted, 
         try:
             return _built(request, future.result(IDLE_S))
         except NotDone:
+            if inbox.is_given_up(request):
+                log.warning("%s: the head %s waits for another job, this one ends", bus.name, request.header.name)
+                process.end()
+                return None
             if bus.liveliness.is_live("agent", request.header.name, request.header.incarnation):
                 gone.restart()
             elif gone.tick() > HEAD_GONE_S:

@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 
 import pytest
 
@@ -49,6 +50,20 @@ def test_a_stop_ends_an_attempt_that_hangs() -> None:
         open_when_there(open_once, ROUTERS, stop)
     assert hangs.is_set()
     never.set()
+
+
+def test_a_stop_leaves_an_attempt_the_time_to_end() -> None:
+    stop, ended = threading.Event(), threading.Event()
+
+    def open_once() -> None:
+        stop.set()
+        time.sleep(0.3)
+        ended.set()
+        raise NobodyThereError("nobody")
+
+    with pytest.raises(StopRequestedError):
+        open_when_there(open_once, ROUTERS, stop)
+    assert ended.is_set()
 
 
 def test_a_stop_ends_the_wait_between_attempts() -> None:

@@ -1,12 +1,14 @@
 """Which engine `--on` names, and what is refused before anything runs."""
 
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
-from legpush.errors import ConfigError
-from legpush.study.engines.choose import NUMERICS, make_engine, require_engine
+from legpush.errors import ConfigError, StopRequestedError
+from legpush.options.study import EngineOptions
+from legpush.study.engines.choose import NUMERICS, engine_of, make_engine, require_engine
 from legpush.study.engines.local import LocalEngine
 
 
@@ -61,3 +63,11 @@ def test_workers_elsewhere_compute_with_the_numerics_of_the_head(
     assert given["OPENBLAS_CORETYPE"] == "Haswell"
     assert given["OMP_NUM_THREADS"] == "1"
     assert "GLIBC_TUNABLES" not in given
+
+
+def test_an_engine_that_waits_for_a_router_ends_by_the_stop_of_its_command(tmp_path: Path) -> None:
+    stop = threading.Event()
+    threading.Timer(0.3, stop.set).start()
+    options = EngineOptions(join="lab", router=(f"unixsock-stream/{tmp_path}/nobody.sock",))
+    with pytest.raises(StopRequestedError):
+        engine_of(options, tmp_path, stop)

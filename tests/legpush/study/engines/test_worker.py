@@ -3,7 +3,6 @@
 import threading
 import time
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
@@ -14,8 +13,9 @@ from legpush.messages.common import Header
 from legpush.messages.jobs import JobRequest, JobResult
 from legpush.options.study import WorkOptions
 from legpush.study.engines import worker as module
-from legpush.study.engines.worker import Trusted, is_code, serve_jobs, texts
-from legpush.study.jobs import Job, Task, decode_answer, decode_job, encode
+from legpush.study.engines.trusted import Trusted
+from legpush.study.engines.worker import serve_jobs
+from legpush.study.jobs import decode_answer
 from tests.legpush.bus.memory_session import RUN, MemoryNetwork
 from tests.legpush.fakes import eventually
 from tests.legpush.study.engines.test_local import job_of, values
@@ -40,10 +40,11 @@ class Head:
         self._requests.send(build)
 
     def next(self) -> JobResult:
-        """The next result."""
-        result = self.results.next(30.0)
-        assert result is not None
-        return result
+        """The next result for this head."""
+        while (result := self.results.next(30.0)) is not None:
+            if result.head_incarnation == self._bus.incarnation:
+                return result
+        raise AssertionError("Expected a result within 30 s")
 
 
 @pytest.fixture
@@ -79,8 +80,22 @@ def test_a_job_that_is_asked_again_is_done_once_and_answered_again(network: Memo
         head.send(1, job_of(2))
         assert values(head.next().answer) == [2.0]
         head.send(0, job_of(1))
-        assert head.results.next(0.5) is None
+        lost = head.next()
+        assert (lost.number, lost.ending, lost.answer) == (0, "lost", b"")
+        assert lost.reason == "job 0 was begun before, and its result is not kept"
         assert served.tally["repeated"] == 1
+
+
+def test_a_head_whose_result_is_not_kept_any_more_is_told_so(network: MemoryNetwork, served: Bus) -> None:
+    del served
+    with network.bus("agent", "head") as bus, network.bus("agent", "other") as other_bus:
+        head, other = Head(bus), Head(other_bus)
+        head.send(0, job_of(1))
+        assert values(head.next().answer) == [1.0]
+        other.send(0, job_of(2))
+        assert values(other.next().answer) == [2.0]
+        head.send(0, job_of(1))
+        assert head.next().ending == "lost"
 
 
 def test_who_shows_no_token_gets_nothing(network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,6 +119,32 @@ def test_a_job_whose_head_is_gone_is_ended(
         assert values(head.next().answer) == [2.0]
 
 
+def test_a_head_that_asks_for_a_later_job_waits_no_more_for_the_one_that_runs(
+    network: MemoryNetwork, served: Bus
+) -> None:
+    del served
+    with network.bus("agent", "head") as bus:
+        head = Head(bus)
+        head.send(0, job_of(1, seconds=60.0))
+        time.sleep(0.3)
+        head.send(1, job_of(2))
+        result = head.next()
+        assert (result.number, values(result.answer)) == (1, [2.0])
+
+
+def test_copies_of_a_long_job_do_not_keep_out_the_job_of_another_head(network: MemoryNetwork, served: Bus) -> None:
+    with network.bus("agent", "head") as bus, network.bus("agent", "other") as other_bus:
+        head, other, long = Head(bus), Head(other_bus), job_of(1, seconds=1.2)
+        for _ in range(3):
+            for _ in range(400):
+                head.send(0, long)
+            time.sleep(0.3)
+        other.send(0, job_of(5))
+        assert values(other.next().answer) == [5.0]
+        assert values(head.next().answer) == [1.0]
+        assert "overflow" not in served.tally.as_dict()
+
+
 @pytest.mark.parametrize(
     "payload",
     [b"", b"\xc1", b"\x80", b"\x91" * 100_000, b"\xdd\x00\x20\x00\x00" + 2**21 * b"\x80"],
@@ -119,7 +160,7 @@ def test_what_is_no_job_is_refused_and_the_worker_goes_on(network: MemoryNetwork
         assert values(head.next().answer) == [2.0]
 
 
-def test_an_answer_that_no_message_can_hold_is_a_refusal_and_the_worker_goes_on(
+def test_an_answer_that_no_message_can_hold_is_lost_and_the_worker_goes_on(
     network: MemoryNetwork, served: Bus, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     del served
@@ -128,55 +169,11 @@ def test_an_answer_that_no_message_can_hold_is_a_refusal_and_the_worker_goes_on(
     with network.bus("agent", "head") as bus:
         head = Head(bus)
         head.send(0, many)
-        assert f"Expected at most {len(many) + 1000} bytes" in (decode_answer(head.next().answer).refused or "")
+        result = head.next()
+        assert result.ending == "lost"
+        assert f"Expected at most {len(many) + 1000} bytes" in result.reason
         head.send(1, job_of(2))
         assert values(head.next().answer) == [2.0]
-
-
-def job(kind: str = "push", folder: str | None = None, **specification: Any) -> Job:
-    """A job of one cell."""
-    task = Task(cell="c", inputs={}, specification=specification, folder=folder)
-    return Job(kind=kind, code="x", canary=None, results=None, tasks=(task,))
-
-
-@pytest.mark.parametrize(
-    ("asked", "why"),
-    [
-        (job("os:system"), "--cell os:system"),
-        (job(policy="os:system"), "--policy os:system"),
-        (job(changes={"deep": [{"policy": "own.module:make"}]}), "--policy own.module:make"),
-        (job(policy="/home/me/model.zip"), "--policy /home/me/model.zip"),
-        (job(callbacks=["own:callback"]), "--policy own:callback"),
-        (job("training", folder="/tmp/x"), "keep no work in a folder"),
-    ],
-)
-def test_a_job_that_names_code_or_a_folder_is_refused(asked: Job, why: str) -> None:
-    assert why in (Trusted().objection(asked) or "")
-
-
-@pytest.mark.parametrize(
-    "asked",
-    [
-        job(policy="dynamic_programming", scenario={"description": "A note: nothing to run."}),
-        job(policy="wide", world="mujoco"),
-        job(policy="/home/me/policies/wide"),
-    ],
-)
-def test_a_job_of_data_is_run(asked: Job) -> None:
-    assert Trusted().objection(asked) is None
-
-
-def test_what_the_user_of_the_host_allows_is_run() -> None:
-    assert Trusted(cell="own:cell").objection(job("own:cell")) is None
-    assert Trusted(policies=("own:make",)).objection(job(policy="own:make")) is None
-    assert Trusted(cell="own:cell").objection(job("own:other")) is not None
-
-
-def test_texts_are_found_wherever_they_are() -> None:
-    assert sorted(texts({"a": "1", "b": ["2", {"c": ("3", 4, None)}]})) == ["1", "2", "3"]
-    assert is_code("a.b:c")
-    assert not is_code("a note: this")
-    assert encode(decode_job(job_of(1))) == job_of(1)
 
 
 def test_workers_have_names_by_number_and_wrong_options_are_refused() -> None:
@@ -205,3 +202,13 @@ def test_workers_of_a_host_share_a_session_tell_about_links_once_and_do_not_see_
     assert module.work_for_heads(WorkOptions(run=RUN, name="w", workers=3)) == 0
     assert sorted(seen) == [(False, []), (False, []), (True, [])]
     assert network.sessions == []
+
+
+@pytest.mark.parametrize(
+    ("host", "name"),
+    [("desk", "desk"), ("robot.local", "robot-local"), ("", "main"), (70 * "x", 59 * "x"), ("ü", "main")],
+)
+def test_workers_without_a_name_have_that_of_their_host(host: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("platform.node", lambda: host)
+    assert WorkOptions(workers=1).names == (name,)
+    assert WorkOptions(workers=1024).names[-1] == f"{name}-1024"
