@@ -1,5 +1,6 @@
-"""Goals near the box, with docking and with planned paths alone: the same missions, seed by seed."""
+"""Missions with docking and with planned paths alone, seed by seed: goals near the box, and random rooms."""
 
+from collections import Counter
 from typing import Any, Final
 
 import numpy as np
@@ -12,39 +13,47 @@ from experiments.tables.parts import as_csv, as_json, made_of, plain
 AXIS: Final = "pushing.docking_m"
 MEASURES: Final = ("sim_time_s", "n_push_cycles", "box_position_error_m", "box_angle_error_deg")
 COLUMNS: Final = ("seed", AXIS, "success", "reason", *MEASURES, "state_crc")
-QUANTILE: Final = 0.9
+QUANTILES: Final = {"slow": 0.9, "slowest": 0.99}
 
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    study = read_rows("docking")
+    return {**_texts("docking"), **_texts("docking_rooms")}
+
+
+def _texts(name: str) -> dict[str, str]:
+    study = read_rows(name)
     docked = [row for row in study.rows if row[AXIS] > 0.0]
     on_paths = [row for row in study.rows if row[AXIS] == 0.0]
     numbers = {
         "docked": _numbers(docked),
         "paths": _numbers(on_paths),
         "docked_minus_paths": {
-            name: plain(paired_difference(_by_seed(docked, name), _by_seed(on_paths, name)), 7) for name in MEASURES
+            measure: plain(paired_difference(_by_seed(docked, measure), _by_seed(on_paths, measure)), 7)
+            for measure in MEASURES
         },
     }
     return {
-        "docking.csv": as_csv([{name: row[name] for name in COLUMNS} for row in study.rows]),
-        "docking.json": as_json(made_of(docking=study), numbers),
+        f"{name}.csv": as_csv([{column: row[column] for column in COLUMNS} for row in study.rows]),
+        f"{name}.json": as_json(made_of(**{name: study}), numbers),
     }
 
 
 def _numbers(rows: list[Row]) -> dict[str, Any]:
     times_s = np.array([row["sim_time_s"] for row in rows])
     n_successes = sum(row["success"] for row in rows)
+    reasons = Counter(row["reason"] for row in rows if not row["success"])
     return {
         "n": len(rows),
         "successes": n_successes,
         "success_rate": plain(share(n_successes, len(rows)), 4),
+        "failures": ", ".join(f"{n} x {reason}" for reason, n in sorted(reasons.items())) or "none",
         "median_time_s": float(np.median(times_s)),
-        "slow_time_s": round(float(np.quantile(times_s, QUANTILE)), 1),
+        **{f"{name}_time_s": round(float(np.quantile(times_s, quantile)), 1) for name, quantile in QUANTILES.items()},
         "largest_time_s": float(times_s.max()),
         **{name: plain(mean(list(_by_seed(rows, name).values())), 7) for name in MEASURES},
         "largest_position_error_m": max(row["box_position_error_m"] for row in rows if row["success"]),
+        "largest_angle_error_deg": max(row["box_angle_error_deg"] for row in rows if row["success"]),
     }
 
 
